@@ -34,7 +34,7 @@ from fuzzyarm.inference.sets import polyline, straight_pieces
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.loop import simulate, simulate_many
 from fuzzyarm.loop.many import Bench
-from fuzzyarm.loop.program import Record, loop_for
+from fuzzyarm.loop.program import RunRecord, loop_for
 from fuzzyarm.model.rulebase import RuleBase, Variable, propositions
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.plant import reach_return
@@ -223,12 +223,12 @@ def ours_of(made: Any) -> Ours:
     """Return what measures a controller: seconds of the loop, and of a whole call."""
     bench = Bench(experiment_of(made, reach_return()), ["payload"])
     course, program = bench.loop.course, bench.loop.program
-    first = Record(course, program.memory, bench.loop.taps)
+    first = RunRecord(course, program.memory, bench.loop.taps)
     inner, inputs = loop_for(program, course, first), program.inputs()
 
     def loop() -> float:
         # A record that is full is not run again: each time a new one, made before the clock starts.
-        record = Record(course, program.memory, bench.loop.taps)
+        record = RunRecord(course, program.memory, bench.loop.taps)
         begin = time.thread_time()
         inner(*course.inputs(), *inputs, *record.outputs)
         return time.thread_time() - begin

@@ -22,7 +22,7 @@ import numpy as np
 
 from fuzzyarm.api import load
 from fuzzyarm.controller.kernel import step
-from fuzzyarm.export.controller_c import Vectors, controller_c
+from fuzzyarm.export.controller_c import TestSequence, controller_c
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.cost import step_cost
 from fuzzyarm.export.replica import trial
@@ -102,7 +102,7 @@ class Case:
 
     def _compiled(self, folder: Path, ports: list) -> Path:
         files, made = controller_c(
-            self.steps, "made", "made", ".h", Vectors([[0.0]], [[0.0]], 1.0), ["a benchmark"]
+            self.steps, "made", "made", ".h", TestSequence([[0.0]], [[0.0]], 1.0), ["a benchmark"]
         )
         (folder / "made.h").write_text(files[".h"])
 

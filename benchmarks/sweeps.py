@@ -26,7 +26,7 @@ from fuzzyarm.controller import controller
 from fuzzyarm.loop import simulate_many
 from fuzzyarm.loop.blocks import packed
 from fuzzyarm.loop.many import Bench, cut
-from fuzzyarm.loop.program import Record, loop_for
+from fuzzyarm.loop.program import RunRecord, loop_for
 from fuzzyarm.plant import reach_return
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -68,13 +68,13 @@ def measure(name: str, count: int, folder: Path) -> list[str]:
     bench = Bench(experiment_of(name, reach_return()), list(runs))
     bench.rows(0, cut(runs, 0, 2), 2)
     loop = bench.loop
-    first = Record(loop.course, loop.program.memory, loop.taps)
+    first = RunRecord(loop.course, loop.program.memory, loop.taps)
     inner, inputs = loop_for(loop.program, loop.course, first), loop.program.inputs()
     few = cut(runs, 0, 20)
 
     def only_loop() -> float:
         # A record that is full is not run again: each time a new one, made before the clock starts.
-        record = Record(loop.course, loop.program.memory, loop.taps)
+        record = RunRecord(loop.course, loop.program.memory, loop.taps)
         return processor_seconds(lambda: inner(*loop.course.inputs(), *inputs, *record.outputs))
 
     program = compile_c(folder, CONTROLS[name])

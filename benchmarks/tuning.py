@@ -31,7 +31,7 @@ from fuzzyarm.loop import Options, Run, Sensor, Signal
 from fuzzyarm.plant import Arm, find_plant, pick_and_place, reach_return
 from fuzzyarm.tuning import Tuned, tune
 from fuzzyarm.tuning.cost import Cost, values_of
-from fuzzyarm.tuning.examiner import Problem, panel
+from fuzzyarm.tuning.examiner import TuningProblem, panel
 from fuzzyarm.tuning.scenarios import plant_scenarios, unseen_scenarios
 from fuzzyarm.tuning.tune import read_tuning, stage_of
 
@@ -115,7 +115,7 @@ def pairs_a_second(text: ControllerText, lines: list[str]) -> float:
     By the time of the processor, for wall time would measure what else the machine does; the best
     of some batches, for caches are shared, too.
     """
-    problem = Problem(text, read_tuning(lines), Cost(COST), plant_scenarios(Arm()))
+    problem = TuningProblem(text, read_tuning(lines), Cost(COST), plant_scenarios(Arm()))
     with panel(problem, 2) as examining:
         start = examining.design.start
         draw = np.random.default_rng(1)
@@ -235,7 +235,7 @@ def unseen_runs(made: Tuned, seed: int) -> list[Run]:
     stage = stage_of(made.subject, None, options)
     scenarios = unseen_scenarios(stage, 24, controller_of(made.subject))
     tuning = read_tuning(NOISY_LINES)
-    problem = Problem(made.subject, tuning, Cost(COST), scenarios, options=options)
+    problem = TuningProblem(made.subject, tuning, Cost(COST), scenarios, options=options)
     with panel(problem, 2) as examining:
         return list(examining.examiner.runs_of(made.candidate))
 

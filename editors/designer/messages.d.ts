@@ -3,7 +3,7 @@
 
 declare namespace Messages {
   /** A question that says no more than what it is. */
-  interface Nothing {
+  interface BareMessage {
   }
 
   /** A window shows a file; with what it has of it, if it had the file open before. */
@@ -28,7 +28,7 @@ declare namespace Messages {
   }
 
   /** A question about a text, with the number of its answer. */
-  interface Question {
+  interface TextQuestion {
     file: string;
     id: number;
     what: string;
@@ -47,7 +47,7 @@ declare namespace Messages {
   }
 
   /** Long work on a text, with the page's own number of it. */
-  interface Start {
+  interface StartWork {
     file: string;
     id: number;
     what: string;
@@ -129,7 +129,7 @@ declare namespace Messages {
   }
 
   /** A method of inference, of one output or of all. */
-  interface Setting {
+  interface SettingEdit {
     key: string;
     value: string;
     target: string;
@@ -201,7 +201,7 @@ declare namespace Messages {
   }
 
   /** What of a form is wrong, which a hand is filling in. */
-  interface Judge {
+  interface FormQuestion {
     form: string;
     values: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
@@ -231,7 +231,7 @@ declare namespace Messages {
   }
 
   /** Which inputs lie across and up, by name, and the values of the others. */
-  interface Axes {
+  interface SurfaceAxes {
     x?: string | null;
     y?: string | null;
     at?: Record<string, number | "inf" | "-inf" | null>;
@@ -241,7 +241,7 @@ declare namespace Messages {
   interface CompareWork {
     other: string;
     output?: string;
-    axes?: Axes;
+    axes?: SurfaceAxes;
   }
 
   /** What a text is exported as; the fields of its dialog by name. */
@@ -271,7 +271,7 @@ declare namespace Messages {
   /** How a table is made of a rule base, and over which inputs it is compared. */
   interface TableErrorWork {
     options?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
-    axes?: Axes;
+    axes?: SurfaceAxes;
   }
 
   /** A search; see `fuzzyarm.designer.forms.TUNE`. */
@@ -379,7 +379,7 @@ declare namespace Messages {
   }
 
   /** A row function of the engine, and its numbers. */
-  interface Curve {
+  interface SceneCurve {
     address: number;
     numbers: Array<number | string>;
   }
@@ -391,7 +391,7 @@ declare namespace Messages {
     names: Array<string>;
     height: number;
     centre: number | null;
-    curve: Curve | null;
+    curve: SceneCurve | null;
     ordered: boolean;
     straight: boolean;
     handles: Array<number>;
@@ -405,7 +405,7 @@ declare namespace Messages {
     names: Array<string>;
     height: number;
     centre: number | null;
-    curve: Curve | null;
+    curve: SceneCurve | null;
     ordered: boolean;
     straight: boolean;
     handles: Array<number>;
@@ -426,14 +426,14 @@ declare namespace Messages {
   }
 
   /** A set or a value that rules conclude. */
-  interface Member {
+  interface SceneMember {
     term: string;
     isLower: boolean;
     side: number;
     hedged: boolean;
     words: string;
     value: number | null;
-    curve: Curve | null;
+    curve: SceneCurve | null;
     implication: number;
   }
 
@@ -451,7 +451,7 @@ declare namespace Messages {
     interval: boolean;
     twoSided: boolean;
     noRule: number | string | null;
-    members: Array<Member>;
+    members: Array<SceneMember>;
     asserted: Array<Array<number>>;
   }
 
@@ -487,7 +487,7 @@ declare namespace Messages {
   }
 
   /** A grid of rules, as it stands in the text. */
-  interface Grid {
+  interface SceneGrid {
     line: number;
     output: string;
     condition: string;
@@ -515,7 +515,7 @@ declare namespace Messages {
     inputs: Array<SceneVariable>;
     outputs: Array<SceneOutput>;
     rules: Array<SceneRule>;
-    grids: Array<Grid>;
+    grids: Array<SceneGrid>;
     methods: Array<Method>;
     missing: Array<string>;
     numbers: Record<string, any> | null;
@@ -525,7 +525,7 @@ declare namespace Messages {
   }
 
   /** A block of a diagram; `lines` are text and style, `pins` sign and position. */
-  interface Block {
+  interface SceneBlock {
     kind: string;
     round: boolean;
     x: number;
@@ -547,13 +547,13 @@ declare namespace Messages {
   }
 
   /** The block diagram of a controller; lengths are pixels. */
-  interface Diagram {
+  interface SceneDiagram {
     name: string;
     description: string;
     period: string;
     width: number;
     height: number;
-    blocks: Array<Block>;
+    blocks: Array<SceneBlock>;
     strokes: Array<Array<number>>;
     tips: Array<Array<number>>;
     dots: Array<Array<number>>;
@@ -567,7 +567,7 @@ declare namespace Messages {
     version: number | null;
     scene: Scene | null;
     why: "mistakes" | "other";
-    diagram: Diagram | null;
+    diagram: SceneDiagram | null;
   }
 
   interface Status {
@@ -687,15 +687,15 @@ declare namespace Messages {
   }
 
   interface Commands {
-    "hello": Nothing;
+    "hello": BareMessage;
     "open": Open;
     "close": OfFile;
     "push": Push;
-    "ask": Question;
+    "ask": TextQuestion;
     "save": Save;
     "settle": Settle;
     "write": OfFile;
-    "start": Start;
+    "start": StartWork;
     "say": OfJob;
     "stop": OfJob;
     "folder": FolderQuestion;
@@ -706,13 +706,13 @@ declare namespace Messages {
     "hover": At;
     "rename": Rename;
     "fixes": Fixes;
-    "format": Nothing;
+    "format": BareMessage;
     "merge": Merge;
-    "movable": Nothing;
+    "movable": BareMessage;
     "shapes": Shapes;
     "term": TermEdit;
     "variable": VariableEdit;
-    "setting": Setting;
+    "setting": SettingEdit;
     "grid": GridEdit;
     "head": HeadEdit;
     "compose": Compose;
@@ -723,12 +723,12 @@ declare namespace Messages {
     "numbers": OfVariable;
     "table": TablePage;
     "table-cell": TableCell;
-    "exports": Nothing;
-    "judge": Judge;
+    "exports": BareMessage;
+    "judge": FormQuestion;
   }
 
   interface FolderQuestions {
-    "list": Nothing;
+    "list": BareMessage;
     "new": NewFile;
     "adopt": OfFile;
     "duplicate": Naming;
@@ -744,13 +744,13 @@ declare namespace Messages {
     "compare": CompareWork;
     "export": ExportWork;
     "surface": SurfaceWork;
-    "learnable": Nothing;
+    "learnable": BareMessage;
     "learn": LearnWork;
     "table-error": TableErrorWork;
-    "tunable": Nothing;
+    "tunable": BareMessage;
     "tune": TuneWork;
-    "sheets": Nothing;
-    "provable": Nothing;
+    "sheets": BareMessage;
+    "provable": BareMessage;
     "prove": ProveWork;
     "run": RunWork;
     "plants": PlantsWork;

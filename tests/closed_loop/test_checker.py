@@ -18,7 +18,7 @@ from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.rule_pieces import RulePieces
 from fuzzyarm.closed_loop.slopes import Slope, slopes_of
-from fuzzyarm.closed_loop.spans import FUNCTIONS, Span, exactly
+from fuzzyarm.closed_loop.spans import FUNCTIONS, RationalInterval, exactly
 from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import symbol
@@ -40,7 +40,7 @@ def test_functions_hold_what_arb_says(name):
             high = low + abs(generator.gauss(0, 1)) * 10.0 ** generator.randint(-9, 0)
             if name == "sqrt":
                 low, high = abs(low), abs(low) + high - low
-            span = FUNCTIONS[name](Span(Fraction(low), Fraction(high)))
+            span = FUNCTIONS[name](RationalInterval(Fraction(low), Fraction(high)))
             for share in (0.0, 1.0, generator.random()):
                 at = Fraction(low) + (Fraction(high) - Fraction(low)) * Fraction(share)
                 value = getattr(flint.arb(ball(at)), name)()
@@ -67,7 +67,9 @@ def test_slopes_are_those_of_difference_quotients():
         radius = generator.choice([0.0, 1e-3, 0.1])
         values = {
             name: Slope(
-                Span(Fraction(v) - Fraction(radius) / 2, Fraction(v) + Fraction(radius) / 2),
+                RationalInterval(
+                    Fraction(v) - Fraction(radius) / 2, Fraction(v) + Fraction(radius) / 2
+                ),
                 {name: exactly(1)},
             )
             for name, v in at.items()

@@ -5,12 +5,12 @@ import pytest
 import fuzzyarm
 from fuzzyarm.controller.findings import doubts_of, plants_in_words, ports_in_words
 from fuzzyarm.language import format_text
-from fuzzyarm.language.queries import Kind, complete, hover, read
+from fuzzyarm.language.queries import NameKind, complete, hover, read
 
 SERVO = fuzzyarm.shipped("servo.frb").read_text(encoding="utf-8")
 
-FACTS = {(Kind.PORT, name): words for name, words in ports_in_words(["shaft"]).items()} | {
-    (Kind(kind), name): words for (kind, name), words in plants_in_words(["shaft"]).items()
+FACTS = {(NameKind.PORT, name): words for name, words in ports_in_words(["shaft"]).items()} | {
+    (NameKind(kind), name): words for (kind, name), words in plants_in_words(["shaft"]).items()
 }
 
 

@@ -13,7 +13,7 @@ import fuzzyarm
 from fuzzyarm.closed_loop import LoopProofError, prove_loop, read_claim
 from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.form import Choice
+from fuzzyarm.closed_loop.form import Assumptions
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.runs import sampled_runs
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability
@@ -208,6 +208,6 @@ def test_a_slope_without_ends_in_time_is_no_form(pendulum, monkeypatch):
 
     monkeypatch.setattr(Prover, "slope", cut_short)
     box = dict.fromkeys(problem.states, Fraction(1, 100))
-    choice = Choice(Fraction(1, 2), box=box, along=False)
+    choice = Assumptions(Fraction(1, 2), box=box, along=False)
     with pytest.raises(LoopProofError, match="time ran out"):
         FormMaker(problem, Stop(60.0)).form(choice, continuous=False)

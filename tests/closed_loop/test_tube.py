@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 import fuzzyarm
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
-from fuzzyarm.closed_loop.readings import UnreadableError
+from fuzzyarm.closed_loop.readings import UnenclosedError
 from fuzzyarm.closed_loop.tube import Demand, tube
 from fuzzyarm.loop.course import Options, Sensor
 from fuzzyarm.loop.simulation import simulate
@@ -269,7 +269,7 @@ def test_what_cannot_be_traced_or_read_is_refused_by_name():
     text = fuzzyarm.load(EXAMPLES / "single-pendulum.frb")
     with pytest.raises(LoopProofError, match="drawn"):
         tube(loop_problem(text, Drawn()), 0.1)
-    with pytest.raises(UnreadableError, match="atan2"):
+    with pytest.raises(UnenclosedError, match="atan2"):
         tube(loop_problem(text, Rounded()), 0.1)
 
 

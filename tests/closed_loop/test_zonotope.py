@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
-from fuzzyarm.closed_loop.readings import UnreadableError, pruned, read, readable
+from fuzzyarm.closed_loop.readings import UnenclosedError, pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, dot, larger, smaller, stacked
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import constant, symbol
@@ -122,7 +122,7 @@ def test_an_expression_is_read_and_what_has_no_reading_is_refused():
         for b in np.linspace(*box["y"], 5):
             value = math.tan(a) + b**3 - math.sinh(a) / (1 + b * b)
             assert found.low[0] <= value <= found.high[0]
-    with pytest.raises(UnreadableError, match="'floor'"):
+    with pytest.raises(UnenclosedError, match="'floor'"):
         readable(op.floor(x))
 
 

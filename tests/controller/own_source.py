@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fuzzyarm.expression import op
-from fuzzyarm.expression.sources import SOURCES, OptionKind, State, source, unseen
+from fuzzyarm.expression.sources import SOURCES, OptionKind, SourceState, source, unseen
 
 WORD = "half-mean"
 
@@ -25,7 +25,10 @@ def register():
             "share": OptionKind("number", "what now counts", needed=True, positive=True),
             "from": OptionKind("figure", "what it remembers at first"),
         },
-        states=(State("before", start=math.nan), State("older", lambda x: x, start="from")),
+        states=(
+            SourceState("before", start=math.nan),
+            SourceState("older", lambda x: x, start="from"),
+        ),
     )
 
 

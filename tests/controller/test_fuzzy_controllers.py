@@ -15,7 +15,7 @@ from fuzzyarm.inference import prepare
 from fuzzyarm.language import RuleBaseError, load_rulebase
 from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import PLAIN, STUDY_TABLES, Clock, Reference, State, pick_and_place
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 
@@ -243,7 +243,7 @@ def test_the_constant_for_pi_of_a_run_scales_the_errors():
         (STUDY_TABLES, float(np.float32(108.0 / 3.142857))),
         (PLAIN, 108.0 / math.pi),
     ):
-        arithmetic = Arithmetic(conventions.single, conventions.pi)
+        arithmetic = RunArithmetic(conventions.single, conventions.pi)
         cells = law.program(arithmetic).gains["G_e"]
         assert [made.block(arithmetic).memory[cell] for cell in cells] == [gain, gain]
 

@@ -16,7 +16,7 @@ from fuzzyarm.plant.arm import (
     parameter_vector,
     regressor,
 )
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import RunArithmetic
 
 MODEL = UNLOADED.with_values(J_1=0.0, J_2=0.0)
 CLOCK = Clock(0.0006, False, False)
@@ -166,7 +166,7 @@ def test_mrac_solves_its_lyapunov_equation():
 
     made = controller("mrac")
     assert isinstance(made, CompiledController)
-    packed = made.block(Arithmetic()).numbers
+    packed = made.block(RunArithmetic()).numbers
     system = np.array([[0.0, 1.0], [-500.0, -100.0]])
     solution = solve_continuous_lyapunov(system.T, -np.eye(2))
     assert packed[4] == pytest.approx(solution[0, 1], rel=1e-9)

@@ -14,7 +14,7 @@ from fuzzyarm.language import RuleBaseError
 from fuzzyarm.learning import train
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 
@@ -31,7 +31,7 @@ def taught(name, rate=None, delay=None, **sources):
 
 def kept_by(made, run):
     """Return what it has learned in a run."""
-    return learned(made.law, Arithmetic(compiled=has_machine_code()), run.memory)
+    return learned(made.law, RunArithmetic(compiled=has_machine_code()), run.memory)
 
 
 SHORT = pick_and_place(segment=0.4)

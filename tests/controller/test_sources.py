@@ -23,7 +23,7 @@ from fuzzyarm.controller.reach import reaches_of
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.expression.records import KindError
-from fuzzyarm.expression.sources import SOURCES, OptionKind, State, source
+from fuzzyarm.expression.sources import SOURCES, OptionKind, SourceState, source
 from fuzzyarm.kernels import SWITCH, has_machine_code
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.queries import coloured, complete, hover, read
@@ -261,7 +261,7 @@ def test_it_goes_on_from_a_state_that_was_kept():
     ("facts", "message"),
     [
         ({"update": lambda x, width: x - width}, "nothing gives the update .* 'width'"),
-        ({"update": lambda x: x, "states": (State("s", lambda z: z),)}, "its argument 'z'"),
+        ({"update": lambda x: x, "states": (SourceState("s", lambda z: z),)}, "its argument 'z'"),
         ({"update": None, "of": "call"}, "called with inputs"),
         ({"update": lambda x: x, "of": "port"}, "does not say which values"),
     ],

@@ -17,7 +17,7 @@ from fuzzyarm.cli.main import main
 from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.exports import files_of, kinds_of
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
-from fuzzyarm.designer.jobs import Downloads, Job
+from fuzzyarm.designer.jobs import Downloads, WindowJob
 from fuzzyarm.designer.names import OutsideError, clean_name, demand_name
 from fuzzyarm.designer.records import read_record
 from fuzzyarm.designer.requests import CompareWork, TableErrorWork
@@ -339,7 +339,7 @@ def told(work, of, asked, folder):
         heard.append(news)
 
     async def run():
-        job = Job(1, take, Workspace(folder), Downloads())
+        job = WindowJob(1, take, Workspace(folder), Downloads())
         await job.run(work, of, read_record(record, asked))
 
     asyncio.run(run())

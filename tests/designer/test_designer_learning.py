@@ -14,7 +14,7 @@ from fuzzyarm.cli import main
 from fuzzyarm.designer import requests
 from fuzzyarm.designer.changes import applied
 from fuzzyarm.designer.folder import Workspace
-from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.open_files import WORKS
 from fuzzyarm.designer.records import read_record
 from fuzzyarm.designer.shared import SharedText
@@ -88,7 +88,7 @@ class Page:
 
         async def begin():
             nonlocal job
-            job = Job(1, tell, Workspace(self.folder), plants=lambda: Plants(self.own))
+            job = WindowJob(1, tell, Workspace(self.folder), plants=lambda: Plants(self.own))
             await run()
 
         job = None

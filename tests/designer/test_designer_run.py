@@ -433,12 +433,12 @@ def test_the_plants_of_the_command_line_are_judged_before_it_serves(tmp_path, ca
 def test_a_pull_in_the_wind_is_no_load():
     from fuzzyarm.designer.stage import loads_of
     from fuzzyarm.loop.run import SoFar
-    from fuzzyarm.plant.drawings import Scene
+    from fuzzyarm.plant.drawings import PlantScene
     from fuzzyarm.plant.plant import interface_of
 
     plant = find_plant("arm")
     at = {f"joint{k}.position": np.zeros(1) for k in (1, 2)}
-    scene = Scene(SoFar("arm", {}, at, {}, ()), 0)
+    scene = PlantScene(SoFar("arm", {}, at, {}, ()), 0)
     port = interface_of(plant)
     assert loads_of(plant, scene, port, float("nan"), 0.0) == {}
     # A force along the stretched arm makes no torque; one across it the lengths times itself.

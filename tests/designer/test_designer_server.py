@@ -476,7 +476,7 @@ def test_work_that_leaves_python_ends_for_the_page_too(client, work, caplog):
     def leave(session, asked, job):
         raise SystemExit(3)
 
-    work("leave", requests.Nothing, leave)
+    work("leave", requests.BareMessage, leave)
     with socket_of(client) as socket:
         socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
         start = {"do": "start", "file": "pd7.frb", "what": "leave", "id": 1}
@@ -693,5 +693,5 @@ def test_a_folder_has_a_port_of_its_own_where_that_is_free(monkeypatch):
         server._bound(one, None, TOKEN)
         server._bound(two, None, TOKEN)
         assert one.getsockname()[1] == own != two.getsockname()[1]
-        with pytest.raises(server.PortError, match=f"port {own} cannot be used"):
+        with pytest.raises(server.ServerPortError, match=f"port {own} cannot be used"):
             server._bound(three, own, TOKEN)

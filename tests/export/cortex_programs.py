@@ -16,7 +16,7 @@ import pytest
 from c_programs import STRICT
 from controller_programs import driver
 
-from fuzzyarm.export.controller_c import Vectors, controller_c
+from fuzzyarm.export.controller_c import TestSequence, controller_c
 
 TOOLS = ("arm-none-eabi-gcc", "qemu-system-arm")
 
@@ -59,7 +59,7 @@ def need_cortex() -> None:
 
 def run_on_cortex(name, steps, rows, folder: Path):
     """Run a controller over rows on the processor; return its drives, row by row, and its flash."""
-    empty = Vectors([[0.0]], [[0.0]], 1.0)
+    empty = TestSequence([[0.0]], [[0.0]], 1.0)
     files, _ = controller_c(steps, name, name, ".h", empty, ["for a test"])
     (folder / f"{name}.h").write_text(files[".h"])
     (folder / "in.bin").write_bytes(np.ascontiguousarray(rows, np.float64).tobytes())

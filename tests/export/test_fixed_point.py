@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm.export import routines_of
-from fuzzyarm.export.table_numbers import Scale, fixed_table, part, scale_over
+from fuzzyarm.export.table_numbers import WholeNumberScale, fixed_table, part, scale_over
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")
@@ -42,9 +42,9 @@ def test_a_scale_rounds_to_the_nearest_step_and_saturates(numbers, bits, value):
 
 
 def test_a_symmetric_range_has_no_offset():
-    assert scale_over([-6.0, 6.0, 1.0], 15) == Scale(0.0, 6.0, 15)
-    assert scale_over([20.0, 100.0], 15) == Scale(60.0, 40.0, 15)
-    assert scale_over([3.0, 3.0], 7) == Scale(3.0, 1.0, 7)
+    assert scale_over([-6.0, 6.0, 1.0], 15) == WholeNumberScale(0.0, 6.0, 15)
+    assert scale_over([20.0, 100.0], 15) == WholeNumberScale(60.0, 40.0, 15)
+    assert scale_over([3.0, 3.0], 7) == WholeNumberScale(3.0, 1.0, 7)
 
 
 @given(st.integers(-65535, 65535), st.integers(0, 32768))
@@ -58,7 +58,7 @@ def test_a_part_is_rounded_to_the_nearest_and_fits_32_bits(difference, share):
 
 
 def test_exact_ties_of_a_scale_go_to_the_even_number():
-    scale = Scale(0.0, 32768.0, 15)  # a step is 1
+    scale = WholeNumberScale(0.0, 32768.0, 15)  # a step is 1
     halves = [-2.5, -1.5, -0.5, 0.5, 1.5, 2.5]
     assert [scale.nearest(x) for x in halves] == [-2, -2, 0, 0, 2, 2]
     assert [scale.below(x) for x in (*halves, 3.0)] == [-3, -2, -1, 0, 1, 2, 3]

@@ -10,7 +10,7 @@ import pytest
 
 from fuzzyarm.formats import Imported, parse_fcl, parse_fis, parse_fll, parse_fml
 from fuzzyarm.formats.fcl_reader import detect as detect_fcl
-from fuzzyarm.formats.findings import Word, number
+from fuzzyarm.formats.findings import TextPiece, number
 from fuzzyarm.formats.fis_text import detect as detect_fis
 from fuzzyarm.formats.fis_text import membership_parts
 from fuzzyarm.formats.fis_type2 import is_of_toolbox
@@ -206,8 +206,8 @@ def test_a_wrong_norm_is_said_once() -> None:
         (detect_fcl, "FUZZIFY "),
         (detect_fcl, "\n"),
         (detect_fcl, "(* "),
-        (lambda text: membership_parts(Word("a" + text + "b")), " "),
-        (lambda text: membership_parts(Word(f"a:b,[1{text}2]")), " "),
+        (lambda text: membership_parts(TextPiece("a" + text + "b")), " "),
+        (lambda text: membership_parts(TextPiece(f"a:b,[1{text}2]")), " "),
         (detect_fcl, "END_FUZZIFY FUZZIFY "),
         (is_of_toolbox, "\n"),
         (detect_fis, "\n"),

@@ -25,7 +25,7 @@ from fuzzyarm.inference import (
     quadrature_arrays,
 )
 from fuzzyarm.inference.arrays import infer_arrays
-from fuzzyarm.inference.point import Proposition, Propositions
+from fuzzyarm.inference.point import NumberedProposition, Propositions
 from fuzzyarm.inference.sets import degrees, term_function
 from fuzzyarm.model.rulebase import (
     And,
@@ -150,7 +150,7 @@ def test_terms_give_degrees_next_to_their_corners(data: st.DataObject) -> None:
     near = [math.nextafter(x, side) for x in corners for side in (-math.inf, math.inf)]
     xs = np.array([*corners, *near, *np.linspace(-7.0, 7.0, 9)])
     function = term_function(shape, hedges)
-    lines = Propositions([Proposition(0, straight_lines(shape, hedges), function)])
+    lines = Propositions([NumberedProposition(0, straight_lines(shape, hedges), function)])
     one = np.array([function(x) for x in xs.tolist()])
     cells = np.array([dict(lines.at(x)).get(0, 0.0) for x in xs.tolist()])
     many = degrees(shape, xs, hedges)

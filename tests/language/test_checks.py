@@ -17,7 +17,7 @@ from fuzzyarm.api import check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS, check
 from fuzzyarm.language.check.coverage import silent_point
-from fuzzyarm.language.check.search import Cell, Need, Search
+from fuzzyarm.language.check.search import GapSearch, Need, VariableStretch
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.document import Document
 from fuzzyarm.model.rulebase import (
@@ -408,7 +408,7 @@ def test_a_point_without_a_rule_is_one(rulebase):
 @given(st.lists(st.lists(st.integers(0, 8), min_size=1, max_size=3), min_size=1, max_size=12))
 def test_the_search_finds_a_hole_wherever_there_is_one(rules):
     # Three variables with three literals each, which hold one at a time.
-    cells = {n: [Cell(i, {(str(i), ()): 1.0}) for i in range(3)] for n in "abc"}
+    cells = {n: [VariableStretch(i, {(str(i), ()): 1.0}) for i in range(3)] for n in "abc"}
     needs = []
     for rule in rules:
         wanted = {}
@@ -418,7 +418,7 @@ def test_the_search_finds_a_hole_wherever_there_is_one(rules):
         needs.append(Need(wanted))
     found = {
         point
-        for each in Search(needs, cells).uncovered()
+        for each in GapSearch(needs, cells).uncovered()
         for point in itertools.product(
             *([int(each[n].x)] if n in each else range(3) for n in "abc")
         )

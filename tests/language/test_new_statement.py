@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.parts import Keyword, Mark, Number, Variable
+from fuzzyarm.language.parts import FixedText, Keyword, Number, VariableName
 from fuzzyarm.language.queries import (
     apply_edits,
     coloured,
@@ -19,7 +19,7 @@ from fuzzyarm.language.queries import (
     rename,
     symbols,
 )
-from fuzzyarm.language.rows import Row, StatementKind
+from fuzzyarm.language.rows import StatementKind, StatementRow
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.language.tokens import STARTERS, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Span
@@ -45,11 +45,11 @@ class GainNode(NamedTuple):
 
 @pytest.fixture(autouse=True)
 def gain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    row = Row(
+    row = StatementRow(
         GainNode,
         Keyword("gain"),
-        Variable("variable", "the name of an input", role="input", follow=" by", label="INPUT"),
-        Mark("by", "after the input"),
+        VariableName("variable", "the name of an input", role="input", follow=" by", label="INPUT"),
+        FixedText("by", "after the input"),
         Number("factor", "the factor", "FACTOR"),
     )
     record = StatementKind("gain", "scales an input", row, outline="gain")

@@ -10,8 +10,8 @@ from markdown_it import MarkdownIt
 from fuzzyarm.api import check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.queries import (
-    Candidate,
-    Kind,
+    Completion,
+    NameKind,
     RenameError,
     apply_edits,
     coloured,
@@ -55,7 +55,7 @@ def _at(text: str) -> tuple[str, int, int]:
     return before + after, before.count("\n") + 1, len(before) - before.rfind("\n")
 
 
-def _offered(text: str) -> list[Candidate]:
+def _offered(text: str) -> list[Completion]:
     whole, line, column = _at(text)
     return complete(read(whole), line, column)
 
@@ -496,9 +496,9 @@ axis shaft
 """
 
 
-PORTS = {(Kind.PORT, name): f"{name} of a motor" for name in ("position", "voltage", "torque")} | {
-    (Kind.SIGNAL, "u"): "reaches -6 .. 6"
-}
+PORTS = {
+    (NameKind.PORT, name): f"{name} of a motor" for name in ("position", "voltage", "torque")
+} | {(NameKind.SIGNAL, "u"): "reaches -6 .. 6"}
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from fuzzyarm.inference import infer
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.learning.data import Samples, as_samples, read_samples
 from fuzzyarm.learning.fit import FitError, Options, fit, linear_outputs, outputs_of, rms, score
-from fuzzyarm.learning.structure import Judge
+from fuzzyarm.learning.structure import CrossValidation
 from fuzzyarm.learning.validation import validate
 from tests.learning.mackey_glass import mackey_glass
 
@@ -192,7 +192,9 @@ def test_judging_in_one_go_is_judging_by_refitting():
     samples = bumps()
     premises = grid_premises(samples.inputs, (2, 2))
     parts = list(folds(60, 3))
-    found = Judge(samples.inputs, samples.outputs, parts, (1e-3,)).judged("grid", premises)
+    found = CrossValidation(samples.inputs, samples.outputs, parts, (1e-3,)).judged(
+        "grid", premises
+    )
     for train, test in parts:
         weights, scaling = consequents(
             premises, samples.inputs[train], samples.outputs[train], 1e-3
@@ -430,14 +432,14 @@ def raising(error):
 
 
 def test_ctrl_c_writes_the_best(table, tmp_path, monkeypatch, capsys):
-    whole = Judge.judged
+    whole = CrossValidation.judged
 
     def interrupted(self, words, premises):
         if premises.terms:
             raise KeyboardInterrupt
         return whole(self, words, premises)
 
-    monkeypatch.setattr(Judge, "judged", interrupted)
+    monkeypatch.setattr(CrossValidation, "judged", interrupted)
     model = tmp_path / "m.frb"
     assert main(["fit", str(table), "-o", str(model)]) == 130
     assert "interrupted" in capsys.readouterr().err

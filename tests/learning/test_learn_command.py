@@ -77,12 +77,12 @@ def test_a_figure_of_a_training_hatches_what_was_never_used():
     from fuzzyarm.controller import controller
     from fuzzyarm.learning import train
     from fuzzyarm.plant import pick_and_place
-    from fuzzyarm.show.figures.learning import Training, learning_figure
+    from fuzzyarm.show.figures.learning import LearningHistory, learning_figure
     from tests.show.boxes import faults
 
     snapshots = list(train(controller("soc-zero"), pick_and_place(segment=0.2)))
     like = read_table(RULEBASES / "thesis-6.1.lut")
-    figure = learning_figure(Training("soc-zero", snapshots, ("joint1", "joint2"), like))
+    figure = learning_figure(LearningHistory("soc-zero", snapshots, ("joint1", "joint2"), like))
     learned = snapshots[-1].learned
     images = [axes.images[0].get_array() for axes in figure.axes[:2]]
     for image in images:

@@ -20,7 +20,7 @@ from fuzzyarm.learning.starts import (
 )
 from fuzzyarm.learning.sugeno import Projection, consequents, optimised, predicted
 from fuzzyarm.learning.wang_mendel import proposals, wang_mendel
-from fuzzyarm.learning.written import Layout, sugeno_rulebase, term_names
+from fuzzyarm.learning.written import WritingStyle, sugeno_rulebase, term_names
 
 RANDOM = np.random.default_rng(5)
 X = RANDOM.uniform(-1.0, 2.0, (80, 2))
@@ -45,7 +45,7 @@ def test_gradients_are_those_of_differences_of_the_rule_base(premises):
     at = X[:7]
     rows = np.column_stack([at, np.ones(len(at))]) @ values.T
     slopes = premises.jacobian(at, rows)
-    exact = sugeno_rulebase(premises, samples, 1e-4, np.array([1e-9]), Layout(digits=12))
+    exact = sugeno_rulebase(premises, samples, 1e-4, np.array([1e-9]), WritingStyle(digits=12))
 
     def outputs(numbers):
         moved = premises.with_numbers(numbers)
@@ -191,7 +191,7 @@ def test_the_strongest_proposal_stays():
 
 def test_a_rule_base_of_words_goes_through_the_middles_of_its_words():
     grid = np.linspace(0.0, 1.0, 5)
-    rulebase, support = wang_mendel(as_samples(grid, 1.0 - grid), 5, Layout())
+    rulebase, support = wang_mendel(as_samples(grid, 1.0 - grid), 5, WritingStyle())
     assert support.tolist() == [1] * 5
     assert np.allclose(infer(rulebase, x1=grid)["y"], 1.0 - grid)
 

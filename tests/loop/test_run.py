@@ -14,7 +14,7 @@ from fuzzyarm.controller import CATALOGUE, Controller, controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop import Options, Sensor, program, simulate
 from fuzzyarm.loop.many import Bench, Experiment
-from fuzzyarm.loop.program import Record, loop_for
+from fuzzyarm.loop.program import RunRecord, loop_for
 from fuzzyarm.plant import (
     LOADED,
     PLAIN,
@@ -283,7 +283,7 @@ def test_no_kernel_counts_from_the_end_of_an_array(name):
     options = Options(compiled=False, sensors=sensors, supply=20.0, interpolate=True)
     way = reach_return(segment=0.006, hold=0.006)
     loop = Bench(Experiment(controller(name), way, options=options), []).loop
-    record = Record(loop.course, loop.program.memory, loop.taps)
+    record = RunRecord(loop.course, loop.program.memory, loop.taps)
     loop.program.controller.prepare(loop.arithmetic)
     arrays = (*loop.course.inputs(), *loop.program.inputs(as_array=False), *record.outputs)
     run = loop_for(loop.program, loop.course, record)

@@ -11,7 +11,7 @@ from fuzzyarm.kernels import kernel
 from fuzzyarm.loop import Options, Signal, simulate
 from fuzzyarm.plant import Plant, Port, find_plant
 from fuzzyarm.plant.plant import CLOCK_SIZE, WORK, numbers_of, with_parameters
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.plant.tried import plain_motion
 
 CONTROLLERS = {
@@ -24,7 +24,7 @@ CONTROLLERS = {
 
 
 def numbers(plant):
-    return numbers_of(plant, (), Arithmetic()).tolist()
+    return numbers_of(plant, (), RunArithmetic()).tolist()
 
 
 def moved(plant, state, inputs, duration, parts):

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 
 import fuzzyarm
 from fuzzyarm import RuleBaseBuilder, RuleBaseError, Shape, parse, write
-from fuzzyarm.builder import ArgumentError
+from fuzzyarm.builder import BuilderArgumentError
 from fuzzyarm.formats import FormatError
 from fuzzyarm.formats.registry import same_model
 from fuzzyarm.language.document import print_document
@@ -214,7 +214,7 @@ def test_a_line_has_the_finding_that_it_has_in_a_file(fan, line):
     ],
 )
 def test_an_argument_of_another_type_is_named(call):
-    with pytest.raises(ArgumentError) as raised:
+    with pytest.raises(BuilderArgumentError) as raised:
         call()
     assert isinstance(raised.value, TypeError)
     assert str(raised.value).startswith(raised.value.argument)
@@ -281,7 +281,7 @@ def test_a_frame_names_its_variables():
 
 def test_rows_that_do_not_fit():
     made = RuleBaseBuilder.from_text(TWO)
-    with pytest.raises(ArgumentError, match=r"3 rows, but 'e' has 2 terms"):
+    with pytest.raises(BuilderArgumentError, match=r"3 rows, but 'e' has 2 terms"):
         made.grid("u", [["L", "M"]] * 3)
     with pytest.raises(RuleBaseError, match="wrong-cell-count"):
         made.grid("u", [["L"], ["M"]])

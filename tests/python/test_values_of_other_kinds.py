@@ -14,7 +14,7 @@ from fuzzyarm.language import load_rulebase
 from fuzzyarm.plant import reach
 from fuzzyarm.proof.verdicts import read_property
 from fuzzyarm.show import figures
-from fuzzyarm.text.mistaken import WrongKindError, wrong_kind
+from fuzzyarm.text.mistaken import MistakenKindError, wrong_kind
 
 RULES = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
 TABLE = fuzzyarm.load(fuzzyarm.shipped("thesis-6.1.lut"))
@@ -79,27 +79,29 @@ def test_where_a_controller_is_wanted(call, value, said):
 def test_a_statement_on_a_loop_wants_a_controller():
     claim = read_claim("stable on motor")
     for statement in ("stable", "stable on motor", "on motor from e = 0 : always e <= 1", claim):
-        with pytest.raises(WrongKindError, match="'pd7' is a rule base, not a controller"):
+        with pytest.raises(MistakenKindError, match="'pd7' is a rule base, not a controller"):
             fuzzyarm.prove(RULES, statement)
-    with pytest.raises(WrongKindError, match="3 is an int, not a rule base or a controller"):
+    with pytest.raises(MistakenKindError, match="3 is an int, not a rule base or a controller"):
         fuzzyarm.prove(3, "u <= 6")
-    with pytest.raises(WrongKindError, match="'servo' is a controller, not a rule base"):
+    with pytest.raises(MistakenKindError, match="'servo' is a controller, not a rule base"):
         fuzzyarm.prove(SERVO, read_property(RULES, "u odd"))
 
 
 @pytest.mark.parametrize("value", [3, None, Controller, [SERVO]])
 def test_anything_else_is_called_by_its_class(value):
-    with pytest.raises(WrongKindError, match="not a controller"):
+    with pytest.raises(MistakenKindError, match="not a controller"):
         fuzzyarm.simulate(value, "motor")
 
 
 def test_a_model_without_its_files_says_so():
-    with pytest.raises(WrongKindError, match="without its files"):
+    with pytest.raises(MistakenKindError, match="without its files"):
         fuzzyarm.simulate(SERVO.model, "motor")
 
 
 def test_tune_takes_either_and_a_table_neither():
-    with pytest.raises(WrongKindError, match="'u' is a lookup table, not a rule base or a contr"):
+    with pytest.raises(
+        MistakenKindError, match="'u' is a lookup table, not a rule base or a contr"
+    ):
         fuzzyarm.tune(TABLE)
     with pytest.raises(FuzzyarmError, match="nothing says what is good"):
         fuzzyarm.tune(fuzzyarm.RuleBase.of(RULES))

@@ -12,7 +12,7 @@ from fuzzyarm.loop.simulation import ManyKeywords, RunKeywords
 from fuzzyarm.plant import PlantError
 from fuzzyarm.table.fidelity import ReportKeywords
 from fuzzyarm.text.keywords import ArgumentError, _annotations
-from fuzzyarm.text.mistaken import WrongKindError
+from fuzzyarm.text.mistaken import MistakenKindError
 from fuzzyarm.tuning.tune import TuneKeywords
 
 PD7 = fuzzyarm.load_rulebase(fuzzyarm.shipped("pd7.frb"))
@@ -43,7 +43,7 @@ OF_RULE_BASES = (
 @pytest.mark.parametrize("call", OF_RULE_BASES, ids=lambda call: call.__qualname__)
 @pytest.mark.parametrize("thing", ["pd7.frb", 3, None, PD7.table(levels=3)], ids=type)
 def test_what_is_not_a_rule_base_is_said(call, thing):
-    with pytest.raises(WrongKindError, match="not a rule base") as caught:
+    with pytest.raises(MistakenKindError, match="not a rule base") as caught:
         call(thing)
     if isinstance(thing, str):
         assert caught.value.hint == "fuzzyarm.load reads a file"

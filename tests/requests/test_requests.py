@@ -30,7 +30,7 @@ from fuzzyarm.requests import (
     TuneRequest,
 )
 from fuzzyarm.requests.fields import RequestField, fields_of
-from fuzzyarm.requests.journal import Journal, JournalError
+from fuzzyarm.requests.journal import JournalError, WorkJournal
 from fuzzyarm.requests.schema import schema_of
 from fuzzyarm.tuning.optimisers import OPTIMISERS
 
@@ -240,9 +240,9 @@ def test_the_schemas_are_published():
 # --- The journal ---
 
 
-def lines(path: Path, count: int) -> Journal:
+def lines(path: Path, count: int) -> WorkJournal:
     """Return a journal with some lines."""
-    journal = Journal(path, "sweep", {"asked": 1}, ["run", "x"])
+    journal = WorkJournal(path, "sweep", {"asked": 1}, ["run", "x"])
     journal.begin()
     journal.append([[str(at), f"{at / 3!r}"] for at in range(count)])
     return journal
@@ -264,7 +264,7 @@ def test_a_journal_refuses_what_it_is_not(tmp_path):
     journal = lines(path, 2)
     with pytest.raises(JournalError, match="has 2 of the 3 runs"):
         journal.begin(3)
-    other = Journal(path, "sweep", {"asked": 2}, ["run", "x"])
+    other = WorkJournal(path, "sweep", {"asked": 2}, ["run", "x"])
     with pytest.raises(JournalError, match="belongs to another sweep: asked was 1, not 2"):
         other.resume()
     with pytest.raises(JournalError, match="is not of this sweep"):

@@ -15,7 +15,7 @@ from fuzzyarm.cli import main
 from fuzzyarm.loop import Signal, simulate
 from fuzzyarm.picture import Drawing, Line, Words
 from fuzzyarm.plant import PLANTS, PlantError, find_plant
-from fuzzyarm.plant.drawings import Scene, is_drawn
+from fuzzyarm.plant.drawings import PlantScene, is_drawn
 from fuzzyarm.show import live
 from fuzzyarm.show.canvas import Canvas
 from fuzzyarm.show.drawing import make_console, plain_text
@@ -75,7 +75,7 @@ def test_lengths_are_the_same_across_and_up():
 def test_the_pole_stands_where_it_is(cartpole):
     run, plant = cartpole
     index = int(np.argmax(np.abs(run.outputs["theta"])))
-    drawing = plant.draw(Scene(run, index))
+    drawing = plant.draw(PlantScene(run, index))
     canvas = Canvas(60, 24, *drawing.stage)
     canvas.draw(drawing.parts)
     from fuzzyarm.plant.plant import parameter
@@ -188,7 +188,7 @@ def test_watching_needs_a_terminal(capsys, words):
 
 def test_the_scale_of_a_thermometer_stays_while_a_run_that_is_over_is_shown():
     run, plant = run_on("room")
-    ends = [plant.draw(Scene(run, index)).parts for index in (0, run.samples - 1)]
+    ends = [plant.draw(PlantScene(run, index)).parts for index in (0, run.samples - 1)]
     scales = [[each.text for each in parts if isinstance(each, Words)][1:3] for parts in ends]
     assert scales[0] == scales[1]
     values = [*run.outputs["temperature"], *run.wanted["temperature"]]

@@ -79,7 +79,7 @@ def test_a_plant_of_ones_own_is_tuned_on_by_processes_beside_an_opponent(folder,
 @pytest.mark.parametrize("what", ["_linear", "_judge", "rounded"])
 def test_what_follows_the_search_may_fail(what, error, folder, capsys, monkeypatch):
     if what == "rounded":
-        monkeypatch.setattr(judging.Panel, "score_of", raising(error))
+        monkeypatch.setattr(judging.ExaminerPool, "score_of", raising(error))
     elif what == "_judge":
         monkeypatch.setattr(judging, "panel", raising(error))
     else:
@@ -145,12 +145,12 @@ def test_what_somebody_has_changed_meanwhile_is_left(folder, capsys, monkeypatch
     mine = folder / "kiln.frb"
     typed = mine.read_text() + "# typed meanwhile\n"
 
-    def working(self, name, run=judging.Panel.scores):
+    def working(self, name, run=judging.ExaminerPool.scores):
         mine.write_text(typed)
         (folder / "roompi.frb").unlink(missing_ok=True)
         return run(self, name)
 
-    monkeypatch.setattr(judging.Panel, "scores", working)
+    monkeypatch.setattr(judging.ExaminerPool, "scores", working)
     words = ["tune", "kiln.frb", "--plant", "mine.py:Kiln", "--step", "200", "--workers", "1"]
     assert main([*words, "--evals", "6", "--unseen", "1", "--no-linear", "-o", "kiln.frb"]) == 1
     said = capsys.readouterr()
@@ -243,7 +243,7 @@ def test_a_journal_that_cannot_grow_is_given_up(folder, monkeypatch):
 @pytest.mark.parametrize("where", ["scores", "score_of", "_judge", "_linear"])
 def test_ctrl_c_loses_nothing(where, folder, capsys, monkeypatch):
     if where == "scores":
-        run, calls = judging.Panel.scores, []
+        run, calls = judging.ExaminerPool.scores, []
 
         def scores(self, points, digits=None):
             calls.append(1)
@@ -251,9 +251,9 @@ def test_ctrl_c_loses_nothing(where, folder, capsys, monkeypatch):
                 raise KeyboardInterrupt
             return run(self, points, digits)
 
-        monkeypatch.setattr(judging.Panel, "scores", scores)
+        monkeypatch.setattr(judging.ExaminerPool, "scores", scores)
     else:
-        home = judging.Panel if where == "score_of" else judging
+        home = judging.ExaminerPool if where == "score_of" else judging
         monkeypatch.setattr(home, where, raising(KeyboardInterrupt()))
     assert main(["tune", "heater", *QUICK, "--journal", "trials"]) == 130
     said = capsys.readouterr()

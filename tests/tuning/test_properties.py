@@ -16,7 +16,7 @@ from fuzzyarm.learning.data import as_samples
 from fuzzyarm.loop import Signal, simulate
 from fuzzyarm.plant import reach_return
 from fuzzyarm.tuning import Journal, tune
-from fuzzyarm.tuning.design import Design, Parameter
+from fuzzyarm.tuning.design import Design, MovingNumber
 from fuzzyarm.tuning.linear import straightened
 from fuzzyarm.tuning.movement import significant
 from fuzzyarm.tuning.optimisers import OPTIMISERS
@@ -125,7 +125,7 @@ def test_a_number_stays_in_its_range_however_it_is_rounded(low, factor, share, d
     high = low * factor
     if not low < high:
         return
-    each = Parameter("G", low, high, low * at * factor, scale)
+    each = MovingNumber("G", low, high, low * at * factor, scale)
     value = each.value(share)
     rounded = each.rounded(value, digits)
     assert low <= value <= high

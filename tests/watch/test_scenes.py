@@ -17,7 +17,7 @@ from fuzzyarm import load
 from fuzzyarm.cli import main
 from fuzzyarm.inference import infer
 from fuzzyarm.show.drawing import plain_text
-from fuzzyarm.watch import RulebaseScene, Scene, WatchedFile
+from fuzzyarm.watch import RulebaseScene, WatchedFile, WatchScene
 from fuzzyarm.watch.keys import apply_key
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -179,7 +179,7 @@ _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]")
 # ── keys ─────────────────────────────────────────────────────────────────────────────────
 
 
-def _pressed(scene: Scene, *keys: str) -> dict[str, float]:
+def _pressed(scene: WatchScene, *keys: str) -> dict[str, float]:
     for key in keys:
         assert apply_key(scene, key)
     return dict(scene.point)

@@ -24,7 +24,7 @@ Terms = str | Sequence[str] | Mapping[str, Corners]
 Levels = str | Sequence[float]
 
 
-class ArgumentError(FuzzyarmError, TypeError):
+class BuilderArgumentError(FuzzyarmError, TypeError):
     """An argument that is not what the builder takes.
 
     Attributes
@@ -41,7 +41,7 @@ class ArgumentError(FuzzyarmError, TypeError):
 # --- The lines of a call, and which argument each stretch of them came from ---
 
 
-class Lines:
+class LanguageLines:
     """The lines of the language that one call adds.
 
     Every stretch of them knows its argument, so that a finding can name it.
@@ -62,7 +62,7 @@ class Lines:
         """How many lines there are."""
         return len(self._lines)
 
-    def write(self, text: str, argument: str = "") -> Lines:
+    def write(self, text: str, argument: str = "") -> LanguageLines:
         """Go on with a stretch of the last line."""
         line, column = self.count, len(self._lines[-1]) + 1
         self._lines[-1] += text
@@ -70,20 +70,20 @@ class Lines:
             self._stretches.append((Span(line, column, line, column + len(text)), argument))
         return self
 
-    def next(self) -> Lines:
+    def next(self) -> LanguageLines:
         """Begin another line."""
         self._lines.append("")
         return self
 
-    def name(self, value: object, argument: str) -> Lines:
+    def name(self, value: object, argument: str) -> LanguageLines:
         """Write a name, in quotes where it needs them."""
         return self.write(name_text(self.words(value, argument)), argument)
 
-    def string(self, value: object, argument: str) -> Lines:
+    def string(self, value: object, argument: str) -> LanguageLines:
         """Write a string in double quotes."""
         return self.write(quote(self.words(value, argument), '"'), argument)
 
-    def number(self, value: object, argument: str) -> Lines:
+    def number(self, value: object, argument: str) -> LanguageLines:
         """Write a number without loss."""
         # NumPy's numbers are registered as numbers, text is not.
         if isinstance(value, numbers.Real):
@@ -92,9 +92,9 @@ class Lines:
             except OverflowError:  # of an integer
                 pass
         text = shortened(repr(value))
-        raise ArgumentError(self.named(argument), f"expected a number, found {text}")
+        raise BuilderArgumentError(self.named(argument), f"expected a number, found {text}")
 
-    def raw(self, value: object, argument: str) -> Lines:
+    def raw(self, value: object, argument: str) -> LanguageLines:
         """Write words of the language as they are; a line end in them becomes a space."""
         words = self.words(value, argument)
         return self.write(" ".join(split_lines(words)), argument)
@@ -103,7 +103,7 @@ class Lines:
         """Return an argument that must be text."""
         if not isinstance(value, str):
             text = shortened(repr(value))
-            raise ArgumentError(self.named(argument), f"expected text, found {text}")
+            raise BuilderArgumentError(self.named(argument), f"expected text, found {text}")
         return value
 
     def several(self, value: object, argument: str, wanted: str) -> list[Any]:
@@ -139,7 +139,7 @@ class Lines:
         return self.named(", ".join(dict.fromkeys(candidates)))
 
 
-def write_shape(lines: Lines, shape: Corners, argument: str, inputs: Sequence[str]) -> None:
+def write_shape(lines: LanguageLines, shape: Corners, argument: str, inputs: Sequence[str]) -> None:
     """Write a shape in whichever way it is given."""
     if isinstance(shape, Shape):
         node: ShapeNode = shape_node(shape, inputs)
@@ -156,7 +156,7 @@ _CORNERS = {1: "singleton", 2: "rectangle", 3: "triangle", 4: "trapezoid"}
 """The kind of a term that is given by its corners alone, by how many they are."""
 
 
-def _write_corners(lines: Lines, corners: list[Any], argument: str) -> None:
+def _write_corners(lines: LanguageLines, corners: list[Any], argument: str) -> None:
     if corners and all(isinstance(each, Sequence) and len(each) == 2 for each in corners):
         lines.write("points")
         for i, (x, y) in enumerate(corners):
@@ -166,13 +166,13 @@ def _write_corners(lines: Lines, corners: list[Any], argument: str) -> None:
     kind = _CORNERS.get(len(corners))
     if kind is None:
         message = f"a term has 1 to 4 corners (or pairs x, y), found {len(corners)}"
-        raise ArgumentError(lines.named(argument), message)
+        raise BuilderArgumentError(lines.named(argument), message)
     lines.write(kind)
     for i, corner in enumerate(corners):
         lines.write(" ").number(corner, f"{argument}[{i}]")
 
 
-def write_terms(lines: Lines, name: str, terms: Terms, inputs: Sequence[str]) -> None:
+def write_terms(lines: LanguageLines, name: str, terms: Terms, inputs: Sequence[str]) -> None:
     """Write the terms of a variable, as :meth:`fuzzyarm.RuleBaseBuilder.input` takes them."""
     if isinstance(terms, str):
         lines.next().write("terms ").name(name, "name").write(": ").raw(terms, "terms")
@@ -200,7 +200,7 @@ _SETTINGS = {
 """What a setting is called as an argument, and in the language."""
 
 
-def write_settings(lines: Lines, settings: Mapping[str, object]) -> None:
+def write_settings(lines: LanguageLines, settings: Mapping[str, object]) -> None:
     """Write the settings that are given, with commas between them."""
     present = {key: value for key, value in settings.items() if value is not None}
     for i, (key, value) in enumerate(present.items()):
@@ -216,10 +216,10 @@ def write_settings(lines: Lines, settings: Mapping[str, object]) -> None:
 # --- Grids ---
 
 
-class Grid:
+class GridLines:
     """The cells of a grid with their labels, from lists, a mapping of rows or a DataFrame."""
 
-    def __init__(self, lines: Lines, cells: Any) -> None:
+    def __init__(self, lines: LanguageLines, cells: Any) -> None:
         self.lines = lines
         self.rows: list[Any] | None = None
         self.columns: list[Any] | None = None
@@ -240,7 +240,7 @@ class Grid:
     def _listed(self, value: Any, argument: str) -> list[Any]:
         if not _is_list(value):
             message = f"expected a list of term names, found {shortened(repr(value))}"
-            raise ArgumentError(self.lines.named(argument), message)
+            raise BuilderArgumentError(self.lines.named(argument), message)
         return list(value)
 
     def write_row(self, i: int, label: str, argument: str) -> None:

@@ -22,11 +22,11 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from fuzzyarm.api import Review, check_parsed
 from fuzzyarm.builder.lines import (
-    ArgumentError,
+    BuilderArgumentError,
     Corners,
-    Grid,
+    GridLines,
+    LanguageLines,
     Levels,
-    Lines,
     Terms,
     write_settings,
     write_shape,
@@ -151,14 +151,14 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     def __init__(self, name: str, description: str = "") -> None:
         self._start()
-        lines = Lines("RuleBaseBuilder(")
+        lines = LanguageLines("RuleBaseBuilder(")
         lines.write("rulebase ").name(name, "name")
         if description:
             lines.write(" ").string(description, "description")
         self._add(lines)
 
     def _start(self) -> None:
-        self._calls: list[tuple[int, Lines]] = []  # each with the number of its first line
+        self._calls: list[tuple[int, LanguageLines]] = []  # each with the number of its first line
         self._line = 1
         self._statements: list[Statement] = []
         self._ending: tuple[str, ...] = ()
@@ -238,7 +238,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         ------
         RuleBaseError
             For everything that would be a mistake in a file; the finding names the argument.
-        ArgumentError
+        BuilderArgumentError
             For an argument of another type.
         """
         settings = {"outside": outside}
@@ -271,7 +271,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
         demand_keywords("output", settings, OutputSettings)
@@ -288,7 +288,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         terms: Terms,
         settings: Mapping[str, object],
     ) -> VariableBuilder:
-        lines = Lines(f"{role}({shortened(repr(name))}")
+        lines = LanguageLines(f"{role}({shortened(repr(name))}")
         lines.write(f"{role} ").name(name, "name").write(" ")
         lines.number(low, "low").write(" .. ").number(high, "high")
         if description:
@@ -314,10 +314,12 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
-        lines = Lines(f"term({shortened(repr(_name_of(variable)))}, {shortened(repr(name))}")
+        lines = LanguageLines(
+            f"term({shortened(repr(_name_of(variable)))}, {shortened(repr(name))}"
+        )
         lines.write("term ").name(_name_of(variable), "variable").write(" ").name(name, "name")
         write_shape(lines.write(": "), shape, "shape", self._names("input"))
         self._add(lines)
@@ -334,10 +336,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
-        lines = Lines(f"rule({shortened(repr(text), 100)}")
+        lines = LanguageLines(f"rule({shortened(repr(text), 100)}")
         words = lines.words(text, "text").strip()
         lines.write("rule ").raw(words.removeprefix("rule "), "")
         if weight is not None:
@@ -373,14 +375,14 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`; the finding names the cell.
         """
-        lines = Lines(f"grid({shortened(repr(_name_of(output)))}")
+        lines = LanguageLines(f"grid({shortened(repr(_name_of(output)))}")
         lines.write("rules ").name(_name_of(output), "output")
         if when:
             lines.write(" when ").raw(when, "when")
-        grid = Grid(lines, cells)
+        grid = GridLines(lines, cells)
         down, across = self._sides(grid, rows, columns)
         lines.next().write("  ")
         if down is not None:
@@ -393,7 +395,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._add(lines)
 
     def _sides(
-        self, grid: Grid, rows: str | VariableBuilder | None, columns: str | VariableBuilder | None
+        self,
+        grid: GridLines,
+        rows: str | VariableBuilder | None,
+        columns: str | VariableBuilder | None,
     ) -> tuple[str | None, str]:
         """Return the variables that go down and across; none goes down over one input."""
         down, across = _name_of(rows) or grid.names[0], _name_of(columns) or grid.names[1]
@@ -406,18 +411,18 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         if across is None:
             present = ", ".join(inputs) or "none"
             message = f"say which inputs go down and across (there are {present})"
-            raise ArgumentError(grid.lines.named("rows, columns"), message)
+            raise BuilderArgumentError(grid.lines.named("rows, columns"), message)
         if down is None and len(grid.cells) > 1 and len(others) == 1:
             down = others[0]
         return down, across
 
-    def _labels(self, grid: Grid, down: str | None, output: str) -> list[str]:
+    def _labels(self, grid: GridLines, down: str | None, output: str) -> list[str]:
         if down is None:
             return [output] * len(grid.cells)
         labels = grid.rows if grid.rows is not None else self._terms_of(down)
         if len(labels) != len(grid.cells):
             message = f"{len(grid.cells)} rows, but '{down}' has {len(labels)} terms"
-            raise ArgumentError(grid.lines.named("cells"), message)
+            raise BuilderArgumentError(grid.lines.named("cells"), message)
         return labels
 
     def inference(
@@ -445,7 +450,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
         settings = {
@@ -458,7 +463,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             "no_rule": no_rule,
             "outside": outside,
         }
-        lines = Lines("inference(").write("inference")
+        lines = LanguageLines("inference(").write("inference")
         write_settings(lines, settings)
         self._add(lines)
 
@@ -482,7 +487,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
         settings = {
@@ -491,7 +496,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             "implication": implication,
             "threshold": threshold,
         }
-        lines = Lines(f"block({shortened(repr(name))}")
+        lines = LanguageLines(f"block({shortened(repr(name))}")
         lines.write("block ").name(name, "name")
         if any(value is not None for value in settings.values()):
             write_settings(lines.write(":"), settings)
@@ -518,10 +523,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
-        lines = Lines("lookup(").write("lookup")
+        lines = LanguageLines("lookup(").write("lookup")
         for key, setting in (("levels", levels), ("bins", bins)):
             for name, values in _by_input(setting):
                 argument = key if name is None else f"{key}[{name!r}]"
@@ -547,10 +552,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`.
         """
-        lines = Lines("expect(").write("expect ")
+        lines = LanguageLines("expect(").write("expect ")
         self._add(lines.raw(text, "text"))
 
     def add(self, text: str) -> None:
@@ -563,17 +568,17 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Raises
         ------
-        RuleBaseError, ArgumentError
+        RuleBaseError, BuilderArgumentError
             As :meth:`input`; nothing is added then.
         """
-        lines = Lines("add(")
+        lines = LanguageLines("add(")
         for i, line in enumerate(split_lines(lines.words(text, "text")), 1):
             (lines.next() if i > 1 else lines).write(line, f"line {i} of text")
         self._add(lines)
 
     # -- how it grows --
 
-    def _add(self, lines: Lines) -> None:
+    def _add(self, lines: LanguageLines) -> None:
         """Read the lines of a call; add what they say, or raise what is wrong with them."""
         document = parse_statements(lines.text, self._line)
         scope = self._known()
@@ -616,7 +621,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return self._scope
 
     def _in_call(
-        self, lines: Lines, document: Document, found: Sequence[Diagnostic]
+        self, lines: LanguageLines, document: Document, found: Sequence[Diagnostic]
     ) -> list[Diagnostic]:
         """Return what is wrong with the lines of a call, by its arguments."""
         offset = 1 - self._line

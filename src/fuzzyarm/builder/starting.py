@@ -23,7 +23,7 @@ from fuzzyarm.text.numbers import number_text
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class StartingFile:
     """What a starting file is for: its first line, its descriptions and its variables."""
 
     purpose: str
@@ -55,19 +55,19 @@ class Wish:
 _SEVEN = "-6..6 NB NM NS ZE PS PM PB"
 
 STARTS = {
-    "pd": Start(
+    "pd": StartingFile(
         "The output follows the error and its rate: a PD-type controller.",
         ("error, normalised", "error rate, normalised", "control, normalised"),
         (f"e {_SEVEN}", f"ce {_SEVEN}"),
         f"u {_SEVEN}",
     ),
-    "pi": Start(
+    "pi": StartingFile(
         "The output is added to the control in each step: a PI-type controller.",
         ("error, normalised", "error rate, normalised", "increment of the control"),
         (f"e {_SEVEN}", f"ce {_SEVEN}"),
         f"du {_SEVEN}",
     ),
-    "single": Start(
+    "single": StartingFile(
         "The output follows one input.",
         ("what is measured", "", "what is done about it"),
         ("x 0..10 LOW MIDDLE HIGH",),
@@ -338,7 +338,7 @@ def _with_allowances(text: str) -> str:
     return text
 
 
-def _declarations(kind: Start, inputs: list[Wish], output: Wish) -> list[str]:
+def _declarations(kind: StartingFile, inputs: list[Wish], output: Wish) -> list[str]:
     words = kind.descriptions
     roles = [("input", wish, words[i]) for i, wish in enumerate(inputs)]
     return [

@@ -10,7 +10,7 @@ from pathlib import Path
 from fuzzyarm.api import load
 from fuzzyarm.cli.command import WordError, argument, command, json_of, print_json, say
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.sources import SOURCES, Source
+from fuzzyarm.text.sources import SOURCES, Publication
 from fuzzyarm.version import __version__
 
 _CITE = """Print BibTeX for the methods that a rule base or a controller uses, and for fuzzyarm.
@@ -23,7 +23,7 @@ rule base beside it.
   fuzzyarm cite rulebases/tipper2.frb > methods.bib
 """
 
-_SELF = Source(
+_SELF = Publication(
     "misc",
     {
         "author": "{The fuzzyarm developers}",

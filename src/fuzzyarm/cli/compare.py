@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fuzzyarm.controller import Controller
     from fuzzyarm.loop import Run
     from fuzzyarm.plant import Conventions, Plant, Trajectory
-    from fuzzyarm.study.comparison import Compared, Cost
+    from fuzzyarm.study.comparison import Compared, ControlStepCost
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +129,7 @@ def _compare_trajectories(
     timed = bool(asked.cost or (asked.plot and is_counted(plant)))
     counted = names if timed or asked.operations else ()
     comparisons: list[Compared] = []
-    costs: list[Cost] = []
+    costs: list[ControlStepCost] = []
     with progress_bar("controllers", len(names) + len(counted)) as bar:
         for comparison in compare(
             controllers,
@@ -220,7 +220,7 @@ def _runs_along(
     return runs
 
 
-def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
+def _compared_json(compared: Compared, cost: ControlStepCost | None) -> dict[str, Any]:
     record: dict[str, Any] = {
         "controller": compared.name,
         "rms": list(compared.rms),
@@ -242,7 +242,7 @@ _SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
 
 
 def _compared_lines(
-    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+    compared: Sequence[Compared], costs: Sequence[ControlStepCost], senses: Sequence[str]
 ) -> Iterator[str]:
     """Yield a table with a line for each controller and sense of error."""
     heads = ["change", *(_cost_heads(costs) if costs else [])]
@@ -269,7 +269,7 @@ def _rms_heads(compared: Compared) -> list[str]:
 
 
 def _compared_markdown(
-    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+    compared: Sequence[Compared], costs: Sequence[ControlStepCost], senses: Sequence[str]
 ) -> Iterator[str]:
     """Yield a table with a line for each controller; of costs those, beside mean errors."""
     if costs:
@@ -310,19 +310,19 @@ def _errors(compared: Compared, sense: str) -> list[str]:
     ]
 
 
-def _others(compared: Compared, cost: Cost | None) -> list[str]:
+def _others(compared: Compared, cost: ControlStepCost | None) -> list[str]:
     """Return the largest change of torque, and what a step costs."""
     diverges = any(time is not None for time in compared.diverged)
     change = "" if diverges else f"{max(compared.variation, default=0.0):.2f}"
     return [change, *(_cost_cells(cost) if cost is not None else [])]
 
 
-def _cost_heads(costs: Sequence[Cost]) -> list[str]:
+def _cost_heads(costs: Sequence[ControlStepCost]) -> list[str]:
     timed = costs[0].seconds is not None
     return ["operations", "exported", *(["ns"] if timed else [])]
 
 
-def _cost_cells(cost: Cost) -> list[str]:
+def _cost_cells(cost: ControlStepCost) -> list[str]:
     exported = "-" if cost.exported is None else f"{cost.exported}"
     cells = [f"{cost.operations.total:.0f}", exported]
     return cells if cost.seconds is None else [*cells, f"{1e9 * cost.seconds:.0f}"]

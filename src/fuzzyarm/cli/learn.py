@@ -46,7 +46,7 @@ from fuzzyarm.requests.learn import OUTPUT, LearnRequest
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fuzzyarm.controller.on_plant import Learned
+    from fuzzyarm.controller.on_plant import LearnedTables
     from fuzzyarm.learning.self_organizing import Snapshot
 
 
@@ -217,15 +217,15 @@ class _Watched:
 
         names, like = self.trainee.axes, self.trainee.like
         if asked.plot:
-            whole = learning.Training(self.name, self.finished or [self.last], names, like)
+            whole = learning.LearningHistory(self.name, self.finished or [self.last], names, like)
             save_figure(learning.learning_figure(whole), asked.plot)
         if asked.animate:
-            whole = learning.Training(self.name, self.film, names, like)
+            whole = learning.LearningHistory(self.name, self.film, names, like)
             frames = min(learning.MOST_FRAMES, len(self.film))
             with progress_bar("drawing", frames) as advance:
                 learning.animate_learning(whole, asked.animate, watch=advance)
 
-    def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
+    def _print_tables(self, console: Console, learned: LearnedTables, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
 
         start, like = self.trainee.start, self.trainee.like

@@ -197,9 +197,9 @@ def _own_seconds(asked: TuneWords) -> float:
     """Return the seconds of the first search: its share where others follow."""
     from fuzzyarm.tuning.asked import longest
     from fuzzyarm.tuning.search import Budget
-    from fuzzyarm.tuning.tuned import Plan
+    from fuzzyarm.tuning.tuned import TuningPlan
 
-    plan = Plan(budget=Budget(seconds=longest(asked)))
+    plan = TuningPlan(budget=Budget(seconds=longest(asked)))
     on_samples = bool(asked.data)  # which are judged by others, and beside a regression
     judged, linear = on_samples or asked.unseen > 0, not on_samples and asked.linear
     return plan.shared(judged=judged, linear=linear).seconds

@@ -19,7 +19,7 @@ from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Affine", "AffineAlgebra", "Block", "Bound", "NotAffineError"]
+__all__ = ["Affine", "AffineAlgebra", "NotAffineError", "SignalBound", "UncertainGain"]
 
 ZERO, ONE = Fraction(0), Fraction(1)
 
@@ -102,7 +102,7 @@ def variable(name: str, rest: Fraction = ZERO) -> Affine:
 
 
 @dataclass(frozen=True)
-class Block:
+class UncertainGain:
     """An uncertain gain: the answer w of the variable `name` has |w| ≤ |v|.
 
     Attributes
@@ -121,7 +121,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Bound:
+class SignalBound:
     """Where the form is the loop: a signal must stay between two numbers.
 
     Attributes
@@ -148,8 +148,8 @@ class AffineAlgebra:
     """A control period in affine forms; an :class:`~fuzzyarm.closed_loop.problem.Algebra`.
 
     Where a limit may hold or a choice be made, the branch at rest is taken, and what has to be
-    true for it is noted as a :class:`Bound`; or, by `grip`, a limit may take away all but that
-    share of a deviation, which makes a :class:`Block` of it.
+    true for it is noted as a :class:`SignalBound`; or, by `grip`, a limit may take away all but
+    that share of a deviation, which makes an :class:`UncertainGain` of it.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ class AffineAlgebra:
     ) -> None:
         self._rules, self._table = rules, table
         self.grip, self.is_search = grip, is_search
-        self.blocks: list[Block] = []
-        self.bounds: list[Bound] = []
+        self.blocks: list[UncertainGain] = []
+        self.bounds: list[SignalBound] = []
         self.gains: list[Gains] = []
         self.spread: list[tuple[int, int, Fraction, Fraction]] = []
 
@@ -275,11 +275,11 @@ class AffineAlgebra:
     def block(self, v: Affine, words: str) -> Affine:
         """Add a block with |w| ≤ |v|; return its answer."""
         name = f"w{len(self.blocks)}"
-        self.blocks.append(Block(name, v, words))
+        self.blocks.append(UncertainGain(name, v, words))
         return variable(name)
 
     def _note(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
-        self.bounds.append(Bound(x.deviation, low, high, words))
+        self.bounds.append(SignalBound(x.deviation, low, high, words))
 
     def require(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
         """Note that the deviation of a signal stays between two numbers around 0."""

@@ -13,7 +13,7 @@ from functools import cache
 
 import numpy as np
 
-from fuzzyarm.closed_loop.planes import Band, RulePlanes, TablePlanes, Zonotope
+from fuzzyarm.closed_loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.closed_loop.readings import pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked
 from fuzzyarm.expression.nodes import Constant, Node
@@ -133,7 +133,7 @@ class Zonotopes:
             return forms
         return self.fresh(clip(forms, variable.low, variable.high))
 
-    def _asked(self, band: Callable[[Zonotope], Band], given: Sequence[Forms]) -> Forms:
+    def _asked(self, band: Callable[[Zonotope], PlaneBand], given: Sequence[Forms]) -> Forms:
         """Return a value from the plane and the band of each box."""
         inputs = stacked(given)
         rows = range(inputs.shape[0])

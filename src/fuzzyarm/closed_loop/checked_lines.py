@@ -18,11 +18,11 @@ from fuzzyarm.closed_loop.evidence import Evidence, Gains
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.rule_pieces import RulePieces
 from fuzzyarm.closed_loop.slopes import Slope, applied
-from fuzzyarm.closed_loop.spans import Span, exactly
+from fuzzyarm.closed_loop.spans import RationalInterval, exactly
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Line", "Lines", "PiecesOfRules", "Unchecked", "combined", "number_line"]
+__all__ = ["LinearSignal", "LinearSignals", "PiecesOfRules", "Unchecked", "combined", "number_line"]
 
 NOTHING, UNIT = Fraction(0), Fraction(1)
 
@@ -30,24 +30,24 @@ LINEAR = ("add", "subtract", "negative", "multiply", "divide")
 """Operations of signals that move."""
 
 
-class Line(NamedTuple):
+class LinearSignal(NamedTuple):
     """A signal around rest: its value there, and weights of states and answers (``w0``, ``w1`` …).
 
     `low` and `high` are what it cannot leave, whatever they are, where that is known.
     """
 
-    rest: Span
+    rest: RationalInterval
     parts: Mapping[str, Fraction]
     low: Fraction | None = None
     high: Fraction | None = None
 
 
-def number_line(rest: Span) -> Line:
+def number_line(rest: RationalInterval) -> LinearSignal:
     """Return a signal that does not move."""
-    return Line(rest, {}, rest.low, rest.high)
+    return LinearSignal(rest, {}, rest.low, rest.high)
 
 
-class Lines:
+class LinearSignals:
     """Signals around rest, for a walk over the program; what is taken for granted is noted."""
 
     def __init__(self, evidence: Evidence, pieces: PiecesOfRules) -> None:
@@ -58,13 +58,13 @@ class Lines:
         self.blocks: list[tuple[Mapping[str, Fraction], str]] = []
         self.bounds: list[tuple[Mapping[str, Fraction], Fraction, str]] = []
 
-    def number(self, value: float) -> Line:
+    def number(self, value: float) -> LinearSignal:
         """Return a number of the program."""
         return number_line(exactly(value))
 
     # --- arithmetic ---
 
-    def apply(self, operation: str, arguments: list[Line]) -> Any:
+    def apply(self, operation: str, arguments: list[LinearSignal]) -> Any:
         """Return an operation, linear in what moves; of a comparison a bool."""
         if not any(x.parts for x in arguments) and operation not in LINEAR:
             line = applied(operation, [Slope(x.rest, {}) for x in arguments])
@@ -75,7 +75,7 @@ class Lines:
             raise LoopProofError(f"'{operation}' of a signal is not linear")
         return self._linear(operation, arguments)
 
-    def _linear(self, operation: str, arguments: list[Line]) -> Line:
+    def _linear(self, operation: str, arguments: list[LinearSignal]) -> LinearSignal:
         if operation == "negative":
             return self._scaled(arguments[0], -UNIT)
         a, b = arguments
@@ -87,14 +87,14 @@ class Lines:
             return self._times(a, b) if not b.parts else self._times(b, a)
         return self._times(a, number_line(exactly(UNIT).over(b.rest)), by=b)
 
-    def _chosen(self, operation: str, a: Line, b: Line) -> Any:
+    def _chosen(self, operation: str, a: LinearSignal, b: LinearSignal) -> Any:
         """Return a comparison, or the smaller or larger of two, as it is at rest."""
         if operation in ("less", "less_equal"):
             return self._is_less(a, b, or_equal=operation == "less_equal")
         # The one that counts at rest, as long as a row keeps the two in this order.
         return a if self._is_less(a, b, or_equal=True) == (operation == "minimum") else b
 
-    def _sum(self, a: Line, b: Line, factor: Fraction) -> Line:
+    def _sum(self, a: LinearSignal, b: LinearSignal, factor: Fraction) -> LinearSignal:
         parts = dict(a.parts)
         for name, weight in b.parts.items():
             total = parts.pop(name, NOTHING) + factor * weight
@@ -106,17 +106,19 @@ class Lines:
             for x, y in zip((a.low, a.high), ends, strict=True)
         )
         other = b.rest.times(exactly(factor))
-        return Line(a.rest.plus(other), parts, low, high)
+        return LinearSignal(a.rest.plus(other), parts, low, high)
 
-    def _scaled(self, a: Line, factor: Fraction) -> Line:
+    def _scaled(self, a: LinearSignal, factor: Fraction) -> LinearSignal:
         if not factor:
             return number_line(exactly(NOTHING))
         ends = (a.low, a.high) if factor > 0 else (a.high, a.low)
         low, high = (None if end is None else end * factor for end in ends)
         parts = {name: weight * factor for name, weight in a.parts.items()}
-        return Line(a.rest.times(exactly(factor)), parts, low, high)
+        return LinearSignal(a.rest.times(exactly(factor)), parts, low, high)
 
-    def _times(self, a: Line, factor: Line, by: Line | None = None) -> Line:
+    def _times(
+        self, a: LinearSignal, factor: LinearSignal, by: LinearSignal | None = None
+    ) -> LinearSignal:
         if factor.parts or (by is not None and by.parts):
             raise LoopProofError("two signals are multiplied, or one is divided by another")
         if factor.rest.is_point:
@@ -125,7 +127,7 @@ class Lines:
             raise LoopProofError("a signal is multiplied by an inexact value")
         return number_line(a.rest.times(factor.rest))
 
-    def _is_less(self, a: Line, b: Line, *, or_equal: bool) -> bool:
+    def _is_less(self, a: LinearSignal, b: LinearSignal, *, or_equal: bool) -> bool:
         """Tell whether a is below b at rest; it has to stay so."""
         way = self._sum(b, a, -UNIT)
         if not way.parts:
@@ -142,7 +144,7 @@ class Lines:
 
     # --- limits ---
 
-    def limit(self, x: Line, low: float, high: float) -> Line:
+    def limit(self, x: LinearSignal, low: float, high: float) -> LinearSignal:
         """Return ``min(max(x, low), high)``, or what is left of it at least."""
         lowest = None if math.isinf(low) else Fraction(low)
         highest = None if math.isinf(high) else Fraction(high)
@@ -153,9 +155,9 @@ class Lines:
         if not x.parts:
             span = x.rest
             if lowest is not None:
-                span = Span(max(span.low, lowest), max(span.high, lowest))
+                span = RationalInterval(max(span.low, lowest), max(span.high, lowest))
             if highest is not None:
-                span = Span(min(span.low, highest), min(span.high, highest))
+                span = RationalInterval(min(span.low, highest), min(span.high, highest))
             return number_line(span)
         words = f"a limit, {low:g} .. {high:g}"
         rooms, share = [], UNIT
@@ -185,7 +187,7 @@ class Lines:
         answer = self.block(
             {name: weight * (UNIT - share) / 2 for name, weight in x.parts.items()}, words
         )
-        return Line(x.rest, {**middle, answer: UNIT}, lowest, highest)
+        return LinearSignal(x.rest, {**middle, answer: UNIT}, lowest, highest)
 
     def block(self, v: Mapping[str, Fraction], words: str) -> str:
         """Add an unknown gain; return the name of its answer."""
@@ -194,7 +196,9 @@ class Lines:
 
     # --- rule bases and tables ---
 
-    def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Line]) -> Line:
+    def rules(
+        self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
+    ) -> LinearSignal:
         """Return what a rule base concludes, by what is claimed of it."""
         if not any(x.parts for x in inputs.values()):
             region = {name: (x.rest.low, x.rest.high) for name, x in inputs.items()}
@@ -216,7 +220,7 @@ class Lines:
                 combined([(inputs[n].parts, w) for n, w in claim.weights.items()]), low, high,
                 f"{sheet.name}, a gain in",
             )  # fmt: skip
-            return Line(exactly(NOTHING), parts, *claim.between)
+            return LinearSignal(exactly(NOTHING), parts, *claim.between)
         terms = []
         for name, x in inputs.items():
             if x.parts:
@@ -225,9 +229,9 @@ class Lines:
                     raise LoopProofError(f"'{sheet.name}' is steeper than is claimed of it")
                 words = f"{sheet.name}, its slope along {name} in"
                 terms.append((self._gain(x.parts, low, high, words), UNIT))
-        return Line(value, combined(terms), *claim.between)
+        return LinearSignal(value, combined(terms), *claim.between)
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Line]) -> Line:
+    def table(self, sheet: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
         """Return what a table says, by what is claimed of it."""
         if sheet.default_mode != "linear":
             raise LoopProofError("a table with steps jumps")
@@ -257,7 +261,7 @@ class Lines:
             terms.append((self._gain(x.parts, least, most, words), UNIT))
         rest = exactly(float(values[tuple(index)]))
         ends = Fraction(float(values.min())), Fraction(float(values.max()))
-        return Line(rest, combined(terms), *ends)
+        return LinearSignal(rest, combined(terms), *ends)
 
     def _claim(self) -> Gains:
         claim = next(self.gains, None)
@@ -266,7 +270,7 @@ class Lines:
         return claim
 
     def _region(
-        self, claim: Gains, inputs: Mapping[str, Line], of: str
+        self, claim: Gains, inputs: Mapping[str, LinearSignal], of: str
     ) -> dict[str, tuple[Fraction, Fraction]]:
         region = {}
         for name, x in inputs.items():
@@ -330,7 +334,7 @@ class PiecesOfRules:
         return self._known[key]
 
 
-class Unchecked(Lines):
+class Unchecked(LinearSignals):
     """Lines that lead to what is remembered: what rule bases and limits are asked is noted.
 
     Where both of two walks ask the same, they are answered the same: any answer will do.
@@ -340,20 +344,22 @@ class Unchecked(Lines):
         super().__init__(evidence, pieces)
         self.record: list[Any] = []
 
-    def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Line]) -> Line:
+    def rules(
+        self, sheet: RuleBase, output: str, inputs: Mapping[str, LinearSignal]
+    ) -> LinearSignal:
         """Return what a rule base concludes, by what is claimed of it."""
         self.record.append(dict(inputs))
         terms = [(x.parts, Fraction(1 + k)) for k, x in enumerate(inputs.values())]
         total = exactly(NOTHING)
         for k, x in enumerate(inputs.values()):
             total = total.plus(x.rest.times(exactly(Fraction(1 + k))))
-        return Line(total, combined(terms))
+        return LinearSignal(total, combined(terms))
 
-    def limit(self, x: Line, low: float, high: float) -> Line:
+    def limit(self, x: LinearSignal, low: float, high: float) -> LinearSignal:
         """Return ``min(max(x, low), high)``, or what is left of it at least."""
         self.record.append(x)
         return x
 
-    def table(self, sheet: LookupTable, inputs: Mapping[str, Line]) -> Line:
+    def table(self, sheet: LookupTable, inputs: Mapping[str, LinearSignal]) -> LinearSignal:
         """Return what a table says, by what is claimed of it."""
         return self.rules(sheet, "", inputs)  # type: ignore[arg-type]

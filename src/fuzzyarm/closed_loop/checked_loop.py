@@ -27,8 +27,8 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyarm.closed_loop.checked_lines import (
-    Line,
-    Lines,
+    LinearSignal,
+    LinearSignals,
     PiecesOfRules,
     Unchecked,
     combined,
@@ -39,7 +39,7 @@ from fuzzyarm.closed_loop.evidence import Evidence
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.program_walk import ProgramWalk
 from fuzzyarm.closed_loop.slopes import Slope, SlopeNumbers, slopes_of
-from fuzzyarm.closed_loop.spans import Span, exactly, hull
+from fuzzyarm.closed_loop.spans import RationalInterval, exactly, hull
 from fuzzyarm.expression.nodes import Apply, postorder, symbols
 from fuzzyarm.plant.plant import Address
 
@@ -87,7 +87,7 @@ class CheckedLoop:
         What other memory is before the first period.
     period : float
         s; 0 for a loop in continuous time.
-    drives : dict of (str, str) to Line
+    drives : dict of (str, str) to LinearSignal
         Inputs of the plant within its limits, by axis and port: held from one sample to the next.
     """
 
@@ -103,13 +103,13 @@ class CheckedLoop:
     seeds: Mapping[str, tuple[Fraction, Mapping[str, Fraction]]]
     begin: Mapping[str, Fraction]
     period: float
-    drives: Mapping[Address, Line]
+    drives: Mapping[Address, LinearSignal]
 
-    def within(self, reach: Mapping[str, float]) -> dict[str, Span]:
+    def within(self, reach: Mapping[str, float]) -> dict[str, RationalInterval]:
         """Return where states are that are no further from rest than a reach."""
         halves = {name: Fraction(reach[name]) + self.doubt[name] for name in self.names}
         return {
-            name: Span(self.rest[name] - half, self.rest[name] + half)
+            name: RationalInterval(self.rest[name] - half, self.rest[name] + half)
             for name, half in halves.items()
         }
 
@@ -208,7 +208,7 @@ class _Derivation:
 
     # --- rest ---
 
-    def _rest(self) -> dict[str, Span]:
+    def _rest(self) -> dict[str, RationalInterval]:
         """Return an interval for each of z that holds a rest of the loop, which is proved."""
         if set(self.evidence.rest) != set(self.names):
             raise LoopProofError("its rest is of other states")
@@ -221,16 +221,16 @@ class _Derivation:
         if not all(radius > 0 for radius in doubt.values()):
             raise LoopProofError("its rest has no room")
         box = {
-            name: Span(middle[name].low - doubt[name], middle[name].low + doubt[name])
+            name: RationalInterval(middle[name].low - doubt[name], middle[name].low + doubt[name])
             for name in self.names
         }
         self._demand_krawczyk(middle, box)
         return box
 
-    def _motion(self, at: Mapping[str, Span]) -> list[Span]:
+    def _motion(self, at: Mapping[str, RationalInterval]) -> list[RationalInterval]:
         return [slope.value for slope in self._steered(at, ())]
 
-    def _steered(self, at: Mapping[str, Span], variables: Sequence[str]) -> list[Slope]:
+    def _steered(self, at: Mapping[str, RationalInterval], variables: Sequence[str]) -> list[Slope]:
         """Return the rates of the plant and the steps of the memory, which are 0 at rest."""
         values = {
             name: Slope(span, {name: exactly(UNIT)} if name in variables else {})
@@ -262,10 +262,12 @@ class _Derivation:
             key: values[name] for key, name in zip(equations.states, problem.states, strict=True)
         }
         for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
-            seeds[key] = Slope(Span(Fraction(span.low), Fraction(span.high)), {})
+            seeds[key] = Slope(RationalInterval(Fraction(span.low), Fraction(span.high)), {})
         return seeds
 
-    def _demand_krawczyk(self, middle: Mapping[str, Span], box: Mapping[str, Span]) -> None:
+    def _demand_krawczyk(
+        self, middle: Mapping[str, RationalInterval], box: Mapping[str, RationalInterval]
+    ) -> None:
         """Refuse a box unless there is a rest in it, and one only."""
         names, size = self.names, len(self.names)
         f = self._motion(middle)
@@ -285,7 +287,7 @@ class _Derivation:
                 slope = dot(y[i], [jacobian[k][j] for k in range(size)])
                 gap = exactly(Fraction(int(i == j))).minus(slope)
                 half = box[other].radius
-                total = total.plus(gap.times(Span(-half, half)))
+                total = total.plus(gap.times(RationalInterval(-half, half)))
             if not (total.size < box[name].radius):
                 raise LoopProofError("that there is a rest in its interval is not proved")
 
@@ -294,8 +296,8 @@ class _Derivation:
     def loop(self) -> CheckedLoop:
         """Return the matrices."""
         problem, names = self.problem, self.names
-        lines = Lines(self.evidence, self.pieces)
-        z = {name: Line(self.rest[name], {name: UNIT}) for name in names}
+        lines = LinearSignals(self.evidence, self.pieces)
+        z = {name: LinearSignal(self.rest[name], {name: UNIT}) for name in names}
         inputs, after = self._period(lines, z)
         if next(lines.gains, None) is not None:
             raise LoopProofError("it claims something of a rule base that is not there")
@@ -329,9 +331,9 @@ class _Derivation:
         )
 
     def _period(
-        self, lines: Lines, z: Mapping[str, Line], *, first: bool = False,
-        states: Mapping[str, Line] | None = None,
-    ) -> tuple[dict[Address, Line], dict[str, Line]]:  # fmt: skip
+        self, lines: LinearSignals, z: Mapping[str, LinearSignal], *, first: bool = False,
+        states: Mapping[str, LinearSignal] | None = None,
+    ) -> tuple[dict[Address, LinearSignal], dict[str, LinearSignal]]:  # fmt: skip
         problem = self.problem
         outputs = {
             address: self._output(k, z) for k, address in enumerate(problem.site.interface.outputs)
@@ -341,7 +343,7 @@ class _Derivation:
             states = dict(zip(self.memory, list(slopes)[len(problem.states) :], strict=True))
         return self.walk.period(lines, outputs, states, first=first)
 
-    def _output(self, index: int, z: Mapping[str, Line]) -> Line:
+    def _output(self, index: int, z: Mapping[str, LinearSignal]) -> LinearSignal:
         """Return an output of the plant, which has to be affine, by its slopes."""
         names = self.problem.states
         root = self.equations.outputs[index]
@@ -351,15 +353,15 @@ class _Derivation:
             # A measured state is itself, exactly, even where its rest is known by an interval.
             if getattr(root, "name", "") == key:
                 return z[names[k]]
-        wide = {n: Slope(Span(-FAR, FAR), {n: exactly(UNIT)})
+        wide = {n: Slope(RationalInterval(-FAR, FAR), {n: exactly(UNIT)})
                 for n in names}  # fmt: skip
         again = slopes_of([root], self._plant_values(wide))[0]
         if again.along != slope.along or not all(x.is_point for x in slope.along.values()):
             raise LoopProofError("an output of the plant is not affine")
         parts = {name: x.low for name, x in slope.along.items() if x.low}
-        return Line(slope.value, parts)
+        return LinearSignal(slope.value, parts)
 
-    def _demand_other_memory_is_still(self, after: Mapping[str, Line]) -> None:
+    def _demand_other_memory_is_still(self, after: Mapping[str, LinearSignal]) -> None:
         """Refuse memory that is no row of P, is read, and does not stay as it begins."""
         for key in self.walk.read - set(self.memory):
             line, start = after[key], exactly(self.walk.states[key])
@@ -369,14 +371,17 @@ class _Derivation:
     # --- the plant ---
 
     def _plant_rows(
-        self, lines: Lines, z: Mapping[str, Line], inputs: Mapping[Address, Line]
+        self,
+        lines: LinearSignals,
+        z: Mapping[str, LinearSignal],
+        inputs: Mapping[Address, LinearSignal],
     ) -> list[tuple[dict[str, Fraction], dict[str, Fraction]]]:
         """Return the weights of the plant's next states, or rates, and how far they may be off."""
         problem, equations = self.problem, self.equations
         matrix = self._matrix(lines, inputs)
         signals = [z[name].parts for name in problem.states]
         signals += [line.parts for line in inputs.values()]
-        spread = {(k, j): Span(low, high) for k, j, low, high in self.evidence.spread}
+        spread = {(k, j): RationalInterval(low, high) for k, j, low, high in self.evidence.spread}
         rows = []
         for k, name in enumerate(problem.states):
             terms, off = [], []
@@ -399,7 +404,9 @@ class _Derivation:
             rows.append((combined(terms), combined(off)))
         return rows
 
-    def _matrix(self, lines: Lines, inputs: Mapping[Address, Line]) -> list[list[Span]]:
+    def _matrix(
+        self, lines: LinearSignals, inputs: Mapping[Address, LinearSignal]
+    ) -> list[list[RationalInterval]]:
         """Return the slopes of the plant's motion over a period, or of its rates."""
         ranges = self._ranges(lines, inputs)
         flat = not self.evidence.box
@@ -407,7 +414,7 @@ class _Derivation:
         if flat:
             # Affine equations have the same slopes everywhere: as far as numbers go here.
             far = {key: span if key in self.equations.parameters else hull(
-                span, Span(-FAR, FAR)) for key, span in ranges.items()}  # fmt: skip
+                span, RationalInterval(-FAR, FAR)) for key, span in ranges.items()}  # fmt: skip
             if self._jacobian(far) != jacobian:
                 raise LoopProofError("the plant is not affine, and there is no box")
         if self.continuous:
@@ -418,7 +425,7 @@ class _Derivation:
             jacobian = self._jacobian(self._around_motion(ranges))
         return flow_over(jacobian, exactly(self.problem.period))
 
-    def _jacobian(self, ranges: Mapping[str, Span]) -> list[list[Span]]:
+    def _jacobian(self, ranges: Mapping[str, RationalInterval]) -> list[list[RationalInterval]]:
         variables = (*self.equations.states, *self.equations.inputs)
         values = {
             key: Slope(span, {key: exactly(UNIT)} if key in variables else {})
@@ -428,11 +435,13 @@ class _Derivation:
         zero = exactly(NOTHING)
         return [[slope.along.get(key, zero) for key in variables] for slope in slopes]
 
-    def _ranges(self, lines: Lines, inputs: Mapping[Address, Line]) -> dict[str, Span]:
+    def _ranges(
+        self, lines: LinearSignals, inputs: Mapping[Address, LinearSignal]
+    ) -> dict[str, RationalInterval]:
         """Return where states, inputs and parameters are at a sample."""
         problem, equations = self.problem, self.equations
         ranges = {
-            key: Span(Fraction(span.low), Fraction(span.high))
+            key: RationalInterval(Fraction(span.low), Fraction(span.high))
             for key, span in zip(equations.parameters, problem.parameters.values(), strict=True)
         }
         for key, name in zip(equations.states, problem.states, strict=True):
@@ -441,7 +450,7 @@ class _Derivation:
                 lines.bounds.append(({name: UNIT}, half, f"the box of '{name}'"))
             elif self.evidence.box:
                 raise LoopProofError(f"'{name}' has no box")
-            ranges[key] = Span(rest.low - half, rest.high + half)
+            ranges[key] = RationalInterval(rest.low - half, rest.high + half)
         for key, (address, line) in zip(equations.inputs, inputs.items(), strict=True):
             port = problem.site.interface.inputs[address]
             ends = [
@@ -453,20 +462,20 @@ class _Derivation:
                 for limit, bound in ((port.low, line.low), (port.high, line.high))
             ]
             if all(ends):
-                ranges[key] = Span(max(ends[0]), min(ends[1]))
+                ranges[key] = RationalInterval(max(ends[0]), min(ends[1]))
             elif self.evidence.box:
                 raise LoopProofError("an input of the plant has no bound")
             else:
                 ranges[key] = line.rest
         return ranges
 
-    def _around_motion(self, ranges: Mapping[str, Span]) -> dict[str, Span]:
+    def _around_motion(self, ranges: Mapping[str, RationalInterval]) -> dict[str, RationalInterval]:
         return around_motion(self.problem, ranges)
 
     # --- how it begins ---
 
     def _beginning(
-        self, z: Mapping[str, Line]
+        self, z: Mapping[str, LinearSignal]
     ) -> tuple[dict[str, tuple[Fraction, Mapping[str, Fraction]]], dict[str, Fraction]]:
         """Return what memory is as the loop begins, by states of the plant."""
         names = dict(zip(self.memory, self.names[len(self.problem.states) :], strict=True))
@@ -481,7 +490,7 @@ class _Derivation:
         # What begins as it first sees is as if it had been so before: both periods are the same.
         try:
             results = []
-            states: dict[str, Line] = {
+            states: dict[str, LinearSignal] = {
                 key: number_line(exactly(self.walk.states[key])) for key in self.memory
             }
             for first in (True, False):

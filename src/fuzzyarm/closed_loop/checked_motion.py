@@ -8,14 +8,14 @@ from fractions import Fraction
 
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.slopes import Slope, slopes_of
-from fuzzyarm.closed_loop.spans import Span, exactly, hull
+from fuzzyarm.closed_loop.spans import RationalInterval, exactly, hull
 
 __all__ = ["around_motion", "dot", "flow_over", "output_between_samples"]
 
 NOTHING = Fraction(0)
 
 
-def dot(row: Sequence[Span], column: Sequence[Span]) -> Span:
+def dot(row: Sequence[RationalInterval], column: Sequence[RationalInterval]) -> RationalInterval:
     """Return a sum of products."""
     total = exactly(NOTHING)
     for x, y in zip(row, column, strict=True):
@@ -28,7 +28,9 @@ LAST = 16
 """The highest power of the series of a motion at least."""
 
 
-def flow_over(jacobian: Sequence[Sequence[Span]], h: Span) -> list[list[Span]]:
+def flow_over(
+    jacobian: Sequence[Sequence[RationalInterval]], h: RationalInterval
+) -> list[list[RationalInterval]]:
     """Return 1 + ∫J + ∬J J + … over a period: the k-th term lies in hᵏ/k! Jᵏ.
 
     Whatever J does within its intervals; where J is constant this is its matrix exponential.
@@ -51,18 +53,18 @@ def flow_over(jacobian: Sequence[Sequence[Span]], h: Span) -> list[list[Span]]:
                  for a, b in zip(total, term, strict=True)]  # fmt: skip
     # Terms fall by more than half from here on.
     tail = 2 * norm ** (last + 1) / math.factorial(last + 1)
-    around = Span(-tail, tail)
+    around = RationalInterval(-tail, tail)
     return [[x.plus(around) for x in row] for row in total[:count]]
 
 
 def around_motion(
-    problem: LoopProblem, ranges: Mapping[str, Span], time: Fraction | None = None
-) -> dict[str, Span]:
+    problem: LoopProblem, ranges: Mapping[str, RationalInterval], time: Fraction | None = None
+) -> dict[str, RationalInterval]:
     """Return a box that no motion which begins in the given one leaves in a period, or a time."""
     equations = problem.equations
-    whole = Span(NOTHING, Fraction(problem.period) if time is None else time)
+    whole = RationalInterval(NOTHING, Fraction(problem.period) if time is None else time)
 
-    def moved(box: Mapping[str, Span]) -> dict[str, Span]:
+    def moved(box: Mapping[str, RationalInterval]) -> dict[str, RationalInterval]:
         rates = slopes_of(equations.rates, {key: Slope(span, {}) for key, span in box.items()})
         after = {
             key: ranges[key].plus(whole.times(rate.value))
@@ -79,25 +81,27 @@ def around_motion(
         for key in equations.states:
             both = hull(wide[key], box[key])
             more = both.radius / 100 + Fraction(1, 10**12)
-            wide[key] = Span(both.low - more, both.high + more)
+            wide[key] = RationalInterval(both.low - more, both.high + more)
     raise LoopProofError("the motion within a period was not enclosed")
 
 
-def output_between_samples(problem: LoopProblem, around: Mapping[str, Span], output: str) -> Span:
+def output_between_samples(
+    problem: LoopProblem, around: Mapping[str, RationalInterval], output: str
+) -> RationalInterval:
     """Return where an output can be from one sample to the next.
 
     Parameters
     ----------
     problem : LoopProblem
         The loop.
-    around : mapping of str to Span
+    around : mapping of str to RationalInterval
         By state, where it is at the sample.
     output : str
         A port of the plant.
     """
     equations, interface = problem.equations, problem.site.interface
     ranges = {
-        key: Span(Fraction(span.low), Fraction(span.high))
+        key: RationalInterval(Fraction(span.low), Fraction(span.high))
         for key, span in zip(equations.parameters, problem.parameters.values(), strict=True)
     }
     for key, name in zip(equations.states, problem.states, strict=True):
@@ -105,7 +109,7 @@ def output_between_samples(problem: LoopProblem, around: Mapping[str, Span], out
     for key, port in zip(equations.inputs, interface.inputs.values(), strict=True):
         if math.isinf(port.high - port.low):
             raise LoopProofError("an input of the plant has no bound")
-        ranges[key] = Span(Fraction(port.low), Fraction(port.high))
+        ranges[key] = RationalInterval(Fraction(port.low), Fraction(port.high))
     moving = around_motion(problem, ranges)
     root = equations.outputs[list(interface.outputs).index(interface.port(output))]
     values = {key: Slope(span, {}) for key, span in moving.items()}

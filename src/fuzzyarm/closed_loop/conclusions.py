@@ -16,7 +16,7 @@ import numpy as np
 from fuzzyarm.closed_loop.affine import ONE, ZERO, Affine, AffineAlgebra, Rules, number
 from fuzzyarm.closed_loop.enclosure import Intervals
 from fuzzyarm.closed_loop.evidence import Gains
-from fuzzyarm.closed_loop.form import Choice
+from fuzzyarm.closed_loop.form import Assumptions
 from fuzzyarm.closed_loop.outward import around, end_of
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.model.rulebase import RuleBase
@@ -99,7 +99,7 @@ class Conclusions:
             universes.append((variable.name, Fraction(variable.low), Fraction(variable.high)))
         return universes
 
-    def concluding(self, choice: Choice) -> Rules:
+    def concluding(self, choice: Assumptions) -> Rules:
         """Return what stands for rule bases in a form."""
 
         def rules(
@@ -114,7 +114,7 @@ class Conclusions:
 
     def _conclusion(
         self,
-        choice: Choice,
+        choice: Assumptions,
         algebra: AffineAlgebra,
         sheet: RuleBase,
         output: str,
@@ -159,7 +159,11 @@ class Conclusions:
         return Affine(value, parts.parts, *ends)
 
     def _region(
-        self, choice: Choice, algebra: AffineAlgebra, prover: Prover, inputs: Mapping[str, Affine]
+        self,
+        choice: Assumptions,
+        algebra: AffineAlgebra,
+        prover: Prover,
+        inputs: Mapping[str, Affine],
     ) -> dict[str, tuple[float, float]]:
         """Return where inputs are taken to be, which is noted."""
         rest = {name: variable.constant for name, variable in inputs.items()}
@@ -237,7 +241,7 @@ class Conclusions:
         ]
         return number(float(sheet.lookup(*at)))
 
-    def tabled(self, choice: Choice) -> Tables:
+    def tabled(self, choice: Assumptions) -> Tables:
         """Return what stands for tables in a form."""
 
         def table(
@@ -262,7 +266,7 @@ def _gain(
 
 
 def _table_form(
-    choice: Choice, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+    choice: Assumptions, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
 ) -> Affine:
     """Return a table that is interpolated as slopes along each input, around rest."""
     if sheet.default_mode != "linear":

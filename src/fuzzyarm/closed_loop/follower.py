@@ -30,7 +30,7 @@ from fuzzyarm.expression.operations import Interval
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 
-__all__ = ["Box", "Course", "Demand", "Follower", "Goal"]
+__all__ = ["Box", "Demand", "FollowedBoxes", "Follower", "Goal"]
 
 Vector = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ class Box(NamedTuple):
         )
 
 
-class Course(NamedTuple):
+class FollowedBoxes(NamedTuple):
     """What came of boxes that were followed side by side; times in control periods.
 
     Attributes
@@ -119,7 +119,7 @@ class Course(NamedTuple):
     weight: Vector
     undone: NDArray[np.bool_]
 
-    def part(self, which: NDArray[np.bool_]) -> Course:
+    def part(self, which: NDArray[np.bool_]) -> FollowedBoxes:
         """Return what came of some of the boxes."""
         return self._replace(
             between=self.between[:, :, which],
@@ -174,7 +174,7 @@ class Follower:
     labels : list of str
         Of the ports: outputs, then inputs.
     last_weight : ndarray, shape (dimensions, boxes)
-        The weight of a :class:`Course`, of boxes that could not be followed to the end, too.
+        The weight of a :class:`FollowedBoxes`, of boxes that could not be followed to the end, too.
     """
 
     def __init__(
@@ -231,7 +231,7 @@ class Follower:
 
     # --- one batch ---
 
-    def follow(self, boxes: Sequence[Box], *, whole: bool = True) -> Course:
+    def follow(self, boxes: Sequence[Box], *, whole: bool = True) -> FollowedBoxes:
         """Follow boxes side by side; EnclosureError where one of them cannot be.
 
         Unless the `whole` course is wanted, it ends where no box is left that all demands hold of.
@@ -239,7 +239,7 @@ class Follower:
         with np.errstate(all="ignore"):  # what is not finite is refused in each period
             return self._follow(boxes, whole=whole)
 
-    def _follow(self, boxes: Sequence[Box], *, whole: bool) -> Course:
+    def _follow(self, boxes: Sequence[Box], *, whole: bool) -> FollowedBoxes:
         batch, count = len(boxes), len(self.first.low)
         algebra = Zonotopes(batch, self.planes)
         control = ControlPeriod[Number](self.problem, algebra)
@@ -291,7 +291,7 @@ class Follower:
             if clock.monotonic() > self.until:
                 raise EnclosureError("time is over")
             states, memory = self._fewer(states, memory, count, algebra)
-        return Course(
+        return FollowedBoxes(
             np.array(begins),
             np.array(ends),
             Intervals(np.stack([x.low for x in between]), np.stack([x.high for x in between])),

@@ -16,18 +16,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from fuzzyarm.closed_loop.affine import ONE, ZERO, Affine, Bound
+from fuzzyarm.closed_loop.affine import ONE, ZERO, Affine, SignalBound
 from fuzzyarm.closed_loop.evidence import Evidence
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.plant.plant import Address
 
-__all__ = ["Choice", "Form", "Matrix", "row_of"]
+__all__ = ["Assumptions", "Form", "Matrix", "row_of"]
 
 Matrix = tuple[tuple[Fraction, ...], ...]
 
 
 @dataclass(frozen=True)
-class Choice:
+class Assumptions:
     """What a form may take for granted; the smaller, the nearer to linear it is.
 
     Attributes
@@ -72,7 +72,7 @@ class Form:
         ``[Cₖ Dₖ]`` of each block; Dₖ reads the answers of blocks before it only.
     words : tuple of str
         What each block is.
-    bounds : tuple of Bound
+    bounds : tuple of SignalBound
         Where the form is the loop.
     outputs : dict of (str, str) to Affine
         Outputs and inputs of the plant, by axis and port.
@@ -91,7 +91,7 @@ class Form:
     radius: Matrix
     blocks: Matrix
     words: tuple[str, ...]
-    bounds: tuple[Bound, ...]
+    bounds: tuple[SignalBound, ...]
     outputs: Mapping[Address, Affine]
     seeds: Mapping[str, Affine]
     period: float

@@ -17,7 +17,7 @@ from fuzzyarm.closed_loop.affine import (
 )
 from fuzzyarm.closed_loop.conclusions import Conclusions
 from fuzzyarm.closed_loop.evidence import Evidence
-from fuzzyarm.closed_loop.form import Choice, Form, row_of
+from fuzzyarm.closed_loop.form import Assumptions, Form, row_of
 from fuzzyarm.closed_loop.outward import exact_bounds
 from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.resting import rest_in_floats
@@ -68,9 +68,9 @@ class FormMaker:
         self.plant = SampledPlant(problem, self.rest)
 
     def _memory_names(self) -> list[str]:
-        return list(ControlPeriod(self.problem, self._algebra(Choice())).memory)
+        return list(ControlPeriod(self.problem, self._algebra(Assumptions())).memory)
 
-    def _algebra(self, choice: Choice, *, is_search: bool = False) -> AffineAlgebra:
+    def _algebra(self, choice: Assumptions, *, is_search: bool = False) -> AffineAlgebra:
         of = self._conclusions
         rules = of.resting if is_search else of.concluding(choice)
         table = of.resting_table if is_search else of.tabled(choice)
@@ -119,7 +119,7 @@ class FormMaker:
     @property
     def begin(self) -> dict[str, float]:
         """What is remembered before the first period; NaN for what begins as it first sees."""
-        return dict(ControlPeriod(self.problem, self._algebra(Choice())).memory)
+        return dict(ControlPeriod(self.problem, self._algebra(Assumptions())).memory)
 
     # --- rest ---
 
@@ -136,7 +136,7 @@ class FormMaker:
         return rest
 
     def _rest_of_affine(self, names: Sequence[str]) -> dict[str, Fraction]:
-        algebra = self._algebra(Choice(), is_search=True)
+        algebra = self._algebra(Assumptions(), is_search=True)
         states = {name: variable(name) for name in names}
         inputs, after, _ = self._one_period(algebra, states)
         rates = self._rates(algebra, states, inputs)
@@ -164,7 +164,7 @@ class FormMaker:
             for key, name in zip(self.equations.states, problem.states, strict=True):
                 if isinstance(root, Symbol) and root.name == key:
                     rest[name] = Fraction(problem.set_point[address])
-        algebra = self._algebra(Choice(), is_search=True)
+        algebra = self._algebra(Assumptions(), is_search=True)
         states = {name: number(value) for name, value in rest.items()}
         try:
             inputs, after, _ = self._one_period(algebra, states)
@@ -177,12 +177,12 @@ class FormMaker:
 
     # --- the form ---
 
-    def form(self, choice: Choice, *, continuous: bool = False) -> Form:
+    def form(self, choice: Assumptions, *, continuous: bool = False) -> Form:
         """Return the loop as matrices.
 
         Parameters
         ----------
-        choice : Choice
+        choice : Assumptions
             What may be taken for granted.
         continuous : bool
             As if the controller ran without a period: of one without memory.
@@ -229,7 +229,7 @@ class FormMaker:
             self._evidence(choice, algebra),
         )
 
-    def _evidence(self, choice: Choice, algebra: AffineAlgebra) -> Evidence:
+    def _evidence(self, choice: Assumptions, algebra: AffineAlgebra) -> Evidence:
         """Return what a certificate says of this form."""
         doubt = {
             name: ZERO if self.is_exact else Fraction(DOUBT) * max(abs(x), ONE)
@@ -278,7 +278,7 @@ class FormMaker:
             ranges[key] = (Fraction(span.low), Fraction(span.high))
         return ranges
 
-    def _seeds(self, choice: Choice) -> dict[str, Affine]:
+    def _seeds(self, choice: Assumptions) -> dict[str, Affine]:
         """Return memory that starts as what it first sees, by states of the plant."""
         algebra = self._algebra(choice, is_search=True)
         states = {name: variable(name, self.rest[name]) for name in self.problem.states}

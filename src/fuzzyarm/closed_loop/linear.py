@@ -26,13 +26,13 @@ from numpy.typing import NDArray
 from fuzzyarm.closed_loop.form import Form, Matrix
 from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
 
-__all__ = ["Candidate", "candidate"]
+__all__ = ["CertificateCandidate", "candidate"]
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Candidate:
+class CertificateCandidate:
     """What may prove a form: to be checked.
 
     Attributes
@@ -57,7 +57,7 @@ def candidate(
     within: Sequence[tuple[Sequence[Fraction], Fraction]] = (),
     rate: float = 0.0,
     rounds: int = 4,
-) -> Candidate | None:
+) -> CertificateCandidate | None:
     """Return a Lyapunov function whose level set is large; None where none was found.
 
     Parameters
@@ -119,7 +119,7 @@ def candidate(
     p = first.T @ np.tensordot(y[:count], basis, 1) @ first
     taus = y[count:] / units**2
     volume = -0.5 * float(np.linalg.slogdet(p)[1])
-    return Candidate(_rationals(p), tuple(_short(x) for x in taus), volume)
+    return CertificateCandidate(_rationals(p), tuple(_short(x) for x in taus), volume)
 
 
 def _floats(matrix: Sequence[Sequence[Fraction]]) -> Vector:

@@ -36,11 +36,11 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import FLOATS, Stop
 from fuzzyarm.proof.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.bounds import WIDENED, UnprovableError
-from fuzzyarm.proof.prover import Prover, Question
+from fuzzyarm.proof.prover import Prover, QuotientProblem
 from fuzzyarm.proof.surface import Surface
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Band", "RulePlanes", "TablePlanes", "Zonotope"]
+__all__ = ["PlaneBand", "RulePlanes", "TablePlanes", "Zonotope"]
 
 Vector = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ class Zonotope(NamedTuple):
         return np.asarray(np.abs(self.generators).sum(axis=1) * (1.0 + 1e-12) + 1e-300)
 
 
-class Band(NamedTuple):
+class PlaneBand(NamedTuple):
     """Between which planes a value lies: ``k·x + low`` and ``k·x + high``."""
 
     slopes: Vector
@@ -158,7 +158,7 @@ class RulePlanes:
     def _whole(self) -> tuple[Quotients, float]:
         """All pieces, their corners as inputs, and the centre."""
         prover = self.prover
-        surface = prover.surface(Question(prover.box({}), Surface.value), FLOATS)
+        surface = prover.surface(QuotientProblem(prover.box({}), Surface.value), FLOATS)
         quotients = surface.value()
         grid = surface.pieces.grid
         corners = quotients.corners.copy()
@@ -184,7 +184,7 @@ class RulePlanes:
         slack = 1e-12 * (1.0 + np.abs(corners).max(initial=0.0))
         return corners.min(axis=1) - slack, corners.max(axis=1) + slack
 
-    def band(self, inputs: Zonotope) -> Band:
+    def band(self, inputs: Zonotope) -> PlaneBand:
         """Return a plane and the band around it over a set of inputs, which lie in their ranges."""
         if not self.has_pieces:
             return self._plain(inputs)
@@ -213,20 +213,20 @@ class RulePlanes:
     def _banded(
         self, slopes: Vector, offset: float, centre: Vector, radius: Vector, lows: Vector,
         highs: Vector,
-    ) -> Band:  # fmt: skip
+    ) -> PlaneBand:  # fmt: skip
         low, high = float(lows.min()), float(highs.max())
         if not (math.isfinite(low) and math.isfinite(high)):
             ends = self.range
             if not math.isfinite(ends[1] - ends[0]):
                 raise EnclosureError(f"'{self.output}' has no bound here")
-            return Band(np.zeros_like(slopes), *ends)
+            return PlaneBand(np.zeros_like(slopes), *ends)
         # k·(x - c) + offset, written as k·x: the products are rounded.
         shift = offset - float(slopes @ centre)
         size = abs(offset) + float(np.abs(slopes) @ (np.abs(centre) + radius))
         more = WIDENED * (self.prover.range + size) + OFF * (abs(low) + abs(high))
-        return Band(slopes, shift + low - more, shift + high + more)
+        return PlaneBand(slopes, shift + low - more, shift + high + more)
 
-    def _plain(self, inputs: Zonotope) -> Band:
+    def _plain(self, inputs: Zonotope) -> PlaneBand:
         radius = inputs.radius
         region = {
             name: (float(c - r), float(c + r))
@@ -234,7 +234,7 @@ class RulePlanes:
         }
         self.prover.stop = Stop(1.0)
         bounds = self.prover.value(region)
-        return Band(np.zeros(len(radius)), bounds.low, bounds.high)
+        return PlaneBand(np.zeros(len(radius)), bounds.low, bounds.high)
 
     def _near(self, pieces: Quotients, inputs: Zonotope) -> Quotients:
         """Return the pieces that a set may meet: along its axes and those of its box."""
@@ -451,7 +451,7 @@ class TablePlanes:
 
     table: LookupTable
 
-    def band(self, inputs: Zonotope) -> Band:
+    def band(self, inputs: Zonotope) -> PlaneBand:
         """Return a plane and the band around it over a set of inputs."""
         table, mode = self.table, self.table.default_mode
         centre, radius = inputs.centre, inputs.radius
@@ -473,7 +473,7 @@ class TablePlanes:
         gaps = heights - points @ slopes
         size = np.abs(heights).max() + float(np.abs(slopes) @ np.abs(points).max(axis=0))
         more = 1e-12 * size
-        return Band(slopes, float(gaps.min()) - more, float(gaps.max()) + more)
+        return PlaneBand(slopes, float(gaps.min()) - more, float(gaps.max()) + more)
 
     def _value(self, parts: Any, ends: Any) -> float:
         """Return what the table says at a corner of a cell, seen from within the cell."""

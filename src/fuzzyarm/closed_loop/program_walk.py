@@ -20,10 +20,10 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Numbers", "ProgramWalk"]
+__all__ = ["NumberSystem", "ProgramWalk"]
 
 
-class Numbers(Protocol):
+class NumberSystem(Protocol):
     """A kind of number: what operations are, and what rule bases and tables say."""
 
     def number(self, value: float) -> Any:
@@ -97,7 +97,7 @@ class ProgramWalk:
 
     def period(
         self,
-        numbers: Numbers,
+        numbers: NumberSystem,
         outputs: Mapping[Address, Any],
         states: Mapping[str, Any],
         *,
@@ -107,7 +107,7 @@ class ProgramWalk:
 
         Parameters
         ----------
-        numbers : Numbers
+        numbers : NumberSystem
             What it is done with.
         outputs : mapping
             Of the plant, by axis and port.

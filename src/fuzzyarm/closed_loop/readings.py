@@ -30,7 +30,7 @@ from fuzzyarm.expression.nodes import (
 
 __all__ = [
     "CONDITIONS",
-    "UnreadableError",
+    "UnenclosedError",
     "applied",
     "as_forms",
     "choice_of",
@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 
-class UnreadableError(FuzzyarmError, ValueError):
+class UnenclosedError(FuzzyarmError, ValueError):
     """An expression has an operation of which nothing is enclosed; the message names it."""
 
 
@@ -53,7 +53,7 @@ def readable(root: Node) -> Node:
 
     Raises
     ------
-    UnreadableError
+    UnenclosedError
         If it has another one.
     """
     nodes: dict[Node, Node] = {}
@@ -110,7 +110,7 @@ def _rewritten(operation: str, arguments: tuple[Node, ...]) -> Node:
         return _power(*arguments)
     rewrite = _IN_OTHERS.get(operation)
     if rewrite is None:
-        raise UnreadableError(f"no enclosure is known for '{operation}'")
+        raise UnenclosedError(f"no enclosure is known for '{operation}'")
     return readable(rewrite(*arguments))
 
 
@@ -126,7 +126,7 @@ def _choice(condition: Node, then: Node, otherwise: Node) -> Node:
 
 def _power(base: Node, exponent: Node) -> Node:
     if not isinstance(exponent, Constant):
-        raise UnreadableError("no enclosure is known for 'power' with an exponent that changes")
+        raise UnenclosedError("no enclosure is known for 'power' with an exponent that changes")
     number = exponent.value
     if number == 0.5:
         return apply("sqrt", base)

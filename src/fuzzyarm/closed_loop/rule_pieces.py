@@ -20,7 +20,7 @@ from math import comb, factorial, prod
 from typing import NamedTuple
 
 from fuzzyarm.closed_loop.problem import LoopProofError
-from fuzzyarm.closed_loop.spans import Span
+from fuzzyarm.closed_loop.spans import RationalInterval
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.bernstein import lattice
@@ -40,7 +40,7 @@ DEEPEST = 14
 Region = Mapping[str, tuple[Fraction, Fraction]]
 
 
-class Piece(NamedTuple):
+class SimplexPiece(NamedTuple):
     """A simplex and an output on it, ``upper / lower``."""
 
     corners: tuple[tuple[Fraction, ...], ...]
@@ -72,18 +72,20 @@ class RulePieces:
             self.model: Straight = straight(rulebase, output)
         except NotStraightError as error:
             raise LoopProofError(f"'{rulebase.name}' is not made of straight pieces") from error
-        self._pieces: dict[object, tuple[list[Piece], bool]] = {}
+        self._pieces: dict[object, tuple[list[SimplexPiece], bool]] = {}
 
     # ── the pieces ───────────────────────────────────────────────────────────────────
 
-    def _cut(self, region: Region) -> tuple[list[Piece], bool]:
+    def _cut(self, region: Region) -> tuple[list[SimplexPiece], bool]:
         """Return the pieces over a region, and whether a term jumps in it."""
         key = tuple(region[name] for name in self.names)
         if key not in self._pieces:
             self._pieces[key] = self._newly_cut(key)
         return self._pieces[key]
 
-    def _newly_cut(self, box: tuple[tuple[Fraction, Fraction], ...]) -> tuple[list[Piece], bool]:
+    def _newly_cut(
+        self, box: tuple[tuple[Fraction, Fraction], ...]
+    ) -> tuple[list[SimplexPiece], bool]:
         for variable, (low, high) in zip(self.rulebase.inputs, box, strict=True):
             if not variable.low <= low <= high <= variable.high:
                 raise LoopProofError(f"'{variable.name}' leaves its universe")
@@ -117,11 +119,11 @@ class RulePieces:
                 place = dict(points)
                 place.update(zip(free, cells.position(int(owner), corner), strict=True))
                 cell_index.append(tuple(place[k] for k in range(len(box))))
-            pieces.append(Piece(tuple(cell_index), upper, lower))
+            pieces.append(SimplexPiece(tuple(cell_index), upper, lower))
         self._demand_unclamped(pieces)
         return pieces, any(cells.grid.jumps)
 
-    def _demand_unclamped(self, pieces: Sequence[Piece]) -> None:
+    def _demand_unclamped(self, pieces: Sequence[SimplexPiece]) -> None:
         """Refuse an output that is brought back into its range: it is not N/D there."""
         if self.output.outside == "extend":
             return
@@ -173,12 +175,12 @@ class RulePieces:
 
     # ── enclosures ───────────────────────────────────────────────────────────────────
 
-    def value(self, region: Region) -> Span:
+    def value(self, region: Region) -> RationalInterval:
         """Return where the output is over a region, from the coefficients."""
         spans = [_ratio(piece.upper, piece.lower) for piece in self._cut(region)[0]]
-        return Span(min(s.low for s in spans), max(s.high for s in spans))
+        return RationalInterval(min(s.low for s in spans), max(s.high for s in spans))
 
-    def slope(self, region: Region, name: str) -> Span:
+    def slope(self, region: Region, name: str) -> RationalInterval:
         """Return where the slope along an input is over a region, from the coefficients."""
         pieces, jumps = self._cut(region)
         if jumps:
@@ -190,7 +192,7 @@ class RulePieces:
             steep, square = _slope(piece, axis, moving)
             if square:
                 spans.append(_ratio(steep, square))
-        return Span(min(s.low for s in spans), max(s.high for s in spans))
+        return RationalInterval(min(s.low for s in spans), max(s.high for s in spans))
 
 
 # ── polynomials ──────────────────────────────────────────────────────────────────────
@@ -294,14 +296,14 @@ def _split(p: Polynomial, stays: int, moves: int, share: Fraction) -> Polynomial
     return total
 
 
-def _ratio(p: Polynomial, q: Polynomial) -> Span:
+def _ratio(p: Polynomial, q: Polynomial) -> RationalInterval:
     """Return bounds of p/q, q positive: of a degree at which no coefficient of q is 0."""
     gap = _degree(q) - _degree(p)
     p, q = _raised(p, gap), _raised(q, -gap)
     for _ in range(3):
         if all(value > 0 for value in q.values()):
             ratios = [p.get(powers, Fraction(0)) / value for powers, value in q.items()]
-            return Span(min(ratios), max(ratios))
+            return RationalInterval(min(ratios), max(ratios))
         p, q = _raised(p, 1), _raised(q, 1)
     raise LoopProofError("a rule base may have no value somewhere")
 
@@ -309,13 +311,13 @@ def _ratio(p: Polynomial, q: Polynomial) -> Span:
 # ── pieces ───────────────────────────────────────────────────────────────────────────
 
 
-def _is_within(piece: Piece, low: Fraction, high: Fraction) -> bool:
+def _is_within(piece: SimplexPiece, low: Fraction, high: Fraction) -> bool:
     return _is_not_negative(_sum(piece.upper, piece.lower, -low)) and _is_not_negative(
         _sum(_scaled(piece.lower, high), piece.upper, Fraction(-1))
     )
 
 
-def _sums(piece: Piece, row: Sequence[Fraction]) -> list[Fraction]:
+def _sums(piece: SimplexPiece, row: Sequence[Fraction]) -> list[Fraction]:
     """Return σ at the corners."""
     return [
         sum((w * x for w, x in zip(row, corner, strict=True)), Fraction(0))
@@ -323,7 +325,7 @@ def _sums(piece: Piece, row: Sequence[Fraction]) -> list[Fraction]:
     ]
 
 
-def _sides(piece: Piece, row: Sequence[Fraction]) -> list[Piece]:
+def _sides(piece: SimplexPiece, row: Sequence[Fraction]) -> list[SimplexPiece]:
     """Return a piece, or its parts on both sides of σ = 0."""
     open_, parts = [piece], []
     while open_:
@@ -339,19 +341,19 @@ def _sides(piece: Piece, row: Sequence[Fraction]) -> list[Piece]:
     return parts
 
 
-def _moved(piece: Piece, stays: int, moves: int, share: Fraction) -> Piece:
+def _moved(piece: SimplexPiece, stays: int, moves: int, share: Fraction) -> SimplexPiece:
     corners = list(piece.corners)
     corners[moves] = tuple(
         (1 - share) * a + share * b for a, b in zip(corners[stays], corners[moves], strict=True)
     )
-    return Piece(
+    return SimplexPiece(
         tuple(corners),
         _split(piece.upper, stays, moves, share),
         _split(piece.lower, stays, moves, share),
     )
 
 
-def _slope(piece: Piece, axis: int, moving: Sequence[int]) -> tuple[Polynomial, Polynomial]:
+def _slope(piece: SimplexPiece, axis: int, moving: Sequence[int]) -> tuple[Polynomial, Polynomial]:
     """Return ∂N D − N ∂D and D² along an input; nothing of a piece without a volume."""
     gradient = _gradients(
         tuple(tuple(corner[k] for k in moving) for corner in piece.corners), moving.index(axis)

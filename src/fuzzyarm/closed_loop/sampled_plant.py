@@ -17,7 +17,7 @@ import numpy as np
 
 from fuzzyarm.closed_loop.affine import ZERO, Affine, AffineAlgebra, NotAffineError, variable
 from fuzzyarm.closed_loop.enclosure import Intervals, matrix_exponential, matrix_product
-from fuzzyarm.closed_loop.form import Choice
+from fuzzyarm.closed_loop.form import Assumptions
 from fuzzyarm.closed_loop.outward import above, around, below, higher, lower
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.expression.evaluation import bounds as bounds_of
@@ -96,7 +96,7 @@ class SampledPlant:
         return Intervals.between(low, high)
 
     def _ranges(
-        self, choice: Choice, algebra: AffineAlgebra, inputs: Mapping[Address, Affine]
+        self, choice: Assumptions, algebra: AffineAlgebra, inputs: Mapping[Address, Affine]
     ) -> dict[str, tuple[float, float]]:
         """Return where states and inputs can be from one sample to the next."""
         equations, problem = self.equations, self.problem
@@ -120,7 +120,7 @@ class SampledPlant:
 
     def rows(
         self,
-        choice: Choice,
+        choice: Assumptions,
         algebra: AffineAlgebra,
         states: Mapping[str, Affine],
         drives: Mapping[str, Affine],

@@ -15,9 +15,9 @@ import numpy as np
 
 from fuzzyarm.closed_loop.affine import NotAffineError
 from fuzzyarm.closed_loop.checker import Matrices, falls
-from fuzzyarm.closed_loop.form import Choice, Form, Matrix
+from fuzzyarm.closed_loop.form import Assumptions, Form, Matrix
 from fuzzyarm.closed_loop.form_maker import FormMaker
-from fuzzyarm.closed_loop.linear import Candidate, candidate
+from fuzzyarm.closed_loop.linear import CertificateCandidate, candidate
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.proof.arithmetic import Stop
@@ -38,7 +38,7 @@ class Proposal:
 
     Attributes
     ----------
-    choice : Choice
+    choice : Assumptions
         What the form grants.
     form : Form
         The loop under it.
@@ -48,7 +48,7 @@ class Proposal:
         The logarithm of the volume of the region, except for a constant.
     """
 
-    choice: Choice
+    choice: Assumptions
     form: Form
     p: Matrix
     multipliers: tuple[Fraction, ...]
@@ -101,13 +101,13 @@ class _Search:
         """Whether the region has to hold a start."""
         return bool(self.claim.start or self.wanted)
 
-    def _form(self, choice: Choice) -> Form | str:
+    def _form(self, choice: Assumptions) -> Form | str:
         try:
             return self.maker.form(choice, continuous=self.continuous)
         except (NotAffineError, UnprovableError, LoopProofError) as error:
             return str(error)
 
-    def _tried(self, choice: Choice) -> Iterator[Proposal | str]:
+    def _tried(self, choice: Assumptions) -> Iterator[Proposal | str]:
         form = self._form(choice)
         if isinstance(form, str):
             yield form
@@ -146,7 +146,9 @@ class _Search:
         limit = min(-low, high)
         return [(row, limit) for row in form.rows_of(signal)]
 
-    def _proposal(self, choice: Choice, form: Form, found: Candidate | None) -> Proposal | str:
+    def _proposal(
+        self, choice: Assumptions, form: Form, found: CertificateCandidate | None
+    ) -> Proposal | str:
         if found is None:
             what = f" with {form.words[0]}" if form.words else ""
             return f"no quadratic function was found that falls{what}"
@@ -169,7 +171,7 @@ class _Search:
             for along in (True, False):
                 if self.stop.now:
                     return
-                for proposal in self._tried(Choice(share, self.grips[0], {}, along)):
+                for proposal in self._tried(Assumptions(share, self.grips[0], {}, along)):
                     here = max(here, getattr(proposal, "size", -math.inf))
                     yield proposal
                     if _is_outside(proposal):  # and of a smaller share all the more
@@ -186,7 +188,7 @@ class _Search:
         """Return why nothing will be found: next to rest, where a form grants least."""
         reason = ""
         for along in (True, False):
-            form = self._form(Choice(SHARES[-1], self.grips[0], box, along))
+            form = self._form(Assumptions(SHARES[-1], self.grips[0], box, along))
             if isinstance(form, str):
                 reason = reason or form
             elif candidate(form) is not None:
@@ -199,12 +201,12 @@ class _Search:
         """Yield proposals in which limits may be reached, where the region ends at them."""
         if self.maker.fixed:
             return
-        form = self._form(Choice(share, self.grips[0], {}, along))
+        form = self._form(Assumptions(share, self.grips[0], {}, along))
         if isinstance(form, str) or not any("limit" in b.words for b in form.bounds):
             return
         for grip in GRIPS:
             if not self.stop.now:
-                yield from self._tried(Choice(share, grip, {}, along))
+                yield from self._tried(Assumptions(share, grip, {}, along))
 
     # --- plants whose equations are not ---
 
@@ -255,7 +257,7 @@ class _Search:
             if name in typical and math.isfinite(port.high - port.low):
                 typical[name] = 0.5 * (port.high - port.low)
         box = {name: Fraction(half / 1024) for name, half in typical.items()}
-        form = self._form(Choice(share, grip, box, along))
+        form = self._form(Assumptions(share, grip, box, along))
         if isinstance(form, str):
             return form
         free = replace(
@@ -284,7 +286,9 @@ class _Search:
             scale = max(scale, far / max(shape[name], 1e-300))
         for factor in (1.05, 1.3, 1.7, 2.3):
             if not self.stop.now:
-                yield from self._tried(Choice(share, grip, self._box(shape, factor * scale), along))
+                yield from self._tried(
+                    Assumptions(share, grip, self._box(shape, factor * scale), along)
+                )
 
     def _largest(
         self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
@@ -300,7 +304,7 @@ class _Search:
                 break
             box = self._box(shape, scale)
             candidate_proposal: Proposal | None = None
-            for proposal in self._tried(Choice(share, grip, box, along)):
+            for proposal in self._tried(Assumptions(share, grip, box, along)):
                 if isinstance(proposal, Proposal):
                     candidate_proposal = proposal
                 else:

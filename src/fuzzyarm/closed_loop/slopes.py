@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from fuzzyarm.closed_loop.rule_pieces import RulePieces
-from fuzzyarm.closed_loop.spans import FUNCTIONS, Span, SpanError, exactly, hull
+from fuzzyarm.closed_loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, hull
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
@@ -27,14 +27,14 @@ ONE = exactly(Fraction(1))
 class Slope(NamedTuple):
     """Where a value is, and where its derivatives are; variables without one have 0."""
 
-    value: Span
-    along: Mapping[str, Span]
+    value: RationalInterval
+    along: Mapping[str, RationalInterval]
 
-    def scaled(self, value: Span, factor: Span) -> Slope:
+    def scaled(self, value: RationalInterval, factor: RationalInterval) -> Slope:
         """Return another value, of which this one's derivatives count by a factor."""
         return Slope(value, {name: slope.times(factor) for name, slope in self.along.items()})
 
-    def joined(self, other: Slope, value: Span) -> Slope:
+    def joined(self, other: Slope, value: RationalInterval) -> Slope:
         """Return a value with the sums of the derivatives of both."""
         along = dict(self.along)
         for name, slope in other.along.items():
@@ -79,7 +79,7 @@ def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
     if second.value.high <= first.value.low:
         return b
     pick = min if smaller else max
-    value = Span(pick(a.value.low, b.value.low), pick(a.value.high, b.value.high))
+    value = RationalInterval(pick(a.value.low, b.value.low), pick(a.value.high, b.value.high))
     # Either may be the one: its slopes are among the hull of both.
     names = {*a.along, *b.along}
     return Slope(value, {n: hull(a.along.get(n, ZERO), b.along.get(n, ZERO)) for n in names})

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from fuzzyarm.closed_loop.problem import LoopProofError
 
-__all__ = ["FUNCTIONS", "Span", "SpanError", "exactly", "hull"]
+__all__ = ["FUNCTIONS", "RationalInterval", "SpanError", "exactly", "hull"]
 
 BITS = 160
 """Significant bits that are left of an end that is rounded."""
@@ -28,7 +28,7 @@ class SpanError(LoopProofError):
     """Something has no value, or no bound, in an interval."""
 
 
-class Span(NamedTuple):
+class RationalInterval(NamedTuple):
     """All numbers from `low` to `high`."""
 
     low: Fraction
@@ -54,15 +54,15 @@ class Span(NamedTuple):
         """The largest magnitude in it."""
         return max(abs(self.low), abs(self.high))
 
-    def plus(self, other: Span) -> Span:
+    def plus(self, other: RationalInterval) -> RationalInterval:
         """Return all sums."""
         return _outward(self.low + other.low, self.high + other.high)
 
-    def minus(self, other: Span) -> Span:
+    def minus(self, other: RationalInterval) -> RationalInterval:
         """Return all differences."""
         return _outward(self.low - other.high, self.high - other.low)
 
-    def times(self, other: Span) -> Span:
+    def times(self, other: RationalInterval) -> RationalInterval:
         """Return all products."""
         if self.is_point and other.is_point:
             product = self.low * other.low
@@ -70,32 +70,32 @@ class Span(NamedTuple):
         ends = [a * b for a in self for b in other]
         return _outward(min(ends), max(ends))
 
-    def over(self, other: Span) -> Span:
+    def over(self, other: RationalInterval) -> RationalInterval:
         """Return all quotients."""
         if other.low <= 0 <= other.high:
             raise SpanError("a division by an interval that contains 0")
         return self.times(_outward(1 / other.high, 1 / other.low))
 
-    def holds(self, other: Span) -> bool:
+    def holds(self, other: RationalInterval) -> bool:
         """Tell whether all of another one is in it."""
         return self.low <= other.low and other.high <= self.high
 
 
-def exactly(value: float | Fraction) -> Span:
+def exactly(value: float | Fraction) -> RationalInterval:
     """Return the interval of one number."""
     if isinstance(value, float) and not math.isfinite(value):
         raise SpanError(f"{value} is not a number")
     number = Fraction(value)
-    return Span(number, number)
+    return RationalInterval(number, number)
 
 
-def hull(*spans: Span) -> Span:
+def hull(*spans: RationalInterval) -> RationalInterval:
     """Return the smallest interval that holds some."""
-    return Span(min(span.low for span in spans), max(span.high for span in spans))
+    return RationalInterval(min(span.low for span in spans), max(span.high for span in spans))
 
 
-def _outward(low: Fraction, high: Fraction) -> Span:
-    return Span(-_up(-low), _up(high))
+def _outward(low: Fraction, high: Fraction) -> RationalInterval:
+    return RationalInterval(-_up(-low), _up(high))
 
 
 def _up(x: Fraction) -> Fraction:
@@ -109,7 +109,7 @@ def _up(x: Fraction) -> Fraction:
 # ── functions ────────────────────────────────────────────────────────────────────────
 
 
-def _root(x: Span) -> Span:
+def _root(x: RationalInterval) -> RationalInterval:
     if x.low < 0:
         raise SpanError("the root of something negative")
     ends = []
@@ -117,10 +117,10 @@ def _root(x: Span) -> Span:
         whole = (end.numerator << (2 * BITS)) // end.denominator
         ends.append(Fraction(math.isqrt(whole), 1 << BITS))
     high = ends[1] + Fraction(2, 1 << BITS) if ends[1] ** 2 != x.high else ends[1]
-    return Span(ends[0], high)
+    return RationalInterval(ends[0], high)
 
 
-def _series(x: Fraction, first: int, step: int, sign: int) -> Span:
+def _series(x: Fraction, first: int, step: int, sign: int) -> RationalInterval:
     """Return Σ signᵏ xⁿ/n!, n = first + k step, with its tail; in parts of 2⁻ᴮᴵᵀˢ."""
     scaled = (x.numerator << BITS) // x.denominator
     total, n = 0, first
@@ -133,7 +133,7 @@ def _series(x: Fraction, first: int, step: int, sign: int) -> Span:
         term, n = term * sign, n + step
     # Each term is off by less than 2 (n + 1) parts that later ones multiply: by e^|x| in all.
     off = 2 * abs(term) + 2 * (n + 2) ** 2 * 3 ** math.ceil(abs(x))
-    return Span(Fraction(total - off, 1 << BITS), Fraction(total + off, 1 << BITS))
+    return RationalInterval(Fraction(total - off, 1 << BITS), Fraction(total + off, 1 << BITS))
 
 
 def _short(x: Fraction, *, up: bool) -> Fraction:
@@ -143,8 +143,8 @@ def _short(x: Fraction, *, up: bool) -> Fraction:
     return near + Fraction(int(up and near != x), 1 << 80)
 
 
-def _waves(x: Span, *, is_cosine: bool) -> Span:
-    unit = Span(Fraction(-1), Fraction(1))
+def _waves(x: RationalInterval, *, is_cosine: bool) -> RationalInterval:
+    unit = RationalInterval(Fraction(-1), Fraction(1))
     if x.low == x.high == 0:
         return exactly(Fraction(int(is_cosine)))
     # Beyond ± π the ends say nothing of what is between them.
@@ -159,35 +159,35 @@ def _waves(x: Span, *, is_cosine: bool) -> Span:
         if x.low - near <= top <= x.high + near:
             low, high = (low, Fraction(1)) if top >= 0 else (Fraction(-1), high)
     slack = Fraction(1, 1 << 78)  # the ends were moved by less than 2⁻⁸⁰, and slopes are at most 1
-    return Span(max(low - slack, unit.low), min(high + slack, unit.high))
+    return RationalInterval(max(low - slack, unit.low), min(high + slack, unit.high))
 
 
-def _exponential(x: Span) -> Span:
+def _exponential(x: RationalInterval) -> RationalInterval:
     if x.low == x.high == 0:
         return exactly(Fraction(1))
     if x.size > 64:
         raise SpanError("the exponential of a large number")
     low = _series(_short(x.low, up=False), 0, 1, 1).low
-    return Span(max(low, Fraction(0)), _series(_short(x.high, up=True), 0, 1, 1).high)
+    return RationalInterval(max(low, Fraction(0)), _series(_short(x.high, up=True), 0, 1, 1).high)
 
 
-def _tanh(x: Span) -> Span:
+def _tanh(x: RationalInterval) -> RationalInterval:
     ends = []
     for end in x:
         if end == 0:
             ends.append(exactly(Fraction(0)))
             continue
         if abs(end) > 30:
-            ends.append(Span(Fraction(-1), Fraction(1)))
+            ends.append(RationalInterval(Fraction(-1), Fraction(1)))
             continue
         power = _exponential(exactly(2 * end))
         ends.append(exactly(1).minus(exactly(2).over(power.plus(exactly(1)))))
     return hull(*ends)
 
 
-def _absolute(x: Span) -> Span:
+def _absolute(x: RationalInterval) -> RationalInterval:
     low = Fraction(0) if x.low <= 0 <= x.high else min(abs(x.low), abs(x.high))
-    return Span(low, x.size)
+    return RationalInterval(low, x.size)
 
 
 FUNCTIONS = {

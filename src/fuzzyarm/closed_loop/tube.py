@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.follower import Box, Course, Demand, Follower, Goal
+from fuzzyarm.closed_loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.expression.operations import Interval
 
@@ -207,10 +207,10 @@ def tube(
     UnprovableError
         The same, of a rule base.
     """
-    return _Search(problem, duration, tuple(demands), budget, most, progress, goal).tube(boxes)
+    return _Bisection(problem, duration, tuple(demands), budget, most, progress, goal).tube(boxes)
 
 
-class _Search:
+class _Bisection:
     """Halves boxes until all demands are proved, or time is over."""
 
     def __init__(
@@ -227,7 +227,7 @@ class _Search:
     def tube(self, boxes: Sequence[int]) -> Tube:
         """Return the tube."""
         open_ = self._cut(boxes)
-        finished: list[Course] = []
+        finished: list[FollowedBoxes] = []
         failed: list[Box] = []
         unfollowed: list[Box] = []
         count = len(open_)
@@ -271,7 +271,7 @@ class _Search:
 
     def _followed(
         self, boxes: Sequence[Box], *, whole: bool
-    ) -> list[tuple[list[Box], Course | None, Vector]]:
+    ) -> list[tuple[list[Box], FollowedBoxes | None, Vector]]:
         """Return boxes with what came of them; None for a single one that cannot be followed.
 
         Behind it stands what widens them; so far as they were followed.
@@ -302,7 +302,11 @@ class _Search:
         return int(np.argmax((weight + 0.05) * 0.5 ** np.array(box.halvings)))
 
     def _answer(
-        self, finished: Sequence[Course], failed: Sequence[Box], lost: Sequence[Box], count: int
+        self,
+        finished: Sequence[FollowedBoxes],
+        failed: Sequence[Box],
+        lost: Sequence[Box],
+        count: int,
     ) -> Tube:
         follower = self.follower
         period, names = follower.period, follower.names

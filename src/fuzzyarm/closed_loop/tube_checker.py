@@ -31,7 +31,7 @@ from fuzzyarm.closed_loop.checked_motion import around_motion, dot, flow_over
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.program_walk import ProgramWalk
 from fuzzyarm.closed_loop.slopes import Slope, SlopeNumbers, slopes_of
-from fuzzyarm.closed_loop.spans import Span, exactly
+from fuzzyarm.closed_loop.spans import RationalInterval, exactly
 from fuzzyarm.expression.nodes import symbols
 from fuzzyarm.model.claims import LoopClaim
 
@@ -79,17 +79,17 @@ class Period(NamedTuple):
 
     Attributes
     ----------
-    centre : list of Span
+    centre : list of RationalInterval
         F(c).
-    spread : list of list of Span
+    spread : list of list of RationalInterval
         G.
-    outputs : dict of str to Span
+    outputs : dict of str to RationalInterval
         Where outputs and drives are from this sample to the next.
     """
 
-    centre: list[Span]
-    spread: list[list[Span]]
-    outputs: dict[str, Span]
+    centre: list[RationalInterval]
+    spread: list[list[RationalInterval]]
+    outputs: dict[str, RationalInterval]
 
 
 class TubeLoop:
@@ -114,7 +114,7 @@ class TubeLoop:
         if any("t" in symbols(root) for root in (*equations.rates, *equations.outputs)):
             raise LoopProofError("the plant's equations depend on the time")
         self.parameters = {
-            key: Slope(Span(Fraction(span.low), Fraction(span.high)), {})
+            key: Slope(RationalInterval(Fraction(span.low), Fraction(span.high)), {})
             for key, span in zip(equations.parameters, problem.parameters.values(), strict=True)
         }
         start = {name: Slope(exactly(span.low), {}) for name, span in problem.start.items()}
@@ -136,7 +136,7 @@ class TubeLoop:
         whole = []
         for centre, row in zip(own.centre, turn, strict=True):
             half = sum((abs(x) for x in row), Fraction(0))
-            span = _rounded(Span(centre - half, centre + half))
+            span = _rounded(RationalInterval(centre - half, centre + half))
             along = {name: exactly(x) for name, x in zip(names, row, strict=True) if x}
             whole.append(Slope(span, along))
         # The mean value theorem needs the period twice: F at the centre, its slopes over the set.
@@ -174,7 +174,9 @@ class TubeLoop:
         }
         return drives, [after[name] for name in self.memory]
 
-    def _around(self, states: Mapping[str, Slope], driven: Mapping[str, Slope]) -> dict[str, Span]:
+    def _around(
+        self, states: Mapping[str, Slope], driven: Mapping[str, Slope]
+    ) -> dict[str, RationalInterval]:
         """Return a box that the plant does not leave within the period, by symbol."""
         equations = self.problem.equations
         ranges = {key: value.value for key, value in self.parameters.items()}
@@ -184,8 +186,8 @@ class TubeLoop:
         return around_motion(self.problem, ranges)
 
     def _plant_spread(
-        self, moving: Mapping[str, Span], given: Sequence[Slope], names: Sequence[str]
-    ) -> list[list[Span]]:
+        self, moving: Mapping[str, RationalInterval], given: Sequence[Slope], names: Sequence[str]
+    ) -> list[list[RationalInterval]]:
         """Return how the plant's next states go with the coordinates of the set."""
         equations = self.problem.equations
         variables = (*equations.states, *equations.inputs)
@@ -198,7 +200,9 @@ class TubeLoop:
         return [[dot(row, [x.along.get(name, ZERO) for x in given]) for name in names]
                 for row in flow]  # fmt: skip
 
-    def _followed(self, states: Mapping[str, Slope], driven: Mapping[str, Slope]) -> list[Span]:
+    def _followed(
+        self, states: Mapping[str, Slope], driven: Mapping[str, Slope]
+    ) -> list[RationalInterval]:
         """Return where the plant is a period later, from one point: x + h f + ½ h² f' f."""
         equations, problem = self.problem.equations, self.problem
         h = Fraction(problem.period) / STEPS
@@ -221,7 +225,9 @@ class TubeLoop:
             at = after
         return list(at.values())
 
-    def _outputs(self, moving: Mapping[str, Span], driven: Mapping[str, Slope]) -> dict[str, Span]:
+    def _outputs(
+        self, moving: Mapping[str, RationalInterval], driven: Mapping[str, Slope]
+    ) -> dict[str, RationalInterval]:
         equations, interface = self.problem.equations, self.problem.site.interface
         values = {key: Slope(span, {}) for key, span in moving.items()}
         outputs = slopes_of(equations.outputs, values)
@@ -234,11 +240,11 @@ class TubeLoop:
         return spans
 
 
-def _rounded(span: Span) -> Span:
+def _rounded(span: RationalInterval) -> RationalInterval:
     """Return an interval with short ends that holds one."""
     low = Fraction(span.low.numerator * GRID // span.low.denominator, GRID)
     high = Fraction(-(-span.high.numerator * GRID // span.high.denominator), GRID)
-    return Span(low, high)
+    return RationalInterval(low, high)
 
 
 def _inverse(rows: Matrix) -> Matrix:
@@ -262,7 +268,7 @@ def _inverse(rows: Matrix) -> Matrix:
 # ── a certificate ────────────────────────────────────────────────────────────────────
 
 
-def start_of(loop: TubeLoop, path: Sequence[tuple[int, bool]]) -> list[Span]:
+def start_of(loop: TubeLoop, path: Sequence[tuple[int, bool]]) -> list[RationalInterval]:
     """Return the starts of a box: those of the problem, halved, and the memory as it begins.
 
     Parameters
@@ -272,11 +278,15 @@ def start_of(loop: TubeLoop, path: Sequence[tuple[int, bool]]) -> list[Span]:
     path : sequence of (int, bool)
         Which state is halved, and whether the upper half is taken.
     """
-    spans = [Span(Fraction(x.low), Fraction(x.high)) for x in loop.problem.start.values()]
+    spans = [
+        RationalInterval(Fraction(x.low), Fraction(x.high)) for x in loop.problem.start.values()
+    ]
     for dimension, upper in path:
         low, high = spans[dimension]
         middle = (low + high) / 2
-        spans[dimension] = Span(middle, high) if upper else Span(low, middle)
+        spans[dimension] = (
+            RationalInterval(middle, high) if upper else RationalInterval(low, middle)
+        )
     return [*spans, *(exactly(loop.walk.states[name]) for name in loop.memory)]
 
 

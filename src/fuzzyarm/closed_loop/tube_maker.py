@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyarm.closed_loop.problem import LoopProofError
-from fuzzyarm.closed_loop.spans import Span
+from fuzzyarm.closed_loop.spans import RationalInterval
 from fuzzyarm.closed_loop.tube_checker import POINT, BoxProof, Period, TubeLoop, TubeSet, start_of
 from fuzzyarm.model.claims import LoopClaim
 
@@ -77,7 +77,7 @@ def _followed(
                 return "time ran out"
             sets.append(tube_set)
             step = loop.period(tube_set, first=k == 0)
-            where: Span = step.outputs[port]
+            where: RationalInterval = step.outputs[port]
             if h * (k + 1) > Fraction(claim.begin) and not (
                 claim.low <= where.low and where.high <= claim.high
             ):

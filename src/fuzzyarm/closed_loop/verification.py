@@ -21,7 +21,7 @@ from fuzzyarm.closed_loop.checked_motion import output_between_samples
 from fuzzyarm.closed_loop.checker import is_inside, refutation
 from fuzzyarm.closed_loop.outward import above, below
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
-from fuzzyarm.closed_loop.spans import Span
+from fuzzyarm.closed_loop.spans import RationalInterval
 from fuzzyarm.plant.plant import Address
 
 __all__ = [
@@ -257,7 +257,7 @@ def port_within(
     p: Sequence[Sequence[Fraction]],
     level: Fraction,
     port: str,
-) -> Span:
+) -> RationalInterval:
     """Return where an output or a drive can be, from a sample with V at most a level to the next.
 
     Parameters
@@ -289,7 +289,7 @@ def port_within(
 
 def _drive_within(
     loop: CheckedLoop, p: Sequence[Sequence[Fraction]], level: Fraction, address: Address
-) -> Span:
+) -> RationalInterval:
     """Return where a drive can be: it is held between samples, so those are all of its values."""
     inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
     half = max(_farthest(p, inverse, row, level) for row in loop.rows_of_drive(address))
@@ -297,7 +297,7 @@ def _drive_within(
         raise LoopProofError("its region has no bounds")
     line, far = loop.drives[address], Fraction(half)
     low, high = line.rest.low - far, line.rest.high + far
-    return Span(
+    return RationalInterval(
         low if line.low is None else max(low, line.low),
         high if line.high is None else min(high, line.high),
     )

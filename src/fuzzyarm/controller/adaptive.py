@@ -18,7 +18,7 @@ from fuzzyarm.controller.law import (
 )
 from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import ESTIMATE, model_torque
-from fuzzyarm.plant.setting import Arithmetic, Clock, Moment, Pair, stored
+from fuzzyarm.plant.setting import Clock, Moment, Pair, RunArithmetic, stored
 
 # --- Adaptive critically damped inverse dynamics (section 5.4) ---
 
@@ -281,7 +281,7 @@ def add_outer_product(
 SWITCHES = ("a", "b", "unit_mass", "gravity", "inertia_times_u", "acceleration_in_v")
 
 
-def _pack_model_reference(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+def _pack_model_reference(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
     # Q = I in the Lyapunov equation gives P2 = 1/(2 K1) and P3 = (1 + 2 P2)/(2 K2).
     second = [0.5 / value for value in gains["K_1"].value]
     third = [

@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.controller.law import Block, Gain, GainError, Law, collect, view
-from fuzzyarm.plant.setting import Arithmetic, Clock, Moment, Pair, Reference, State, pose_of
+from fuzzyarm.controller.law import Gain, GainError, Law, LawBlock, collect, view
+from fuzzyarm.plant.setting import Clock, Moment, Pair, Reference, RunArithmetic, State, pose_of
 from fuzzyarm.text.shown import one_line
 
 
@@ -56,7 +56,7 @@ class Controller:
     def start(self, single: bool = False) -> None:
         """Forget everything; called once before each run."""
 
-    def prepare(self, arithmetic: Arithmetic) -> None:
+    def prepare(self, arithmetic: RunArithmetic) -> None:
         """Start in the arithmetic of a run."""
         self.start(arithmetic.single)
 
@@ -148,9 +148,9 @@ class CompiledController(Controller):
         """Return the controller with whole gains, origin included, replaced."""
         return CompiledController(self.law, {**self._gains, **values})
 
-    def block(self, arithmetic: Arithmetic) -> Block:
+    def block(self, arithmetic: RunArithmetic) -> LawBlock:
         """Write constants and initial memory down for the loop."""
-        return Block(
+        return LawBlock(
             np.array(self.law.pack(self._gains, arithmetic), float),
             np.array(self.law.remember(self._gains, arithmetic), float),
             self.law.links(arithmetic),
@@ -158,9 +158,9 @@ class CompiledController(Controller):
 
     def start(self, single: bool = False) -> None:
         """Forget everything; called once before each run."""
-        self.prepare(Arithmetic(single))
+        self.prepare(RunArithmetic(single))
 
-    def prepare(self, arithmetic: Arithmetic) -> None:
+    def prepare(self, arithmetic: RunArithmetic) -> None:
         """Forget everything and count as a run does; called once before each run."""
         block = self._block = self.block(arithmetic._replace(compiled=False))
         # Views on arrays give plain numbers, which Python adds and multiplies faster.
@@ -170,7 +170,7 @@ class CompiledController(Controller):
         """Run the kernel as plain Python."""
         now = Moment(reference, state, pose_of(state.position), clock)
         if self._lists is None:
-            self.prepare(Arithmetic())
+            self.prepare(RunArithmetic())
         assert self._lists is not None
         first, second = self.law.kernel(now, *self._lists)
         return first, second
@@ -229,9 +229,9 @@ class Sum(Controller):
 
     def start(self, single: bool = False) -> None:
         """Start every addend."""
-        self.prepare(Arithmetic(single))
+        self.prepare(RunArithmetic(single))
 
-    def prepare(self, arithmetic: Arithmetic) -> None:
+    def prepare(self, arithmetic: RunArithmetic) -> None:
         """Start every addend in the arithmetic of a run."""
         for addend in self.addends:
             addend.prepare(arithmetic)

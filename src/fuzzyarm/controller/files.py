@@ -9,7 +9,7 @@ from fuzzyarm.language.reading import Parsed
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.folders import READABLE
-from fuzzyarm.text.mistaken import CONTROLLER, RULE_BASE, TABLE, WrongKindError
+from fuzzyarm.text.mistaken import CONTROLLER, RULE_BASE, TABLE, MistakenKindError
 from fuzzyarm.text.names import quote, typed
 
 TEXT = ".frb"
@@ -26,7 +26,7 @@ def kind_by_suffix(path: str | os.PathLike[str]) -> str:
 
 
 def demand_text_file(path: str | os.PathLike[str]) -> None:
-    """Raise WrongKindError for a file that is a table, or a rule base of another program."""
+    """Raise MistakenKindError for a file that is a table, or a rule base of another program."""
     kind = kind_by_suffix(path)
     if kind and Path(path).exists():  # else reading it says that there is none
         raise not_a_controller(path, kind)
@@ -39,7 +39,7 @@ def without_controller(parsed: Parsed, path: str | os.PathLike[str]) -> Exceptio
     return not_a_controller(path, RULE_BASE)
 
 
-def not_a_controller(path: str | os.PathLike[str], kind: str) -> WrongKindError:
+def not_a_controller(path: str | os.PathLike[str], kind: str) -> MistakenKindError:
     """Return the error of a file where a controller is wanted, with what can be typed."""
     name, file = typed(os.fspath(path)), quote(Path(path).name, '"')
     option, law = ("--table", "fuzzy-lut") if kind == TABLE else ("--rulebase", "fuzzy-direct")
@@ -50,4 +50,4 @@ def not_a_controller(path: str | os.PathLike[str], kind: str) -> WrongKindError:
     else:
         other = f"fuzzyarm new NAME --kind controller --around {name} writes a controller with it"
     hint = f"fuzzyarm simulate {law} {option} {name} runs it on the arm; {other}"
-    return WrongKindError(os.fspath(path), kind, CONTROLLER, hint=hint)
+    return MistakenKindError(os.fspath(path), kind, CONTROLLER, hint=hint)

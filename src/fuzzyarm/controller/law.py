@@ -13,12 +13,12 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
-    Arithmetic,
     Clock,
     Moment,
     Pair,
     Pose,
     Reference,
+    RunArithmetic,
     State,
     stored_double,
     stored_single,
@@ -112,12 +112,12 @@ Kernel = Callable[..., Any]
 
 
 Vector = NDArray[np.float64]
-Pack = Callable[[Gains, Arithmetic], "list[float] | Vector"]
+Pack = Callable[[Gains, RunArithmetic], "list[float] | Vector"]
 """From gains to numbers, in the arithmetic of a run."""
 
 
 @dataclass(frozen=True)
-class Block:
+class LawBlock:
     """One law as the loop takes it: constants, initial memory, links."""
 
     numbers: Vector
@@ -135,7 +135,7 @@ def zeros(count: int) -> Pack:
     return lambda _gains, _arithmetic: [0.0] * count
 
 
-def pack_all(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+def pack_all(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
     """Write down every gain in the order of its declaration."""
     return [arithmetic.hold(value) for gain in gains.values() for value in gain.value]
 
@@ -143,7 +143,7 @@ def pack_all(gains: Gains, arithmetic: Arithmetic) -> list[float]:
 def pack_gains(*names: str, model: bool = False) -> Pack:
     """Write down some gains and, if asked for, the nine constants of the model behind them."""
 
-    def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+    def pack(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
         front = [arithmetic.hold(value) for name in names for value in gains[name].value]
         return [*front, *model_constants(gains, arithmetic)] if model else front
 
@@ -184,7 +184,7 @@ class Law:
     gains: tuple[Gain, ...]
     pack: Pack = field(default=pack_all)
     remember: Pack = field(default=zeros(0))
-    links: Callable[[Arithmetic], list[int]] = field(default=lambda _arithmetic: [])
+    links: Callable[[RunArithmetic], list[int]] = field(default=lambda _arithmetic: [])
     remembers: bool = True
     at_signals: Kernel | None = None
 
@@ -210,7 +210,7 @@ def model_of(gains: Gains) -> ArmParameters:
     )
 
 
-def model_constants(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+def model_constants(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
     """Return P1 … P7 of the model among the gains and its motor inertias."""
     return list(map(float, constants(model_of(gains), single=arithmetic.single)))
 
@@ -310,7 +310,9 @@ def summed_drives(
             drives[i] += board[told + i]
 
 
-def law_integers(laws: Sequence[Law], blocks: Sequence[Block], arithmetic: Arithmetic) -> list[int]:
+def law_integers(
+    laws: Sequence[Law], blocks: Sequence[LawBlock], arithmetic: RunArithmetic
+) -> list[int]:
     """Write down what :func:`summed_drives` knows of the laws."""
     heads: list[int] = []
     links: list[int] = []
@@ -353,7 +355,7 @@ LAW_ARRAYS = "fffi"
 """Of signals, numbers and memory, and of links, see :func:`fuzzyarm.kernels.address_of`."""
 
 
-def law_address(law: Law, arithmetic: Arithmetic) -> int:
+def law_address(law: Law, arithmetic: RunArithmetic) -> int:
     """Return where the loop finds a law; each precision has its own.
 
     What is stored then need not be asked whether to be rounded.

@@ -28,7 +28,7 @@ from fuzzyarm.controller.law import (
 )
 from fuzzyarm.controller.program import (
     AXIS,
-    Program,
+    ControllerCode,
     Sheet,
     SourceError,
     Wiring,
@@ -52,9 +52,9 @@ from fuzzyarm.plant.setting import (
     CLOCK,
     SINGLE,
     STUDY_TIMING,
-    Arithmetic,
     Moment,
     Pair,
+    RunArithmetic,
     Timing,
     stored,
 )
@@ -314,19 +314,19 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
         return controllers
 
     @cache
-    def program(arithmetic: Arithmetic) -> Program:
+    def program(arithmetic: RunArithmetic) -> ControllerCode:
         laws = {
             name: (law_address(partner.law, arithmetic), partner.block(arithmetic))
             for name, partner in partners().items()
         }
         return write_down(model, text.sheets, laws, site.wiring(model), arithmetic)
 
-    def pack(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
+    def pack(_gains: Gains, _arithmetic: RunArithmetic) -> list[float]:
         driven = site.driven(model)
         powered = [float((joint, "voltage") in driven) for joint in JOINTS]
         return [float(site.told), float(len(site.interface.inputs)), *powered]
 
-    def remember(chosen: Gains, arithmetic: Arithmetic) -> NDArray[np.float64]:
+    def remember(chosen: Gains, arithmetic: RunArithmetic) -> NDArray[np.float64]:
         # A gain of the text counts with the π of the run, one that is given as it is.
         numbers = {
             gain.name: chosen[gain.name].value
@@ -335,7 +335,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
         }
         return program(arithmetic).cells_with(numbers, arithmetic)
 
-    def links(arithmetic: Arithmetic) -> list[int]:
+    def links(arithmetic: RunArithmetic) -> list[int]:
         return program(arithmetic).code
 
     return TextLaw(
@@ -614,7 +614,7 @@ def _gains(model: ControllerModel) -> Iterator[Gain]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Learned:
+class LearnedTables:
     """Tables that a controller has learned.
 
     Attributes
@@ -631,7 +631,7 @@ class Learned:
     values: NDArray[np.float64]
     visits: NDArray[np.int64]
 
-    def readable(self, *, single: bool) -> Learned:
+    def readable(self, *, single: bool) -> LearnedTables:
         """Return the tables without the last digits that only rounding made.
 
         Parameters
@@ -674,20 +674,20 @@ class Learned:
         return replace(like, axes=axes, values=self.values)
 
 
-def learned(law: TextLaw, arithmetic: Arithmetic, memory: Any = None) -> Learned:
+def learned(law: TextLaw, arithmetic: RunArithmetic, memory: Any = None) -> LearnedTables:
     """Read the first table that learns from the memory of a law.
 
     Parameters
     ----------
     law : TextLaw
         Of a controller that learns.
-    arithmetic : Arithmetic
+    arithmetic : RunArithmetic
         Of the run.
     memory : array_like, optional
         As a run left it; as it is before the first one by default.
     """
     line = next(law.text.learners())
-    program: Program = law.program(arithmetic)
+    program: ControllerCode = law.program(arithmetic)
     if memory is None:
         memory = program.cells
     axes = tuple(axis for axis in _table(law.text.sheets[line.table][0]).axes if axis.name != AXIS)
@@ -695,7 +695,7 @@ def learned(law: TextLaw, arithmetic: Arithmetic, memory: Any = None) -> Learned
     places = [program.learned[axis, line.table] for axis in law.text.model.axis_names]
     values = [memory[place.values : place.values + place.count] for place in places]
     visits = [memory[place.visits : place.visits + place.count] for place in places]
-    return Learned(
+    return LearnedTables(
         axes=axes,
         values=np.array(values).reshape(-1, *shape),
         visits=np.array(visits).astype(np.int64).reshape(-1, *shape),

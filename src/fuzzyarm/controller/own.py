@@ -163,10 +163,10 @@ def load_own(place: str) -> Controller:
     controller = _guarded(path, classes[class_name] if class_name else next(iter(classes.values())))
     if controller.name == Controller.name:
         controller.name = Path(path).stem
-    return Guarded(controller, path)
+    return GuardedController(controller, path)
 
 
-class Guarded(Controller):
+class GuardedController(Controller):
     """A user's controller whose exceptions become one clear sentence."""
 
     def __init__(self, inner: Controller, path: str) -> None:

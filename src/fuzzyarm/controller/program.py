@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller import kernel as to
-from fuzzyarm.controller.law import Block
+from fuzzyarm.controller.law import LawBlock
 from fuzzyarm.controller.updates import update_address
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.sources import SourceKind
@@ -36,7 +36,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import LAST, Arithmetic
+from fuzzyarm.plant.setting import LAST, RunArithmetic
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 
@@ -85,7 +85,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Program:
+class ControllerCode:
     """A controller as its kernel takes it.
 
     Attributes
@@ -121,7 +121,7 @@ class Program:
     updates: Mapping[int, SourceKind]
 
     def cells_with(
-        self, values: Mapping[str, Sequence[float]], arithmetic: Arithmetic
+        self, values: Mapping[str, Sequence[float]], arithmetic: RunArithmetic
     ) -> NDArray[np.float64]:
         """Return the cells with other values of gains, one for all axes or one for each."""
         cells = self.cells.copy()
@@ -170,10 +170,10 @@ class Program:
 def write_down(
     model: ControllerModel,
     sheets: Mapping[str, Sequence[Sheet]],
-    partners: Mapping[str, tuple[int, Block]],
+    partners: Mapping[str, tuple[int, LawBlock]],
     wiring: Wiring,
-    arithmetic: Arithmetic,
-) -> Program:
+    arithmetic: RunArithmetic,
+) -> ControllerCode:
     """Write a controller down.
 
     Parameters
@@ -186,7 +186,7 @@ def write_down(
         Address and arrays of the laws that it names.
     wiring : Wiring
         Of the plant.
-    arithmetic : Arithmetic
+    arithmetic : RunArithmetic
         Of the run.
 
     Raises
@@ -217,9 +217,9 @@ class _Writer:
         self,
         model: ControllerModel,
         sheets: Mapping[str, Sequence[Sheet]],
-        partners: Mapping[str, tuple[int, Block]],
+        partners: Mapping[str, tuple[int, LawBlock]],
         wiring: Wiring,
-        arithmetic: Arithmetic,
+        arithmetic: RunArithmetic,
     ) -> None:
         self.model = model
         self.sheets = sheets
@@ -240,7 +240,7 @@ class _Writer:
         self.grids: dict[str, tuple[int, list[Axis]]] = {}
         self.learned: dict[tuple[str, str], Place] = {}
         self.asked: dict[int, tuple[str, RuleBase]] = {}
-        self.blocks: dict[int, RuleBlock] = {}  # of the rule bases, by their identity
+        self.blocks: dict[int, KernelRuleBlock] = {}  # of the rule bases, by their identity
         self.looked_up: dict[int, tuple[str, LookupTable]] = {}
         self.updates: dict[int, SourceKind] = {}
         self.rings: list[tuple[int, int]] = []
@@ -250,7 +250,7 @@ class _Writer:
         self.axis = ""
         self.index = 0
 
-    def program(self) -> Program:
+    def program(self) -> ControllerCode:
         """Write everything down."""
         self._write_gains()
         self._write_partners()
@@ -264,7 +264,7 @@ class _Writer:
                 self.index += 1
         return self._finished()
 
-    def _finished(self) -> Program:
+    def _finished(self) -> ControllerCode:
         begin = 1 + len(self.code)
         for field in self.list_fields:
             self.code[field] += begin
@@ -272,7 +272,7 @@ class _Writer:
             self.lists[field] += len(self.cells)
         code = [len(self.code) // to.INSTRUCTION, *self.code, *self.lists]
         cells = np.concatenate([np.array(self.cells), *self.parts])
-        return Program(
+        return ControllerCode(
             code,
             cells,
             dict(self.known),
@@ -611,7 +611,7 @@ class _Writer:
         return self.tables[key]
 
 
-class RuleBlock(NamedTuple):
+class KernelRuleBlock(NamedTuple):
     """A rule base for the kernel at a point: numbers, where inputs and results are, the kernel."""
 
     numbers: NDArray[np.float64]
@@ -620,7 +620,7 @@ class RuleBlock(NamedTuple):
     address: int
 
 
-def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
+def rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
     """Write down a rule base for :func:`inference_address`.
 
     Raises
@@ -639,7 +639,7 @@ def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
     whole = numbers.view(np.int64)
     first_input, first_result = int(whole[COLUMNS]), int(whole[RESULTS])
     address = inference_address(numbers, compiled=compiled)
-    return RuleBlock(numbers, first_input, first_result, address)
+    return KernelRuleBlock(numbers, first_input, first_result, address)
 
 
 def evaluate_view(block: Any) -> None:

@@ -145,7 +145,7 @@ def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
     site : Site or None
         The plant, where it is known.
     """
-    walk = _Walk(text, site)
+    walk = _LineWalk(text, site)
     for axes in text.model.axes:
         for name in axes.names:
             walk.axis = name
@@ -187,7 +187,7 @@ def symmetric(size: float) -> Interval:
     return Interval(-size, size)
 
 
-class _Walk:
+class _LineWalk:
     """What is known on the way; `axis` is the one at hand, `index` its number."""
 
     def __init__(self, text: ControllerText, site: Site | None) -> None:

@@ -19,7 +19,7 @@ from fuzzyarm.controller.kernel import step
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.program import (
     AXIS,
-    Program,
+    ControllerCode,
     Sheet,
     SourceError,
     Wiring,
@@ -35,7 +35,7 @@ from fuzzyarm.plant.setting import (
     LAST,
     PERIOD,
     SINGLE,
-    Arithmetic,
+    RunArithmetic,
     stored_double,
     stored_single,
 )
@@ -487,9 +487,11 @@ class ControllerRun:
             raise SourceError(message)
         compiled = has_machine_code() if compiled is None else compiled
         self.text = text
-        self.arithmetic = Arithmetic(single, math.pi, compiled)
+        self.arithmetic = RunArithmetic(single, math.pi, compiled)
         self._wiring = wiring_of(model)
-        self.program: Program = write_down(model, text.sheets, {}, self._wiring, self.arithmetic)
+        self.program: ControllerCode = write_down(
+            model, text.sheets, {}, self._wiring, self.arithmetic
+        )
         self._gains = {name: np.atleast_1d(value).tolist() for name, value in (gains or {}).items()}
         for name in self._gains:
             if name not in self.program.gains:

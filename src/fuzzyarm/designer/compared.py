@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.designer.exports import ExportRefusedError, model_of
-from fuzzyarm.designer.requests import Axes, CompareWork
+from fuzzyarm.designer.requests import CompareWork, SurfaceAxes
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.picture import Axis, panel_data
@@ -23,7 +23,7 @@ from fuzzyarm.show.response import with_gaps
 from fuzzyarm.table import LookupTable, compare_tables
 
 if TYPE_CHECKING:
-    from fuzzyarm.designer.jobs import Job
+    from fuzzyarm.designer.jobs import WindowJob
 
 __all__ = ["compare"]
 
@@ -39,14 +39,14 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Surface:
+class ComparedSurface:
     """One output of a rule base or a table, by names of inputs."""
 
     ranges: Mapping[str, tuple[float, float]]
     at: Callable[[Mapping[str, Array]], Array]
 
 
-def compare(session: Session, asked: CompareWork, job: Job) -> None:
+def compare(session: Session, asked: CompareWork, job: WindowJob) -> None:
     """Tell how the surfaces of two files differ, where most, and what differs in meaning."""
     other = job.folder.session(asked.other)
     one, two = model_of(session), model_of(other)
@@ -84,12 +84,14 @@ def outputs_of(model: RuleBase | LookupTable) -> list[str]:
     return [output.name for output in model.outputs]
 
 
-def surface_of(model: RuleBase | LookupTable, output: str) -> Surface:
+def surface_of(model: RuleBase | LookupTable, output: str) -> ComparedSurface:
     """Return one output of a rule base or a table, over its inputs."""
     if isinstance(model, LookupTable):
         ends = {axis.name: axis.ends for axis in model.axes}
         table = model
-        return Surface(ends, lambda at: np.asarray(table.lookup(*(at[n] for n in table.names))))
+        return ComparedSurface(
+            ends, lambda at: np.asarray(table.lookup(*(at[n] for n in table.names)))
+        )
     rulebase, target = model, model.output(output)
     ranges = {variable.name: (variable.low, variable.high) for variable in rulebase.inputs}
     unbounded = [name for name, ends in ranges.items() if not all(map(math.isfinite, ends))]
@@ -99,10 +101,12 @@ def surface_of(model: RuleBase | LookupTable, output: str) -> Surface:
     def infer_at(at: Mapping[str, Array]) -> Array:
         return np.asarray(with_gaps(rulebase, target, {name: at[name] for name in ranges}))
 
-    return Surface(ranges, infer_at)
+    return ComparedSurface(ranges, infer_at)
 
 
-def _overlap(first: Surface, second: Surface, names: list[str]) -> dict[str, tuple[float, float]]:
+def _overlap(
+    first: ComparedSurface, second: ComparedSurface, names: list[str]
+) -> dict[str, tuple[float, float]]:
     """Return where both have values."""
     found = {}
     for name in names:
@@ -115,12 +119,12 @@ def _overlap(first: Surface, second: Surface, names: list[str]) -> dict[str, tup
 
 
 def _slice(
-    surfaces: tuple[Surface, Surface],
+    surfaces: tuple[ComparedSurface, ComparedSurface],
     files: tuple[str, str],
     output: str,
     names: list[str],
     ranges: Mapping[str, tuple[float, float]],
-    axes: Axes,
+    axes: SurfaceAxes,
 ) -> dict[str, Any]:
     """Return pictures over two of the inputs that both have; the others are held."""
     x = axes.x if axes.x in names else names[0]
@@ -187,8 +191,8 @@ def _where(difference: Array, points: Mapping[str, Array]) -> dict[str, Any] | N
 
 
 def _largest(
-    first: Surface,
-    second: Surface,
+    first: ComparedSurface,
+    second: ComparedSurface,
     names: list[str],
     ranges: Mapping[str, tuple[float, float]],
 ) -> dict[str, Any] | None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.records import MessageError
 from fuzzyarm.designer.requests import SurfaceWork
 from fuzzyarm.errors import FuzzyarmError
@@ -29,7 +29,7 @@ class NothingToComputeError(FuzzyarmError, ValueError):
     """The text is no sound rule base now."""
 
 
-def surface(session: Session, asked: SurfaceWork, job: Job) -> None:
+def surface(session: Session, asked: SurfaceWork, job: WindowJob) -> None:
     """Tell what fires at a point, then an output over two inputs through it.
 
     Parameters
@@ -38,7 +38,7 @@ def surface(session: Session, asked: SurfaceWork, job: Job) -> None:
         The text.
     asked : SurfaceWork
         Which point, and which surface through it.
-    job : Job
+    job : WindowJob
         Hears ``strengths`` and ``outputs``, then ``z`` row by row from the lowest; None where
         there is no value.
     """
@@ -60,7 +60,7 @@ def surface(session: Session, asked: SurfaceWork, job: Job) -> None:
     _tell_surface(model, point, asked, job)
 
 
-def _tell_surface(model: RuleBase, point: list[float], asked: SurfaceWork, job: Job) -> None:
+def _tell_surface(model: RuleBase, point: list[float], asked: SurfaceWork, job: WindowJob) -> None:
     import numpy as np
 
     x, y = (_at(model.inputs, getattr(asked, axis), axis) for axis in ("x", "y"))

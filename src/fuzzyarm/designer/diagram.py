@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.controller.text import ControllerText, with_files
 from fuzzyarm.designer.faults import TextRefusedError
-from fuzzyarm.designer.messages import Block, Diagram
-from fuzzyarm.designer.requests import Nothing
+from fuzzyarm.designer.messages import SceneBlock, SceneDiagram
+from fuzzyarm.designer.requests import BareMessage
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import UTF16, Session, to_position
@@ -23,8 +23,8 @@ from fuzzyarm.text.diagnostic import NOWHERE
 from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
-    from fuzzyarm.designer.compared import Surface
-    from fuzzyarm.designer.jobs import Job
+    from fuzzyarm.designer.compared import ComparedSurface
+    from fuzzyarm.designer.jobs import WindowJob
     from fuzzyarm.table import LookupTable
 
 __all__ = ["diagram_of", "sheets"]
@@ -50,7 +50,7 @@ def _width(text: str, style: str) -> float:
 PEN = Pen(width_of=_width, line=16.0, pad=8.0, room=120.0, track=10.0, arrow=20.0)
 
 
-def diagram_of(controller: ControllerText, reading: Reading) -> Diagram:
+def diagram_of(controller: ControllerText, reading: Reading) -> SceneDiagram:
     """Return the block diagram of a controller, fit for JSON; lengths are pixels.
 
     Parameters
@@ -80,7 +80,7 @@ def diagram_of(controller: ControllerText, reading: Reading) -> Diagram:
     }
 
 
-def _block(placed: PlacedBlock, pitch: float, reading: Reading) -> Block:
+def _block(placed: PlacedBlock, pitch: float, reading: Reading) -> SceneBlock:
     block, span = placed.block, placed.block.span
     at = None
     if span != NOWHERE:
@@ -108,7 +108,7 @@ def _short(value: float) -> float:
 # --- What it looks up ---
 
 
-def sheets(session: Session, asked: Nothing, job: Job) -> None:
+def sheets(session: Session, asked: BareMessage, job: WindowJob) -> None:
     """Tell what the rule bases and tables of a controller do: each over its first two inputs."""
     from fuzzyarm.designer.compared import outputs_of, surface_of
 
@@ -149,7 +149,7 @@ def _plane(sheet: RuleBase | LookupTable, output: str, surface_of: Any) -> dict[
     import numpy as np
 
     try:
-        surface: Surface = surface_of(sheet, output)
+        surface: ComparedSurface = surface_of(sheet, output)
     except FuzzyarmError as error:
         return {"why": printable(str(error))}
     names = list(surface.ranges)

@@ -38,7 +38,7 @@ from fuzzyarm.text.folders import FOREIGN
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.designer.jobs import Job
+    from fuzzyarm.designer.jobs import WindowJob
 
 __all__ = ["ExportRefusedError", "Offered", "export", "kinds_of", "model_of"]
 
@@ -128,7 +128,7 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
     }
 
 
-def export(session: Session, asked: ExportWork, job: Job) -> None:
+def export(session: Session, asked: ExportWork, job: WindowJob) -> None:
     """Make files, and tell what is said of them; a page loads them by their addresses."""
     made, lines = files_of(session, asked.suffix, asked.options, job.progress)
     job.check()

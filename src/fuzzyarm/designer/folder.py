@@ -298,7 +298,7 @@ class Workspace:
 
     # --- What a hand does ---
 
-    def _list(self, _asked: requests.Nothing) -> dict[str, Any]:
+    def _list(self, _asked: requests.BareMessage) -> dict[str, Any]:
         return {}
 
     def _new(self, asked: requests.NewFile) -> dict[str, Any]:

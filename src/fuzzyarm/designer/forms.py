@@ -34,7 +34,7 @@ __all__ = [
     "RUN",
     "SOURCES",
     "TUNE",
-    "Form",
+    "RequestForm",
     "export_form",
     "judged",
 ]
@@ -44,7 +44,7 @@ SIGNALS = ("reference", "disturb")
 
 
 @dataclass(frozen=True)
-class Form(Generic[AnyRequest]):
+class RequestForm(Generic[AnyRequest]):
     """What a page offers of a request.
 
     Attributes
@@ -103,17 +103,17 @@ AROUND = (
     "interpolate",
 )  # fmt: skip
 
-RUN = Form(
+RUN = RequestForm(
     ExperimentRequest,
     ("plant", "trajectory", "payload", "reference", "duration"),
     (*AROUND, "seed"),
 )
-LEARN = Form(
+LEARN = RequestForm(
     LearnRequest,
     ("controller", "plant", "trajectory", "payload", "reference", "duration", "begin", "passes",
      "rate", "delay", "freeze"),
 )  # fmt: skip
-TUNE = Form(
+TUNE = RequestForm(
     TuneRequest,
     ("plant", "reference", "duration", "trajectory", "payload", "data", "test", "target", "cost",
      "scenarios", "vary", "over", "evals", "time", "unseen", "seed", "digits", "method", "linear",
@@ -121,11 +121,11 @@ TUNE = Form(
     AROUND,
 )  # fmt: skip
 
-PROVE = Form(
+PROVE = RequestForm(
     ProveRequest,
     ("range", "slope", "output", "tolerance", "budget", "exact"),
 )
-PROVE_LOOP = Form(ProveRequest, ("claim", "plant", "stable", "continuous", "budget"))
+PROVE_LOOP = RequestForm(ProveRequest, ("claim", "plant", "stable", "continuous", "budget"))
 """Of a rule base, and of a controller in its loop."""
 
 SOURCES = (".h", ".c", ".st", ".xml")
@@ -133,7 +133,7 @@ WRITTEN_TABLES = (".lut", ".csv", ".tex")
 PICTURES = (".png", ".svg")
 
 
-def export_form(suffix: str, kind: str) -> Form[ExportRequest]:
+def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
     """Return the form of an export.
 
     Parameters
@@ -146,15 +146,15 @@ def export_form(suffix: str, kind: str) -> Form[ExportRequest]:
     made = () if kind == "table" else ("direct", "table", "levels")
     output = ("output",) if kind == "rules" else ()
     if suffix == ".fmu":
-        return Form(ExportRequest, (*made, "mode", "q", "fmi"))
+        return RequestForm(ExportRequest, (*made, "mode", "q", "fmi"))
     if suffix in SOURCES:
-        return Form(ExportRequest, (*made, *output, "mode", "q", "precision", "name"))
+        return RequestForm(ExportRequest, (*made, *output, "mode", "q", "precision", "name"))
     if suffix in WRITTEN_TABLES and kind != "table":
-        return Form(ExportRequest, ("output", "levels", "mode", "tolerance", "round"))
-    return Form(ExportRequest, output if suffix in PICTURES else ())
+        return RequestForm(ExportRequest, ("output", "levels", "mode", "tolerance", "round"))
+    return RequestForm(ExportRequest, output if suffix in PICTURES else ())
 
 
-FORMS: Mapping[str, Form[Any]] = {
+FORMS: Mapping[str, RequestForm[Any]] = {
     "run": RUN,
     "learn": LEARN,
     "tune": TUNE,

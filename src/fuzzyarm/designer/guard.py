@@ -14,10 +14,10 @@ from urllib.parse import urlsplit
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-__all__ = ["Guarded", "token_for"]
+__all__ = ["AccessGuard", "token_for"]
 
 
-class Guarded:
+class AccessGuard:
     """Lets in who knows the token and asks by this machine's own names."""
 
     def __init__(self, app: ASGIApp, token: str) -> None:

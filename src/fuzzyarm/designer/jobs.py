@@ -1,9 +1,9 @@
 """Long work that a page watches: it runs beside the answering of questions, and can be stopped.
 
-A piece of work is a function that is given the text as it was, what the page asked for, and a
-`Job`. It runs in a thread of its own, which may wait for a hand as long as it likes: the threads
-that answer questions are others. What it tells waits until the window has been sent it, so that
-a slow window slows the work and not the server.
+A piece of work is a function of the text as it was, of what the page asked for, and of a
+`WindowJob`. It runs in a thread of its own, which may wait for a hand as long as it likes:
+questions are answered by other threads. Its news wait until the window has been sent them, so
+that a slow window slows the work and not the server.
 """
 
 from __future__ import annotations
@@ -82,11 +82,11 @@ def _size(kept: tuple[str, bytes]) -> int:
 class Work(Protocol):
     """What runs as a job."""
 
-    def __call__(self, session: Session, asked: Any, job: Job) -> None:
+    def __call__(self, session: Session, asked: Any, job: WindowJob) -> None:
         """Do it; `asked` is a record of `fuzzyarm.designer.requests.WORKS`."""
 
 
-class Job:
+class WindowJob:
     """A piece of work of one window.
 
     Parameters

@@ -22,8 +22,8 @@ from fuzzyarm.designer.grounds import (
     seconds_of,
     trajectory_motion_of,
 )
-from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.requests import LearnWord, LearnWork, Nothing
+from fuzzyarm.designer.jobs import WindowJob
+from fuzzyarm.designer.requests import BareMessage, LearnWord, LearnWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
@@ -54,7 +54,7 @@ def controller_model(session: Session) -> ControllerModel | None:
     return parse(session.text, session.path).controller
 
 
-def learnable(session: Session, asked: Nothing, job: Job) -> None:
+def learnable(session: Session, asked: BareMessage, job: WindowJob) -> None:
     """Tell which controllers can be trained, where, and with what they may begin."""
     from fuzzyarm.controller.catalogue import TEXTS
     from fuzzyarm.language.reading import read_text
@@ -82,12 +82,12 @@ def learnable(session: Session, asked: Nothing, job: Job) -> None:
     })  # fmt: skip
 
 
-def learn(session: Session, asked: LearnWork, job: Job) -> None:
+def learn(session: Session, asked: LearnWork, job: WindowJob) -> None:
     """Train, and tell; goes on until the page wants no more."""
-    Training(session, asked, job).run()
+    TrainingWork(session, asked, job).run()
 
 
-class Training:
+class TrainingWork:
     """A training that a page asked for.
 
     Parameters
@@ -96,11 +96,11 @@ class Training:
         The text that is open.
     asked : LearnWork
         What is trained, on what, how.
-    job : Job
+    job : WindowJob
         Who is told, and says what is to be done.
     """
 
-    def __init__(self, session: Session, asked: LearnWork, job: Job) -> None:
+    def __init__(self, session: Session, asked: LearnWork, job: WindowJob) -> None:
         self.job = job
         values = {"passes": DEFAULT_PASSES, **asked.form}
         self.request = LEARN.request(values, Path(session.path).parent)

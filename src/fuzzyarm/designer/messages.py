@@ -12,7 +12,7 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 from fuzzyarm.picture import PanelData
 
-__all__ = ["HEARD", "Diagram", "Finding", "Scene"]
+__all__ = ["HEARD", "Finding", "Scene", "SceneDiagram"]
 
 
 class FormField(TypedDict, total=False):
@@ -47,7 +47,7 @@ Number = float | str
 # --- The picture of a rule base ---
 
 
-class Curve(TypedDict):
+class SceneCurve(TypedDict):
     """A row function of the engine, and its numbers."""
 
     address: int
@@ -62,7 +62,7 @@ class SceneShape(TypedDict):
     names: list[str]
     height: float
     centre: float | None
-    curve: Curve | None
+    curve: SceneCurve | None
     ordered: bool
     straight: bool
     handles: list[int]
@@ -94,7 +94,7 @@ class SceneVariable(TypedDict):
     terms: list[SceneTerm]
 
 
-class Member(TypedDict):
+class SceneMember(TypedDict):
     """A set or a value that rules conclude."""
 
     term: str
@@ -103,7 +103,7 @@ class Member(TypedDict):
     hedged: bool
     words: str
     value: float | None
-    curve: Curve | None
+    curve: SceneCurve | None
     implication: int
 
 
@@ -116,7 +116,7 @@ class SceneOutput(SceneVariable):
     interval: bool
     twoSided: bool
     noRule: float | str | None
-    members: list[Member]
+    members: list[SceneMember]
     asserted: list[list[int]]
 
 
@@ -154,7 +154,7 @@ class GridRow(TypedDict):
     cells: list[GridCell]
 
 
-class Grid(TypedDict):
+class SceneGrid(TypedDict):
     """A grid of rules, as it stands in the text."""
 
     line: int
@@ -190,7 +190,7 @@ class Scene(TypedDict):
     inputs: list[SceneVariable]
     outputs: list[SceneOutput]
     rules: list[SceneRule]
-    grids: list[Grid]
+    grids: list[SceneGrid]
     methods: list[Method]
     missing: list[str]
     numbers: dict[str, Any] | None
@@ -199,7 +199,7 @@ class Scene(TypedDict):
     reason: str
 
 
-class Block(TypedDict):
+class SceneBlock(TypedDict):
     """A block of a diagram; `lines` are text and style, `pins` sign and position."""
 
     kind: str
@@ -223,7 +223,7 @@ class Caption(TypedDict):
     style: str
 
 
-class Diagram(TypedDict):
+class SceneDiagram(TypedDict):
     """The block diagram of a controller; lengths are pixels."""
 
     name: str
@@ -231,7 +231,7 @@ class Diagram(TypedDict):
     period: str
     width: float
     height: float
-    blocks: list[Block]
+    blocks: list[SceneBlock]
     strokes: list[list[float]]
     tips: list[list[float]]
     dots: list[list[float]]
@@ -301,7 +301,7 @@ SceneMessage = TypedDict(
         "version": int | None,
         "scene": Scene | None,
         "why": Literal["mistakes", "other"],
-        "diagram": Diagram | None,
+        "diagram": SceneDiagram | None,
     },
 )
 Status = TypedDict(

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.designer import requests
 from fuzzyarm.designer.faults import error_of, internal_words
 from fuzzyarm.designer.folder import Workspace, converted_file
-from fuzzyarm.designer.jobs import Downloads, Job, Work
+from fuzzyarm.designer.jobs import Downloads, WindowJob, Work
 from fuzzyarm.designer.messages import Moved, Names, Opened, Reopened, Unsaved, Updates, Writer
 from fuzzyarm.designer.names import OutsideError, in_words
 from fuzzyarm.designer.records import MessageError, read_record
@@ -42,7 +42,7 @@ __all__ = ["WORKS", "OpenFiles", "Window"]
 def _later(module: str, function: str) -> Work:
     """Return work whose module is loaded when it begins: few pages want all of it."""
 
-    def work(session: Session, asked: Any, job: Job) -> None:
+    def work(session: Session, asked: Any, job: WindowJob) -> None:
         getattr(import_module(f"fuzzyarm.designer.{module}"), function)(session, asked, job)
 
     work.__name__ = function
@@ -78,7 +78,7 @@ class Window:
         self._send = send
         self.files: set[str] = set()
         """Those that it has open."""
-        self.jobs: dict[int, Job] = {}
+        self.jobs: dict[int, WindowJob] = {}
         self.follows = False
         """Whether it is told which files have unsaved changes."""
 
@@ -130,10 +130,10 @@ class OpenFiles:
 
         return Running(self.plants)
 
-    def _run(self, session: Session, asked: requests.RunWork, job: Job) -> None:
+    def _run(self, session: Session, asked: requests.RunWork, job: WindowJob) -> None:
         self._runs(session, asked, job)
 
-    def _describe(self, session: Session, asked: requests.PlantsWork, job: Job) -> None:
+    def _describe(self, session: Session, asked: requests.PlantsWork, job: WindowJob) -> None:
         self._runs.describe(session, asked, job)
 
     async def hear(self, window: Window, said: str | None) -> None:
@@ -179,7 +179,9 @@ class OpenFiles:
     def _right(self, window: Window, name: str) -> Writer:
         return {"is": "writer", "file": name, "writes": self._writers.get(name) is window}
 
-    async def _ask(self, window: Window, said: requests.Question, message: dict[str, Any]) -> None:
+    async def _ask(
+        self, window: Window, said: requests.TextQuestion, message: dict[str, Any]
+    ) -> None:
         shared = self.workspace.text(said.file)
         await window.tell({"is": "answer", "id": said.id, **shared.answer(message)})
 
@@ -202,7 +204,9 @@ class OpenFiles:
         """Return why long work cannot be done here; empty where it can."""
         return ""
 
-    async def _start(self, window: Window, said: requests.Start, message: dict[str, Any]) -> None:
+    async def _start(
+        self, window: Window, said: requests.StartWork, message: dict[str, Any]
+    ) -> None:
         """Begin long work beside the answering; the text is the one of now."""
         shared, works = self.workspace.text(said.file), {**WORKS, **self.works}
         if said.what not in works:
@@ -210,7 +214,7 @@ class OpenFiles:
         if why := self._why_not(said.what):
             await window.tell({"is": "job", "id": said.id, "end": "failed", "message": why})
             return
-        job = Job(said.id, window.tell, self.workspace, self.downloads, lambda: self.plants)
+        job = WindowJob(said.id, window.tell, self.workspace, self.downloads, lambda: self.plants)
         try:
             asked: Any = read_record(requests.WORKS[said.what], message)
         except MessageError as error:
@@ -435,7 +439,7 @@ class OpenFiles:
         for window in [each for each in self.windows if each.follows]:
             await window.tell(news)
 
-    async def _hello(self, window: Window, _said: requests.Nothing, _: dict[str, Any]) -> None:
+    async def _hello(self, window: Window, _said: requests.BareMessage, _: dict[str, Any]) -> None:
         self._hold(self._welcome(window))
 
     async def _welcome(self, window: Window) -> None:

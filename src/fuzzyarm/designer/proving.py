@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.exports import model_of
 from fuzzyarm.designer.faults import TextRefusedError
-from fuzzyarm.designer.forms import PROVE, PROVE_LOOP, Form
+from fuzzyarm.designer.forms import PROVE, PROVE_LOOP, RequestForm
 from fuzzyarm.designer.grounds import FieldError, at_field
-from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.requests import Nothing, ProveWork
+from fuzzyarm.designer.jobs import WindowJob
+from fuzzyarm.designer.requests import BareMessage, ProveWork
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
@@ -32,7 +32,7 @@ BUDGET = 60.0
 """Seconds for each statement, where the form says none: a page is not left to itself for hours."""
 
 
-def provable(session: Session, asked: Nothing, job: Job) -> None:
+def provable(session: Session, asked: BareMessage, job: WindowJob) -> None:
     """Tell what the form is, and which lines and outputs the text has."""
     _refuse_table(session)
     controller, rulebase = session.reading.parsed.controller, session.reading.parsed.rulebase
@@ -58,11 +58,11 @@ def _refuse_table(session: Session) -> None:
         raise TextRefusedError("a table proves nothing by itself; its error is in the view Table")
 
 
-def _form(*, is_loop: bool) -> Form[ProveRequest]:
+def _form(*, is_loop: bool) -> RequestForm[ProveRequest]:
     return PROVE_LOOP if is_loop else PROVE
 
 
-def prove(session: Session, asked: ProveWork, job: Job) -> None:
+def prove(session: Session, asked: ProveWork, job: WindowJob) -> None:
     """Judge what is asked for; each verdict is told when it is there."""
     _refuse_table(session)
     model = model_of(session)
@@ -74,13 +74,15 @@ def prove(session: Session, asked: ProveWork, job: Job) -> None:
         _prove_loop(model, request, job)
 
 
-def _tell_line(job: Job, verdict: str, lines: list[str], charts: list[Chart] | None = None) -> None:
+def _tell_line(
+    job: WindowJob, verdict: str, lines: list[str], charts: list[Chart] | None = None
+) -> None:
     """Tell a verdict, in words and as pictures."""
     panels = [panel for chart in charts or [] for panel in chart_data(chart)]
     job.tell({"verdict": verdict, "lines": lines, "panels": panels})
 
 
-def _told(job: Job) -> Any:
+def _told(job: WindowJob) -> Any:
     """Return what a proof calls now and then: the page hears of it, and may stop it."""
 
     def tell(statement: str, count: int, gap: float) -> None:
@@ -93,7 +95,7 @@ def _told(job: Job) -> Any:
 # --- Rule bases ---
 
 
-def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: Job) -> None:
+def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: WindowJob) -> None:
     from fuzzyarm.closed_loop.orders import bounds_one, rules_of
 
     if bounds_one(asked):
@@ -109,7 +111,9 @@ def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: Job) -> None:
         _tell_line(job, judged.verdict, _verdict_lines(judged))
 
 
-def _bounded(rulebase: RuleBase, asked: ProveRequest, job: Job) -> Iterator[tuple[str, Bounds]]:
+def _bounded(
+    rulebase: RuleBase, asked: ProveRequest, job: WindowJob
+) -> Iterator[tuple[str, Bounds]]:
     """Yield what is bounded of an output: its range, or its slope along each input."""
     from fuzzyarm.closed_loop.orders import only_output, prover_of
 
@@ -138,7 +142,7 @@ def _verdict_lines(verdict: Verdict | LoopVerdict) -> list[str]:
 # --- Controllers in their loops ---
 
 
-def _prove_loop(text: ControllerText, asked: ProveRequest, job: Job) -> None:
+def _prove_loop(text: ControllerText, asked: ProveRequest, job: WindowJob) -> None:
     from fuzzyarm.closed_loop import prove_loop, read_claim
     from fuzzyarm.closed_loop.orders import budget_of
 

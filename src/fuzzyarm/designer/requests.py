@@ -30,7 +30,7 @@ FormValues = Mapping[str, FormValue]
 
 
 @dataclass(frozen=True)
-class Nothing:
+class BareMessage:
     """A question that says no more than what it is."""
 
 
@@ -81,7 +81,7 @@ class Settle:
 
 
 @dataclass(frozen=True)
-class Question:
+class TextQuestion:
     """A question about a text, with the number of its answer."""
 
     file: str
@@ -98,7 +98,7 @@ class FolderQuestion:
 
 
 @dataclass(frozen=True)
-class Start:
+class StartWork:
     """Long work on a text, with the page's own number of it."""
 
     file: str
@@ -114,15 +114,15 @@ class OfJob:
 
 
 COMMANDS: Mapping[str, type] = {
-    "hello": Nothing,
+    "hello": BareMessage,
     "open": Open,
     "close": OfFile,
     "push": Push,
-    "ask": Question,
+    "ask": TextQuestion,
     "save": Save,
     "settle": Settle,
     "write": OfFile,
-    "start": Start,
+    "start": StartWork,
     "say": OfJob,
     "stop": OfJob,
     "folder": FolderQuestion,
@@ -212,7 +212,7 @@ class VariableEdit:
 
 
 @dataclass(frozen=True)
-class Setting:
+class SettingEdit:
     """A method of inference, of one output or of all."""
 
     key: str
@@ -292,7 +292,7 @@ class OfVariable:
 
 
 @dataclass(frozen=True)
-class Judge:
+class FormQuestion:
     """What of a form is wrong, which a hand is filling in."""
 
     form: str
@@ -318,13 +318,13 @@ TEXT_QUESTIONS: Mapping[str, type] = {
     "hover": At,
     "rename": Rename,
     "fixes": Fixes,
-    "format": Nothing,
+    "format": BareMessage,
     "merge": Merge,
-    "movable": Nothing,
+    "movable": BareMessage,
     "shapes": Shapes,
     "term": TermEdit,
     "variable": VariableEdit,
-    "setting": Setting,
+    "setting": SettingEdit,
     "grid": GridEdit,
     "head": HeadEdit,
     "compose": Compose,
@@ -335,8 +335,8 @@ TEXT_QUESTIONS: Mapping[str, type] = {
     "numbers": OfVariable,
     "table": TablePage,
     "table-cell": TableCell,
-    "exports": Nothing,
-    "judge": Judge,
+    "exports": BareMessage,
+    "judge": FormQuestion,
 }
 
 
@@ -376,7 +376,7 @@ class Convert:
 
 
 FOLDER_QUESTIONS: Mapping[str, type] = {
-    "list": Nothing,
+    "list": BareMessage,
     "new": NewFile,
     "adopt": OfFile,
     "duplicate": Naming,
@@ -393,7 +393,7 @@ FOLDER_QUESTIONS: Mapping[str, type] = {
 
 
 @dataclass(frozen=True)
-class Axes:
+class SurfaceAxes:
     """Which inputs lie across and up, by name, and the values of the others."""
 
     x: str | None = None
@@ -436,7 +436,7 @@ class CompareWork:
 
     other: str
     output: str = ""
-    axes: Axes = field(default_factory=Axes)
+    axes: SurfaceAxes = field(default_factory=SurfaceAxes)
 
 
 @dataclass(frozen=True)
@@ -452,7 +452,7 @@ class TableErrorWork:
     """How a table is made of a rule base, and over which inputs it is compared."""
 
     options: FormValues = field(default_factory=dict)
-    axes: Axes = field(default_factory=Axes)
+    axes: SurfaceAxes = field(default_factory=SurfaceAxes)
 
 
 @dataclass(frozen=True)
@@ -523,13 +523,13 @@ WORKS: Mapping[str, type] = {
     "compare": CompareWork,
     "export": ExportWork,
     "surface": SurfaceWork,
-    "learnable": Nothing,
+    "learnable": BareMessage,
     "learn": LearnWork,
     "table-error": TableErrorWork,
-    "tunable": Nothing,
+    "tunable": BareMessage,
     "tune": TuneWork,
-    "sheets": Nothing,
-    "provable": Nothing,
+    "sheets": BareMessage,
+    "provable": BareMessage,
     "prove": ProveWork,
     "run": RunWork,
     "plants": PlantsWork,

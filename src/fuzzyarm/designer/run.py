@@ -33,7 +33,7 @@ from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.designer.faults import TextRefusedError
 from fuzzyarm.designer.forms import RUN
 from fuzzyarm.designer.grounds import at_field, check_words, seconds_of, trajectory_motion_of
-from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.records import Absent, MessageError
 from fuzzyarm.designer.requests import PlantsWork, RunWord, RunWork
@@ -48,7 +48,7 @@ from fuzzyarm.loop.run import ClosedLoop, metric_units, text_of
 from fuzzyarm.loop.words import connections, driven, motion_of, options_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.picture import drawing_data, short
-from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
+from fuzzyarm.plant.drawings import PlantScene, drawing_of, is_drawn
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.plant.setting import PLAIN
 from fuzzyarm.requests.experiment import ExperimentRequest
@@ -89,11 +89,11 @@ class Running:
     def __init__(self, plants: Plants) -> None:
         self.plants = plants
 
-    def __call__(self, session: Session, asked: RunWork, job: Job) -> None:
+    def __call__(self, session: Session, asked: RunWork, job: WindowJob) -> None:
         """Run until the page wants no more."""
         LiveRun(self.plants, session, asked, job).go_on()
 
-    def describe(self, session: Session, asked: PlantsWork, job: Job) -> None:
+    def describe(self, session: Session, asked: PlantsWork, job: WindowJob) -> None:
         """Tell which plants there are, and which of them the text fits."""
         text = session.text if asked.text is None else asked.text
         if session.path.lower().endswith(".lut"):
@@ -172,11 +172,11 @@ class LiveRun:
         The text when it was started.
     asked : RunWork
         What is to be run, in the words of ``fuzzyarm simulate``.
-    job : Job
+    job : WindowJob
         The connection with the page.
     """
 
-    def __init__(self, plants: Plants, session: Session, asked: RunWork, job: Job) -> None:
+    def __init__(self, plants: Plants, session: Session, asked: RunWork, job: WindowJob) -> None:
         self.plants, self.path, self.job = plants, session.path, job
         self.asked = asked
         self.text = session.text
@@ -296,8 +296,8 @@ class LiveRun:
             loads = loads_of(self.plant, self._scene(), self.loop.site.interface, *self.pull)
         self.run.push(loads)
 
-    def _scene(self) -> Scene:
-        return Scene(self.loop.so_far(self.run), len(self.run.record.rows) - 1)
+    def _scene(self) -> PlantScene:
+        return PlantScene(self.loop.so_far(self.run), len(self.run.record.rows) - 1)
 
     # --- What the page says ---
 

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from typing import Any
 
 from fuzzyarm.designer.messages import (
-    Curve,
-    Grid,
-    Member,
     Method,
     Number,
     Scene,
+    SceneCurve,
+    SceneGrid,
+    SceneMember,
     SceneOutput,
     SceneRule,
     SceneShape,
@@ -203,7 +203,7 @@ def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> Scen
     return found
 
 
-def _curve(function: Any) -> Curve:
+def _curve(function: Any) -> SceneCurve:
     return {"address": function.address, "numbers": list(map(_number, function.numbers))}
 
 
@@ -212,7 +212,7 @@ def _output(
 ) -> SceneOutput:
     output_plan = made.outputs[output.name]
     upper = {name: term for (of, term), name in lower.items() if of == output.name}
-    members: list[Member] = []
+    members: list[SceneMember] = []
     for i, member in enumerate(output_plan.members):
         values = member.value is not None or not SHAPES[member.term.shape.kind].fuzzy
         curve = None if values else functions.curve(member.term.shape, member.hedges)
@@ -324,7 +324,7 @@ def _method(key: str, value: str, target: str = "") -> Method:
     return {"key": key, "value": value, "options": options, "target": target}
 
 
-def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[Grid]:
+def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[SceneGrid]:
     numbers = {
         (rule.span.line, rule.span.column, consequent.variable): number
         for number, rule in enumerate(rulebase.rules)

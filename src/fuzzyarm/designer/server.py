@@ -30,7 +30,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.faults import LOG, internal_words
 from fuzzyarm.designer.folder import IMPORTS, LARGEST_IMPORT, Workspace
-from fuzzyarm.designer.guard import Guarded, token_for
+from fuzzyarm.designer.guard import AccessGuard, token_for
 from fuzzyarm.designer.open_files import OpenFiles, Window
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.shipped_files import shipped_folder
@@ -47,7 +47,7 @@ LOOK_EVERY = 0.4
 """Seconds between two looks at the open files."""
 
 
-class PortError(FuzzyarmError, OSError):
+class ServerPortError(FuzzyarmError, OSError):
     """A port that is taken, or that may not be used."""
 
 
@@ -86,7 +86,7 @@ class Designer(OpenFiles):
             Route("/{token}/download/{key}/{name:path}", self._download),
             WebSocketRoute("/{token}/socket", self._socket),
         ]
-        return Guarded(Starlette(routes=routes, lifespan=self._lifespan), self.token)
+        return AccessGuard(Starlette(routes=routes, lifespan=self._lifespan), self.token)
 
     @contextlib.asynccontextmanager
     async def _lifespan(self, _app: Starlette) -> Any:
@@ -208,7 +208,7 @@ def _bound(listening: socket.socket, port: int | None, token: str) -> None:
         listening.bind(("127.0.0.1", own if port is None else port))
     except OSError as error:
         if port is not None:
-            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+            raise ServerPortError(f"port {port} cannot be used: {error.strerror}") from None
         listening.bind(("127.0.0.1", 0))
 
 
@@ -236,7 +236,7 @@ def serve(
 
     Raises
     ------
-    PortError
+    ServerPortError
         If the port is taken.
     PlantError
         If a plant cannot be made.

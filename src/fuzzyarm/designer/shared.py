@@ -20,7 +20,7 @@ from typing import Any
 from fuzzyarm.designer import requests
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.faults import error_of
-from fuzzyarm.designer.messages import Diagram, Findings, Scene, SceneMessage
+from fuzzyarm.designer.messages import Findings, Scene, SceneDiagram, SceneMessage
 from fuzzyarm.designer.names import OutsideError, in_words, is_inside
 from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.scene import Positions, held_numbers, scene_of
@@ -350,7 +350,7 @@ class SharedText:
             "diagram": self._diagram(reading),
         }
 
-    def _diagram(self, reading: Any) -> Diagram | None:
+    def _diagram(self, reading: Any) -> SceneDiagram | None:
         """Return the block diagram of a controller without mistakes of its own."""
         controller = reading.parsed.controller if isinstance(reading, Reading) else None
         if controller is None:
@@ -434,7 +434,7 @@ class SharedText:
             ]
         }
 
-    def _format(self, _asked: requests.Nothing) -> dict[str, Any]:
+    def _format(self, _asked: requests.BareMessage) -> dict[str, Any]:
         text = self.session.kind.formatted(self.session.reading)
         if text is None:
             return {"error": "a text with mistakes is not formatted"}
@@ -473,7 +473,7 @@ class SharedText:
             return self._edits(rename_variable(reading, variable, asked.name))
         return self._edits(remove_variable(reading, variable))
 
-    def _setting(self, asked: requests.Setting) -> dict[str, Any]:
+    def _setting(self, asked: requests.SettingEdit) -> dict[str, Any]:
         return self._edits(set_setting(self._rules, asked.key, asked.value, asked.target))
 
     def _grid(self, asked: requests.GridEdit) -> dict[str, Any]:
@@ -515,18 +515,18 @@ class SharedText:
         span = cell_place(self.session, asked.cell)
         return {"range": None if span is None else Positions(self.session.lines).of(span)}
 
-    def _exports(self, _asked: requests.Nothing) -> dict[str, Any]:
+    def _exports(self, _asked: requests.BareMessage) -> dict[str, Any]:
         from fuzzyarm.designer.exports import forms_of
 
         return {"forms": forms_of(self.session)}
 
-    def _judge(self, asked: requests.Judge) -> dict[str, Any]:
+    def _judge(self, asked: requests.FormQuestion) -> dict[str, Any]:
         """Say what is wrong with a form while a hand fills it in."""
         from fuzzyarm.designer.forms import judged
 
         return judged(asked.form, asked.values, Path(self.session.path).parent)
 
-    def _movable(self, _asked: requests.Nothing) -> dict[str, Any]:
+    def _movable(self, _asked: requests.BareMessage) -> dict[str, Any]:
         """Write into the text what tuning moves where nothing is said, and ranges of gains."""
         from fuzzyarm.tuning.design import default_ranges, everything
 

@@ -10,7 +10,7 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import controller_on, site_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.loop.run import first_error, text_of
-from fuzzyarm.plant.drawings import Scene, drawing_of
+from fuzzyarm.plant.drawings import PlantScene, drawing_of
 from fuzzyarm.plant.following import carries, shortest_trajectory
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Address, Interface, Plant, PlantError, parameter
@@ -120,14 +120,14 @@ TIP_FORCE = 60.0
 """With which the tip of the arm is pulled at most, N: some times its weight."""
 
 
-def loads_of(plant: Plant, scene: Scene, interface: Interface, x: float, y: float) -> Loads:
+def loads_of(plant: Plant, scene: PlantScene, interface: Interface, x: float, y: float) -> Loads:
     """Return what a pull adds to the inputs of a plant.
 
     Parameters
     ----------
     plant : Plant
         What the hand pulls.
-    scene : Scene
+    scene : PlantScene
         What the hand sees.
     interface : Interface
         Of the plant.
@@ -158,7 +158,7 @@ def _first(interface: Interface, share: float) -> Loads:
     return {port: share * _strength(interface, port)}
 
 
-def _pull_arm(plant: Plant, scene: Scene, x: float, y: float) -> Loads:
+def _pull_arm(plant: Plant, scene: PlantScene, x: float, y: float) -> Loads:
     """Pull at the tip: the torques are those of a force there (the transposed Jacobian)."""
     drawing, elbow = drawing_of(plant, scene), scene.output("joint1.position")
     assert drawing is not None
@@ -171,12 +171,12 @@ def _pull_arm(plant: Plant, scene: Scene, x: float, y: float) -> Loads:
     }
 
 
-def _pull_motor(scene: Scene, x: float, y: float) -> float:
+def _pull_motor(scene: PlantScene, x: float, y: float) -> float:
     angle = scene.output("position")
     return math.cos(angle) * y - math.sin(angle) * x
 
 
-PULLS: Mapping[str, Callable[[Scene, float, float], float]] = {
+PULLS: Mapping[str, Callable[[PlantScene, float, float], float]] = {
     "motor": _pull_motor,
     "cartpole": lambda _scene, x, _y: x,
     "tanks": lambda _scene, _x, y: y,

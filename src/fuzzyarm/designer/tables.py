@@ -12,7 +12,7 @@ import numpy as np
 
 from fuzzyarm.designer.exports import ExportRefusedError, making_asked, model_of
 from fuzzyarm.designer.names import OutsideError
-from fuzzyarm.designer.requests import Axes, TableErrorWork
+from fuzzyarm.designer.requests import SurfaceAxes, TableErrorWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import write
 from fuzzyarm.lsp.session import Session
@@ -31,7 +31,7 @@ from fuzzyarm.table.compiler import evaluate
 from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
-    from fuzzyarm.designer.jobs import Job
+    from fuzzyarm.designer.jobs import WindowJob
 
 __all__ = ["cell_place", "table_error", "table_page"]
 
@@ -118,7 +118,7 @@ def cell_place(session: Session, cell: Sequence[int]) -> Any:
 # --- A table against its rules ---
 
 
-def table_error(session: Session, asked: TableErrorWork, job: Job) -> None:
+def table_error(session: Session, asked: TableErrorWork, job: WindowJob) -> None:
     """Tell how far a table is from direct inference: a map, the worst point, proofs.
 
     Of a rule base the table is compiled as the page asks; a table is compared with the file
@@ -149,7 +149,7 @@ def table_error(session: Session, asked: TableErrorWork, job: Job) -> None:
     _prove_cells(table, rulebase, mode, job)
 
 
-def _source_of(table: LookupTable, job: Job) -> tuple[RuleBase, str]:
+def _source_of(table: LookupTable, job: WindowJob) -> tuple[RuleBase, str]:
     """Return the rule base that a table was compiled from, and whether it has changed since."""
     says = dict(table.provenance)
     name = says.get("source", "")
@@ -195,7 +195,9 @@ def _worst(fidelity: Fidelity, table: LookupTable, rulebase: RuleBase) -> dict[s
     }
 
 
-def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> dict[str, Any]:
+def error_map(
+    table: LookupTable, rulebase: RuleBase, mode: str, axes: SurfaceAxes
+) -> dict[str, Any]:
     """Return table − rules over two inputs, the others held.
 
     Parameters
@@ -206,7 +208,7 @@ def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> 
         The truth.
     mode : str
         How the table is looked up.
-    axes : Axes
+    axes : SurfaceAxes
         The inputs across and up (the first two by default), and the values of the others (the
         middle by default).
     """
@@ -249,7 +251,7 @@ def _held(axis: TableAxis, wanted: float | None) -> float:
     return min(max(wanted, low), high) if wanted is not None else 0.5 * (low + high)
 
 
-def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: Job) -> None:
+def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: WindowJob) -> None:
     """Tell what the error of each cell nowhere exceeds, where that can be proved."""
     if len(table.axes) > 2:
         job.tell({"unproved": "cells of more than two inputs are not proved one by one"})

@@ -26,8 +26,8 @@ from fuzzyarm.designer.grounds import (
     plants_for,
     seconds_of,
 )
-from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.requests import Nothing, TuneWord, TuneWork
+from fuzzyarm.designer.jobs import WindowJob
+from fuzzyarm.designer.requests import BareMessage, TuneWord, TuneWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
@@ -92,7 +92,7 @@ def subject_of(path: str, text: str) -> ControllerText | RuleBase:
 # --- What may be asked ---
 
 
-def tunable(session: Session, asked: Nothing, job: Job) -> None:
+def tunable(session: Session, asked: BareMessage, job: WindowJob) -> None:
     """Tell whether the text can be tuned, what may move in it, and on what."""
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.tuning import TuneError
@@ -130,7 +130,7 @@ class PageOrder(NamedTuple):
     """Plants that were named on the command line."""
 
 
-def order_of(session: Session, work: TuneWork, job: Job) -> PageOrder:
+def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
     """Read what a page asks for.
 
     Raises
@@ -166,7 +166,7 @@ def order_of(session: Session, work: TuneWork, job: Job) -> PageOrder:
     return PageOrder(session.path, session.text, asked, job.plants.own)
 
 
-def _samples_of(asked: TuneRequest, job: Job) -> dict[str, str]:
+def _samples_of(asked: TuneRequest, job: WindowJob) -> dict[str, str]:
     """Return the files of samples as they stand in the folder."""
     files = {}
     for name, file in (("data", asked.data), ("test", asked.test)):
@@ -181,7 +181,7 @@ def _samples_of(asked: TuneRequest, job: Job) -> dict[str, str]:
 # --- Here: what a page hears ---
 
 
-def tune(session: Session, asked: TuneWork, job: Job) -> None:
+def tune(session: Session, asked: TuneWork, job: WindowJob) -> None:
     """Search, tell, report; goes on until the page wants no more."""
     order = order_of(session, asked, job)
     prepared(order)  # what does not fit is said at once
@@ -194,7 +194,7 @@ def tune(session: Session, asked: TuneWork, job: Job) -> None:
             _take(files, session, job, replace=word.replace)
 
 
-def _searched(order: PageOrder, job: Job) -> dict[str, Any]:
+def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
     """Run the search in a process of its own, and pass on what it says."""
     from multiprocessing import get_context
 
@@ -217,7 +217,7 @@ def _searched(order: PageOrder, job: Job) -> dict[str, Any]:
             process.kill()
 
 
-def _heard(here: Connection, job: Job, kept: list[dict[str, Any]]) -> dict[str, Any]:
+def _heard(here: Connection, job: WindowJob, kept: list[dict[str, Any]]) -> dict[str, Any]:
     """Pass on what the search says; return its report, and keep what comes before that."""
     while True:
         if any(word.enough for word in job.heard(TuneWord)):
@@ -246,7 +246,7 @@ def _failure(message: str, field: str) -> FuzzyarmError:
     return FieldError(message, field=field) if field else TextRefusedError(message)
 
 
-def _take(files: list[dict[str, str]], session: Session, job: Job, *, replace: bool) -> None:
+def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, replace: bool) -> None:
     """Write rule bases of other files beside the text, and tell the text that has the numbers."""
     from fuzzyarm.tuning.text import with_files
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import check_file
 from fuzzyarm.dossier.page import page
-from fuzzyarm.dossier.trial import Trial, sizes, tried
+from fuzzyarm.dossier.trial import ExportTrial, sizes, tried
 from fuzzyarm.export import Exported, ExportedController
 from fuzzyarm.export.table import TableRoutine
 from fuzzyarm.text.whole_folders import write_folder
@@ -167,7 +167,7 @@ def _claimed(how: Making) -> list[dict[str, Any]]:
             for words in how.proofs]  # fmt: skip
 
 
-def _self_test(trial: Trial) -> Mapping[str, Any]:
+def _self_test(trial: ExportTrial) -> Mapping[str, Any]:
     return {
         "compiler": trial.compiler,
         "flags": list(trial.flags),

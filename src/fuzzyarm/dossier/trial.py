@@ -21,7 +21,7 @@ from fuzzyarm.export.names import identifier
 from fuzzyarm.export.numbers import ExportError, c_number
 from fuzzyarm.export.steps import Steps
 
-__all__ = ["Row", "Trial", "sizes", "tried"]
+__all__ = ["ExportTrial", "TrialRow", "sizes", "tried"]
 
 _SECONDS = 300
 # Not optimised, so that the lines that gcov counts are those of the text.
@@ -36,7 +36,7 @@ TARGETS = {
 
 
 @dataclass(frozen=True)
-class Row:
+class TrialRow:
     """One point, or one period: what goes in, what has to come out, what came out."""
 
     function: str
@@ -56,7 +56,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Trial:
+class ExportTrial:
     """A run of the exported functions by all rows, and which of their text it reached.
 
     `statements` and `branches` are how many were reached, and how many there are; `missed` are
@@ -65,14 +65,14 @@ class Trial:
 
     compiler: str
     flags: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[TrialRow, ...]
     statements: tuple[int, int]
     branches: tuple[int, int]
     missed: tuple[tuple[int, str], ...]
     untaken: tuple[tuple[int, str], ...]
 
 
-def tried(exported: Exported | ExportedController) -> Trial:
+def tried(exported: Exported | ExportedController) -> ExportTrial:
     """Compile what is exported with gcc, run it by its points, and read what gcov counted.
 
     Raises
@@ -98,12 +98,14 @@ def tried(exported: Exported | ExportedController) -> Trial:
         _run(["gcc", "-std=c99", "driver.c", "own.o", "--coverage", "-o", "driver", "-lm"], folder)
         values = iter(_run(["./driver"], folder).split())
         rows = tuple(
-            Row(function, inputs, expected, tuple(_read(next(values)) for _ in expected), tolerance)
+            TrialRow(
+                function, inputs, expected, tuple(_read(next(values)) for _ in expected), tolerance
+            )
             for function, inputs, expected, tolerance in cases
         )
         counted = _counted(folder, source)
         compiler = _run(["gcc", "--version"], folder).splitlines()[0]
-    return Trial(compiler, _FLAGS, rows, *_coverage(counted, files[source]))
+    return ExportTrial(compiler, _FLAGS, rows, *_coverage(counted, files[source]))
 
 
 Case = tuple[str, tuple[float, ...], tuple[float, ...], float]

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fuzzyarm.export.avr import FLAGS, TOOLS, Call, Measured, has_compiler, measure
+from fuzzyarm.export.avr import FLAGS, TOOLS, Measured, MeasuredStep, has_compiler, measure
 from fuzzyarm.export.boards import Board, Footprint, demand_fit
-from fuzzyarm.export.c import Library, c_library
+from fuzzyarm.export.c import CLibrary, c_library
 from fuzzyarm.export.controller_c import CController, controller_library
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.names import ARDUINO_MACROS, Names, identifier
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.routine import Routine, plain
-from fuzzyarm.export.steps import Variable
-from fuzzyarm.export.table_numbers import Scale
+from fuzzyarm.export.steps import StepVariable
+from fuzzyarm.export.table_numbers import WholeNumberScale
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.version import __version__
 
@@ -42,7 +42,7 @@ class BoardFolder:
     ----------
     files : dict of str to str
         Texts by their paths in the folder.
-    library : Library
+    library : CLibrary
         What is in it.
     board : Board
         What it was fitted to.
@@ -53,7 +53,7 @@ class BoardFolder:
     """
 
     files: dict[str, str]
-    library: Library
+    library: CLibrary
     board: Board
     measured: Measured | None
     constants: int
@@ -61,13 +61,13 @@ class BoardFolder:
 
 
 @dataclass(frozen=True)
-class _Part:
+class _BoardPart:
     """What routines and controllers have in common on a board."""
 
     stem: str
     words: str  # what it is, in one line
-    library: Library
-    call: Call
+    library: CLibrary
+    call: MeasuredStep
     sketch: list[str]
     state: int
     stack: int
@@ -118,7 +118,7 @@ def board_folder(
 # --- What is on the board ---
 
 
-def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Part:
+def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _BoardPart:
     library = c_library(routines, stem, stem)
     first = routines[0]
     vectors = first.vectors()
@@ -126,7 +126,7 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Par
     kind = C_TYPES[first.kind]
     names = [f"x_{k}" for k in range(len(first.arguments))]
     globals_ = [f"static volatile {kind} {', '.join([*names, 'result'])};"]
-    call = Call(
+    call = MeasuredStep(
         header=f"{stem}.h",
         declarations=["#include <stdint.h>", *globals_, *_rows("given", kind, rows, first.kind)],
         start=[],
@@ -140,10 +140,10 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Par
     notes = [f"`{prototype}`" for prototype in library.prototypes]
     stack = max(routine.cost().stack for routine in routines)
     sketch = list(_routine_sketch(routines, library, stem, board))
-    return _Part(stem, plain(words), library, call, sketch, 0, stack, notes)
+    return _BoardPart(stem, plain(words), library, call, sketch, 0, stack, notes)
 
 
-def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Part:
+def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _BoardPart:
     steps, trial_run = program.steps, program.tried
     library, writer = controller_library(steps, stem, stem, trial_run.vectors, program.head())
     kind = C_TYPES[steps.precision.outside]
@@ -153,7 +153,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Pa
     declarations = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
     variables = [*steps.of_sort("reference"), *steps.of_sort("measured")]
     arguments = ", ".join(["&state", *(f"&{sort}" for sort in sorts)])
-    call = Call(
+    call = MeasuredStep(
         header=f"{stem}.h",
         declarations=[
             f"static {stem}_state state;",
@@ -171,7 +171,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Pa
     words = plain(f"{model.name}: {model.description}" if model.description else model.name)
     notes = [f"`{prototype}`" for prototype in library.prototypes]
     sketch = list(_controller_sketch(program, writer, stem, board))
-    return _Part(stem, words, library, call, sketch, writer.ram(), 0, notes)
+    return _BoardPart(stem, words, library, call, sketch, writer.ram(), 0, notes)
 
 
 def _function(prototype: str) -> str:
@@ -194,7 +194,7 @@ def _number(value: float, kind: Kind) -> str:
     return '__builtin_nanf("")' if math.isnan(value) else c_number(value, kind)
 
 
-def _member(made: CController, port: Variable) -> str:
+def _member(made: CController, port: StepVariable) -> str:
     return made.targets[port.symbol].replace("->", ".", 1)
 
 
@@ -202,7 +202,7 @@ def _member(made: CController, port: Variable) -> str:
 
 
 def _routine_sketch(
-    routines: Sequence[Routine], library: Library, stem: str, board: Board
+    routines: Sequence[Routine], library: CLibrary, stem: str, board: Board
 ) -> Iterator[str]:
     """Yield the lines of a sketch that reads every input from a pin and prints every output."""
     names = _sketch_names()
@@ -298,7 +298,7 @@ def _opening(
     yield "}"
 
 
-def _self_test_sketch(part: _Part) -> list[str]:
+def _self_test_sketch(part: _BoardPart) -> list[str]:
     return [
         "// Reports whether this board agrees with the model.",
         f"#include <{part.stem}.h>",
@@ -329,13 +329,13 @@ def _holds(routine: Routine) -> bool:
     return any(argument.name.startswith("last ") for argument in routine.arguments)
 
 
-def _scales(routine: Routine) -> list[Scale | None]:
+def _scales(routine: Routine) -> list[WholeNumberScale | None]:
     core = getattr(routine, "core", None)
     return list(core.scales) if core is not None else [None] * (len(routine.arguments) + 1)
 
 
 def _from_pin(
-    low: float, high: float, number: int, scale: Scale | None, kind: Kind, board: Board
+    low: float, high: float, number: int, scale: WholeNumberScale | None, kind: Kind, board: Board
 ) -> str:
     """Return what reads an input; of a board with too few pins the rest stays in the middle."""
     ends = [x if math.isfinite(x) else 0.0 for x in (low, high)]
@@ -351,7 +351,7 @@ def _from_pin(
     return f"{c_number(ends[0], kind)} + analogRead(A{number}) * ({width} / {top})"
 
 
-def _quantity(name: str, scale: Scale | None) -> str:
+def _quantity(name: str, scale: WholeNumberScale | None) -> str:
     """Return what a result stands for."""
     if scale is None:
         return name
@@ -359,7 +359,7 @@ def _quantity(name: str, scale: Scale | None) -> str:
     return f"{text} + {c_number(scale.offset, np.float32)}" if scale.offset else text
 
 
-def _said(program: ControllerProgram, port: Variable) -> str:
+def _said(program: ControllerProgram, port: StepVariable) -> str:
     return plain(port_name(program.steps, port))
 
 
@@ -371,7 +371,7 @@ def _quoted(text: str) -> str:
 
 
 def _files(
-    part: _Part, board: Board, place: str, sources: dict[str, str], measured: Measured | None
+    part: _BoardPart, board: Board, place: str, sources: dict[str, str], measured: Measured | None
 ) -> Iterator[tuple[str, str]]:
     stem, sketch = part.stem, "\n".join(part.sketch)
     testing = "\n".join(_self_test_sketch(part))
@@ -394,7 +394,7 @@ def _files(
     yield "README.md", "\n".join([*_readme(part, board, place, measured), ""])
 
 
-def _properties(part: _Part, board: Board) -> str:
+def _properties(part: _BoardPart, board: Board) -> str:
     words = {
         "name": part.stem,
         "version": "1.0.0",
@@ -417,7 +417,7 @@ def _architecture(board: Board) -> str:
     return names[board.platform]
 
 
-def _library_json(part: _Part, board: Board) -> str:
+def _library_json(part: _BoardPart, board: Board) -> str:
     content = {
         "name": part.stem,
         "version": "1.0.0",
@@ -430,7 +430,7 @@ def _library_json(part: _Part, board: Board) -> str:
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 
 
-def _keywords(part: _Part) -> str:
+def _keywords(part: _BoardPart) -> str:
     """Return the words that the IDE colours; the mark between is a tab."""
     functions = [_function(prototype) for prototype in part.library.prototypes]
     listed = [*functions, part.library.self_test]
@@ -450,7 +450,7 @@ def _platformio_ini(board: Board) -> str:
     )
 
 
-def _readme(part: _Part, board: Board, place: str, measured: Measured | None) -> Iterator[str]:
+def _readme(part: _BoardPart, board: Board, place: str, measured: Measured | None) -> Iterator[str]:
     yield from [f"# {part.stem}", "", f"{part.words}. Made by fuzzyarm {__version__}.", ""]
     yield from [*part.notes, ""]
     if place == "arduino":
@@ -472,7 +472,7 @@ def _readme(part: _Part, board: Board, place: str, measured: Measured | None) ->
     yield from _figures(part, board, measured)
 
 
-def _figures(part: _Part, board: Board, measured: Measured | None) -> Iterator[str]:
+def _figures(part: _BoardPart, board: Board, measured: Measured | None) -> Iterator[str]:
     constants = part.library.writer.flash
     yield f"- tables: {constants} bytes of flash, no RAM"
     if measured is None:

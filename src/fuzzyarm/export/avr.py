@@ -13,7 +13,7 @@ from pathlib import Path
 from fuzzyarm.export.boards import Board, Footprint
 from fuzzyarm.export.numbers import ExportError
 
-__all__ = ["FLAGS", "TOOLS", "Call", "Measured", "has_compiler", "has_simulator", "measure"]
+__all__ = ["FLAGS", "TOOLS", "Measured", "MeasuredStep", "has_compiler", "has_simulator", "measure"]
 
 FLAGS = ("-Os", "-std=gnu11", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections")
 """Those of the Arduino IDE, without its link-time optimisation."""
@@ -25,7 +25,7 @@ _SECONDS = 120.0
 
 
 @dataclass(frozen=True)
-class Call:
+class MeasuredStep:
     """A step to be measured, as parts of a C program.
 
     Attributes
@@ -93,7 +93,7 @@ def has_simulator() -> bool:
     return shutil.which("simavr") is not None
 
 
-def measure(board: Board, files: Mapping[str, str], stem: str, call: Call) -> Measured:
+def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredStep) -> Measured:
     """Build a library for a board and count what it takes.
 
     Parameters
@@ -104,7 +104,7 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: Call) -> Me
         The library, its test as well, by the names of the files.
     stem : str
         Of these names.
-    call : Call
+    call : MeasuredStep
         The step.
 
     Raises
@@ -191,7 +191,7 @@ def _sizes(file: str, folder: Path) -> tuple[int, int, int]:
     return int(numbers[0]), int(numbers[1]), int(numbers[2])
 
 
-def _size_program(call: Call) -> str:
+def _size_program(call: MeasuredStep) -> str:
     body = ["int k = 0;", *call.start, "for (;;) {", *call.load, call.call, "}"]
     return "\n".join(
         [
@@ -312,7 +312,7 @@ int main(void)
 """
 
 
-def _run_program(call: Call) -> str:
+def _run_program(call: MeasuredStep) -> str:
     words = {
         "HEADER": call.header, "DECLARATIONS": "\n".join(call.declarations), "CALL": call.call,
         "TEST": call.self_test, "START": "\n    ".join(call.start), "COUNT": str(call.count),

@@ -60,7 +60,7 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
 
 
 @dataclass(frozen=True)
-class Library:
+class CLibrary:
     """A C library of three files, whose constants stay in flash.
 
     Attributes
@@ -107,7 +107,7 @@ def flash_macro(writer: CWriter) -> list[str]:
     return [*lines, "#endif", ""]
 
 
-def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> Library:
+def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> CLibrary:
     """Return routines as a library of three files."""
     writer = library_writer(prefix)
     name = writer.names.new(f"{prefix}_self_test")
@@ -123,7 +123,7 @@ def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> Library:
     )
     rows = any(len(routine.vectors().expected) for routine in routines)
     test_text = library_file(writer, _test_head(stem), stem, body, flash=rows)
-    return Library(header, source, test_text, writer, tuple(map(str, prototypes)), name)
+    return CLibrary(header, source, test_text, writer, tuple(map(str, prototypes)), name)
 
 
 def _test_head(stem: str) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fuzzyarm.export.c import (
     SWITCH,
-    Library,
+    CLibrary,
     for_cxx,
     guarded,
     library_file,
@@ -28,13 +28,13 @@ from fuzzyarm.export.steps import (
     Ask,
     Find,
     Grid,
-    Learned,
+    LearningTable,
     Pick,
     Set,
     Step,
     Steps,
+    StepVariable,
     Teach,
-    Variable,
     limited_value,
 )
 from fuzzyarm.export.table import COUNT_FUNCTION, SMALLER
@@ -50,7 +50,7 @@ POINTERS = {"reference": "reference", "measured": "measured", "drive": "drive"}
 
 
 @dataclass(frozen=True)
-class Vectors:
+class TestSequence:
     """A sequence of periods for the self-test: ports, row by row, and the drives."""
 
     given: Sequence[Sequence[float]]
@@ -108,7 +108,7 @@ class CController:
         self.paths = {axis: f"{self.room.new(axis)}." for axis in axes}
         return {axis: self.writer.scope() for axis in axes}
 
-    def kind_of(self, variable: Variable) -> str:
+    def kind_of(self, variable: StepVariable) -> str:
         """Return the type of a variable."""
         return self.wide if variable.wide else self.outer
 
@@ -458,7 +458,7 @@ class CController:
             lines += self._init_table(key, table)
         return lines
 
-    def _init_table(self, key: str, table: Learned) -> list[str]:
+    def _init_table(self, key: str, table: LearningTable) -> list[str]:
         kind, member = self.steps.precision.outside, self.tables[key]
         start = c_number(0.0, kind)
         if any(table.values):
@@ -562,12 +562,12 @@ class CController:
             functions.append("\n".join([f"{self.writer.storage}{prototype}", "{", *lines, "}", ""]))
         return self.writer.assembled(functions)
 
-    def self_test(self, vectors: Vectors) -> list[str]:
+    def self_test(self, vectors: TestSequence) -> list[str]:
         """Return a ``main`` that runs the sequence and returns 0 if the drives come out."""
         body = test_function("int main(void)", self.test_lines(vectors), "steps")
         return [f"#ifdef {SWITCH}", "", *body, "#endif", ""]
 
-    def test_lines(self, vectors: Vectors) -> list[str]:
+    def test_lines(self, vectors: TestSequence) -> list[str]:
         """Return the statements of a function that returns 0 if the drives come out."""
         kind = self.steps.precision.outside
         sorts = [sort for sort in POINTERS if self.steps.of_sort(sort)]
@@ -627,7 +627,7 @@ class CController:
 
 
 def controller_c(
-    steps: Steps, prefix: str, stem: str, suffix: str, vectors: Vectors, words: Sequence[str]
+    steps: Steps, prefix: str, stem: str, suffix: str, vectors: TestSequence, words: Sequence[str]
 ) -> tuple[dict[str, str], CController]:
     """Return a header on its own (``.h``), or a ``.c`` and a ``.h``, by suffix.
 
@@ -639,7 +639,7 @@ def controller_c(
         Begins every identifier.
     stem, suffix : str
         Of the file.
-    vectors : Vectors
+    vectors : TestSequence
         For the self-test.
     words : sequence of str
         Lines for the comment at the head.
@@ -675,8 +675,8 @@ def controller_c(
 
 
 def controller_library(
-    steps: Steps, prefix: str, stem: str, vectors: Vectors, words: Sequence[str]
-) -> tuple[Library, CController]:
+    steps: Steps, prefix: str, stem: str, vectors: TestSequence, words: Sequence[str]
+) -> tuple[CLibrary, CController]:
     """Return a controller as a library of three files; parameters as of `controller_c`."""
     writer = library_writer(prefix)
     name = writer.names.new(f"{prefix}_self_test")
@@ -701,7 +701,7 @@ def controller_library(
     remark = f"/* A sequence of the model, for a test of {stem}.c; linked where it is called. */"
     tests = library_file(writer, [remark, ""], stem, body)
     prototypes = tuple(controller.prototypes().values())
-    return Library(header, source, tests, writer, prototypes, name), controller
+    return CLibrary(header, source, tests, writer, prototypes, name), controller
 
 
 def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:
@@ -744,7 +744,7 @@ def reads(each: Step) -> Iterator[str]:
         yield from (each.cell, each.judged, *symbols(each.rate), *symbols(each.bound))
 
 
-def _whole(table: Learned) -> str:
+def _whole(table: LearningTable) -> str:
     """Return the type of a cell in a ring, where -1 is none."""
     return "int" if len(table.values) <= 0x7FFF else "long"
 

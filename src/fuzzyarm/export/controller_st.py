@@ -18,13 +18,13 @@ from fuzzyarm.export.steps import (
     LAST,
     Ask,
     Find,
-    Learned,
+    LearningTable,
     Pick,
     Set,
     Step,
     Steps,
+    StepVariable,
     Teach,
-    Variable,
 )
 from fuzzyarm.export.structured_text import (
     CellBlock,
@@ -134,7 +134,7 @@ class _Controller:
             values = np.asarray(judge.values).ravel().tolist()
             self.arrays[key] = self._array("VAR CONSTANT", key, values, judge.shape[-1])
 
-    def _variable(self, each: Variable, title: str) -> None:
+    def _variable(self, each: StepVariable, title: str) -> None:
         one = len(self.steps.model.axis_names) == 1
         axis = f"{each.axis}_" if each.axis and not one else ""
         front = f"{each.sort}_" if each.sort in ("reference", "measured") else ""
@@ -171,7 +171,7 @@ class _Controller:
         self.sections[title].append("\n".join([head, *lines, "    ];"]))
         return name
 
-    def _learned(self, key: str, table: Learned) -> None:
+    def _learned(self, key: str, table: LearningTable) -> None:
         one = len(self.steps.model.axis_names) == 1
         base = table.name if one else f"{table.axis}_{table.name}"
         self.arrays[key] = self._array("VAR RETAIN", base, table.values)

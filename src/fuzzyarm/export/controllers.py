@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.export.controller_c import Vectors
+from fuzzyarm.export.controller_c import TestSequence
 from fuzzyarm.export.replica import Replica, trial
-from fuzzyarm.export.steps import RoutineOptions, Steps, Variable, steps_of
+from fuzzyarm.export.steps import RoutineOptions, Steps, StepVariable, steps_of
 from fuzzyarm.export.table_numbers import FixedTable
 from fuzzyarm.model.controller import Line, Signal, Source
 from fuzzyarm.model.rulebase import RuleBase
@@ -108,7 +108,7 @@ class Tried:
 
     Attributes
     ----------
-    vectors : Vectors
+    vectors : TestSequence
         Ports and drives.
     worst : float
         Largest difference of a drive to the controller in double precision.
@@ -116,7 +116,7 @@ class Tried:
         Largest drive.
     """
 
-    vectors: Vectors
+    vectors: TestSequence
     worst: float
     largest: float
 
@@ -193,7 +193,7 @@ class ControllerProgram:
             (abs(x) for row in expected_rows for x in row if not math.isnan(x)), default=0.0
         )
         tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
-        return Tried(Vectors(given_rows, expected_rows, tolerance), worst, largest)
+        return Tried(TestSequence(given_rows, expected_rows, tolerance), worst, largest)
 
     def _loose(self) -> float:
         """Return how many last places of the largest drive a self-test forgives."""
@@ -256,7 +256,7 @@ class ControllerProgram:
         return entries
 
 
-def port_name(steps: Steps, port: Variable) -> str:
+def port_name(steps: Steps, port: StepVariable) -> str:
     """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
     return port.name if len(steps.model.axis_names) == 1 else f"{port.axis}.{port.name}"
 

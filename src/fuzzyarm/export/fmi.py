@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from fuzzyarm.export.steps import Variable
+from fuzzyarm.export.steps import StepVariable
 
 OK, ERROR = 0, 3
 """Of the status that every function returns."""
@@ -489,7 +489,7 @@ def fmi_source(
     version: int,
     prefix: str,
     token: str,
-    places: Sequence[tuple[Variable, str]],
+    places: Sequence[tuple[StepVariable, str]],
     settable: int,
     period: float,
 ) -> str:
@@ -503,7 +503,7 @@ def fmi_source(
         Of the controller.
     token : str
         What the description of the unit names it by.
-    places : sequence of (Variable, str)
+    places : sequence of (StepVariable, str)
         By value reference, a variable and the member of `unit` that holds it.
     settable : int
         So many of them, the first ones, may be set.

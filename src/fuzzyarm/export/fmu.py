@@ -24,7 +24,7 @@ from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.fmi import fmi_source
 from fuzzyarm.export.numbers import ExportError
-from fuzzyarm.export.steps import Variable
+from fuzzyarm.export.steps import StepVariable
 from fuzzyarm.extras import installing
 from fuzzyarm.version import __version__
 
@@ -33,7 +33,7 @@ VERSIONS = (2, 3)
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The time of all files in an archive: the same source gives the same bytes."""
 
-Entry = tuple[Variable, str, str]
+Entry = tuple[StepVariable, str, str]
 """A variable, its name in the unit, and the member that holds it."""
 
 
@@ -263,7 +263,7 @@ _CAUSALITY = {
 }  # fmt: skip
 
 
-def _words_of(variable: Variable, program: ControllerProgram) -> dict[str, str]:
+def _words_of(variable: StepVariable, program: ControllerProgram) -> dict[str, str]:
     """Return the attributes that both versions share, except for the start."""
     gains = {gain.name: gain.unit for gain in program.text.model.gains}
     variability = {"gain": "tunable", "reference": "discrete", "measured": "discrete"}
@@ -275,7 +275,7 @@ def _words_of(variable: Variable, program: ControllerProgram) -> dict[str, str]:
     return words | ({"unit": unit} if unit else {})
 
 
-def _starts(variable: Variable) -> bool:
+def _starts(variable: StepVariable) -> bool:
     return variable.sort in ("reference", "measured", "gain")
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Xml
 
-from fuzzyarm.export.plc_project import TIME, Declaration, Project, Section, Unit
+from fuzzyarm.export.plc_project import TIME, Declaration, DeclarationSection, Project, Unit
 from fuzzyarm.version import __version__
 
 __all__ = ["iec61131_10_xml"]
@@ -84,7 +84,7 @@ def _declared(unit: Unit) -> Xml.Element:
     return element
 
 
-def _local(section: Section, words: dict[str, str]) -> Xml.Element:
+def _local(section: DeclarationSection, words: dict[str, str]) -> Xml.Element:
     listed = Xml.Element(_of("Vars"), {**words, "accessSpecifier": "private"})
     listed.extend(map(_variable, section.declarations))
     return listed

@@ -30,7 +30,7 @@ from fuzzyarm.inference import block
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
-from fuzzyarm.inference.programs import EVALUATORS, PROGRAMS, Program
+from fuzzyarm.inference.programs import EVALUATORS, PROGRAMS, DefuzzifierProgram
 from fuzzyarm.inference.row_functions import Curve
 from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.model.rulebase import POSITION, Hedge, RuleBase, Shape
@@ -45,7 +45,7 @@ OWN_NORMS = 4
 """Numbers below are norms that the kernel does by itself."""
 
 
-class Library(NamedTuple):
+class KindNames(NamedTuple):
     """The kinds that a module has."""
 
     shapes: Sequence[str]
@@ -54,9 +54,9 @@ class Library(NamedTuple):
     hedges: Sequence[str]
 
 
-def every_kind() -> Library:
+def every_kind() -> KindNames:
     """Return all kinds that are known now, those of users among them."""
-    return Library(tuple(SHAPES), tuple(TNORMS), tuple(SNORMS), tuple(HEDGES))
+    return KindNames(tuple(SHAPES), tuple(TNORMS), tuple(SNORMS), tuple(HEDGES))
 
 
 # ── the numbers of a rule base ───────────────────────────────────────────────────────
@@ -90,7 +90,7 @@ class Functions:
         plain = {name: symbol(f"n{index}") for index, name in enumerate(numbers)}
         return self._number({"formula": _tree(replace(root, plain))})
 
-    def program(self, program: Program) -> int:
+    def program(self, program: DefuzzifierProgram) -> int:
         """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
         return self._number({"program": program.name})
 
@@ -187,12 +187,12 @@ def _base64(letter: str, numbers: Sequence[float]) -> str:
 # ── the text ─────────────────────────────────────────────────────────────────────────
 
 
-def engine_source(library: Library | None = None) -> str:
+def engine_source(library: KindNames | None = None) -> str:
     """Return the engine as text: constants, kinds, the kernel and the class ``Engine``.
 
     Parameters
     ----------
-    library : Library, optional
+    library : KindNames, optional
         The kinds that it is to have; by default all that are known.
 
     Returns
@@ -384,7 +384,7 @@ def script_json(data: Any) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _used(functions: Iterable[dict[str, Any]]) -> Library:
+def _used(functions: Iterable[dict[str, Any]]) -> KindNames:
     """Return the kinds that some functions are made of."""
     shapes, tnorms, snorms, hedges = set[str](), set[str](), set[str](), set[str]()
     for function in functions:
@@ -392,4 +392,4 @@ def _used(functions: Iterable[dict[str, Any]]) -> Library:
         hedges |= {name for name, _ in function.get("hedges", ())}
         if "norm" in function:
             (tnorms if function["sort"] == "T" else snorms).add(function["norm"])
-    return Library(sorted(shapes), sorted(tnorms), sorted(snorms), sorted(hedges))
+    return KindNames(sorted(shapes), sorted(tnorms), sorted(snorms), sorted(hedges))

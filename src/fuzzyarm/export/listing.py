@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
-from fuzzyarm.export.program import Call, Program
+from fuzzyarm.export.program import Call, OutputProgram
 from fuzzyarm.export.routine import ONE_OF_TWO, CWriter
 from fuzzyarm.export.samples import SampleSums
-from fuzzyarm.export.walk import Walk
+from fuzzyarm.export.walk import DefuzzifierWalk
 from fuzzyarm.export.walk_c import walk_in_c
 from fuzzyarm.expression.nodes import (
     Apply,
@@ -95,7 +95,7 @@ class Loop:
 class Walked:
     """A walk over tables, which sets two variables."""
 
-    walk: Walk  # of which program
+    walk: DefuzzifierWalk  # of which program
     parts: tuple[Node, ...]  # in terms of the variables of the program
 
 
@@ -112,7 +112,7 @@ class Listing:
         All symbols that are read.
     """
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: OutputProgram) -> None:
         # By the symbol that stands for it, a call and its argument; inner ones first.
         self.calls: dict[str, tuple[Call, Node]] = {}
         assignments, result = self._in_variables(program)
@@ -147,7 +147,7 @@ class Listing:
 
     # ── parts to variables ───────────────────────────────────────────────────────────
 
-    def _in_variables(self, program: Program) -> tuple[list[Assign | Loop | Walked], Node]:
+    def _in_variables(self, program: OutputProgram) -> tuple[list[Assign | Loop | Walked], Node]:
         """Return the variables and the result, each of the variables before it.
 
         A variable that is set more than once stands for its last part only: before that,
@@ -158,7 +158,7 @@ class Listing:
         growing: dict[str, Node] = {}
         assignments: list[Assign | Loop | Walked] = []
         for index, variable in enumerate(program.variables):
-            if isinstance(variable, Walk):
+            if isinstance(variable, DefuzzifierWalk):
                 parts_of_walk = (self._written(p, program.calls, nodes, {}) for p in variable.parts)
                 assignments.append(Walked(variable, tuple(parts_of_walk)))
                 continue
@@ -308,7 +308,7 @@ def _lines(
     language: Language,
     real: str,
     made: set[str],
-    walks: Mapping[Walk, str],
+    walks: Mapping[DefuzzifierWalk, str],
 ) -> list[str]:
     """Return the lines of some statements; `made` has the names that exist before.
 
@@ -350,11 +350,11 @@ def _lines(
     return lines
 
 
-def _sets(each: Statement | SampleSums | Walk | Loop | Walked) -> tuple[str, ...]:
+def _sets(each: Statement | SampleSums | DefuzzifierWalk | Loop | Walked) -> tuple[str, ...]:
     """Return the variables that something sets and others may read."""
     if isinstance(each, Walked):
         each = each.walk
-    if isinstance(each, Walk):
+    if isinstance(each, DefuzzifierWalk):
         return each.total, each.value
     if isinstance(each, Loop):
         each = each.sums

@@ -27,12 +27,12 @@ from fuzzyarm.export.steps import (
     LAST,
     Ask,
     Find,
-    Learned,
+    LearningTable,
     Set,
     Step,
     Steps,
+    StepVariable,
     Teach,
-    Variable,
     limited_value,
 )
 from fuzzyarm.export.table import TableRoutine
@@ -131,7 +131,7 @@ class _Class:
 
     # --- Names and attributes ---
 
-    def _wanted(self, variable: Variable) -> str:
+    def _wanted(self, variable: StepVariable) -> str:
         one = len(self.steps.model.axis_names) == 1
         axis = f"{variable.axis}_" if variable.axis and not one else ""
         front = f"{variable.sort}_" if variable.sort in ("reference", "measured") else ""
@@ -141,7 +141,7 @@ class _Class:
     def _know(self, name: str, text: str) -> None:
         self.targets[name] = self.language.rename[name] = text
 
-    def _attribute(self, variable: Variable) -> None:
+    def _attribute(self, variable: StepVariable) -> None:
         name = self.attributes.new(self._wanted(variable))
         remark = ""
         if variable.sort == "gain":
@@ -151,7 +151,7 @@ class _Class:
         self.starts.append(f"self.{name} = {self.module.number(float(variable.start))}{remark}")
         self._know(variable.symbol, f"self.{name}")
 
-    def _learned(self, key: str, table: Learned) -> None:
+    def _learned(self, key: str, table: LearningTable) -> None:
         one = len(self.steps.model.axis_names) == 1
         name = self.attributes.new(table.name if one else f"{table.axis}_{table.name}")
         for suffix in ("_visits", "_ring", "_next"):

@@ -23,8 +23,8 @@ __all__ = [
     "ELEMENTARY",
     "TIME",
     "Declaration",
+    "DeclarationSection",
     "Project",
-    "Section",
     "Unit",
     "controller_project",
     "routines_project",
@@ -74,7 +74,7 @@ class Declaration:
 
 
 @dataclass(frozen=True)
-class Section:
+class DeclarationSection:
     """Declarations under one title, as in ``VAR_INPUT``."""
 
     title: str
@@ -89,7 +89,7 @@ class Unit:
     sort: str
     name: str
     returned: str
-    sections: tuple[Section, ...]
+    sections: tuple[DeclarationSection, ...]
     statements: str
 
     def ports(self, title: str) -> list[str]:
@@ -115,7 +115,7 @@ class Project:
 
 
 @dataclass(frozen=True)
-class _Trial:
+class _BlockTest:
     """A block, and what it has to give, call by call."""
 
     block: str
@@ -144,7 +144,7 @@ def routines_project(routines: Sequence[Routine], prefix: str) -> Project:
             if not _has_subnormal(point, routine.kind)
         ]
         inputs, expected = [row[0] for row in rows], [row[1] for row in rows]
-        trials.append(_Trial(block, inputs, expected, vectors.tolerance, routine.kind))
+        trials.append(_BlockTest(block, inputs, expected, vectors.tolerance, routine.kind))
     return _project(text, prefix, trials)
 
 
@@ -158,7 +158,7 @@ def controller_project(program: ControllerProgram, prefix: str) -> Project:
     """
     text, block = controller_st(program, prefix)
     vectors, kind = program.tried.vectors, program.steps.precision.outside
-    trial = _Trial(block, vectors.given, vectors.expected, vectors.tolerance, kind)
+    trial = _BlockTest(block, vectors.given, vectors.expected, vectors.tolerance, kind)
     return _project(text, prefix, [trial])
 
 
@@ -170,7 +170,7 @@ def _has_subnormal(point: Sequence[float], kind: Kind) -> bool:
     return any(0.0 < abs(x) < smallest for x in point)
 
 
-def _project(text: str, prefix: str, trials: Sequence[_Trial]) -> Project:
+def _project(text: str, prefix: str, trials: Sequence[_BlockTest]) -> Project:
     units = list(_units(text))
     test = _test_program({unit.name: unit for unit in units}, prefix, trials)
     blocks = tuple(trial.block for trial in trials)
@@ -201,7 +201,7 @@ def _unit(match: re.Match[str]) -> Unit:
             )
             for declaration in _DECLARATION.finditer(section["lines"])
         )
-        sections.append(Section(section["title"], declarations))
+        sections.append(DeclarationSection(section["title"], declarations))
     lines = (match["head"] or "").strip("\n").split("\n")
     head = "\n".join(re.sub(r"^ \* ?", "", line) for line in lines).strip()
     statements = match["body"][last:].strip("\n") + "\n"
@@ -210,7 +210,7 @@ def _unit(match: re.Match[str]) -> Unit:
     )
 
 
-def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_Trial]) -> str:
+def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTest]) -> str:
     """Return a program whose variable `passed` is TRUE after one cycle if all is well."""
     names = Names("st", set(units))
     declarations, lines = ["    passed : BOOL;", "    k : DINT;"], ["passed := TRUE;"]

@@ -36,7 +36,7 @@ from fuzzyarm.export.sets import (
     where,
     with_ends,
 )
-from fuzzyarm.export.walk import Listed, Walk
+from fuzzyarm.export.walk import DefuzzifierWalk, Listed
 from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule, specialise
 from fuzzyarm.expression.formulas import CONSTANTS
@@ -96,7 +96,7 @@ class Call:
 
 
 @dataclass(frozen=True, eq=False)
-class Program:
+class OutputProgram:
     """The arithmetic of one output."""
 
     given: tuple[str, ...]  # the symbols that stand for the arguments
@@ -104,14 +104,16 @@ class Program:
     # The parts of `result` that stand in variables, in order. A name that comes again belongs to
     # a part that grows out of the one before: a sum, a greatest value. It is read as a variable
     # after its last mention, which need not add anything.
-    variables: tuple[Assign | SampleSums | Walk, ...]
+    variables: tuple[Assign | SampleSums | DefuzzifierWalk, ...]
     calls: Mapping[Node, Call]  # the parts that are calls of functions
     holds: bool  # whether the last argument is the value to hold where no rule fires
 
     @property
-    def walks(self) -> tuple[Walk, ...]:
+    def walks(self) -> tuple[DefuzzifierWalk, ...]:
         """What is walked over tables, in order."""
-        return tuple(variable for variable in self.variables if isinstance(variable, Walk))
+        return tuple(
+            variable for variable in self.variables if isinstance(variable, DefuzzifierWalk)
+        )
 
     @property
     def sums(self) -> tuple[SampleSums, ...]:
@@ -130,7 +132,7 @@ class Program:
         """Return the output at arguments by :attr:`given`, every operation rounded to `real`."""
         columns = dict(values)
         for variable in self.variables:
-            if isinstance(variable, SampleSums | Walk):
+            if isinstance(variable, SampleSums | DefuzzifierWalk):
                 columns |= variable.over_arrays(columns, real)
         # C has the functions of its library, in double precision those of Python.
         in_doubles = np.dtype(real) == np.float64
@@ -141,7 +143,7 @@ class Program:
         return schedule(self.result)
 
 
-def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:
+def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> OutputProgram:
     """Write down one output of a rule base; an ExportError names what cannot be exported.
 
     No variable takes one of `parameters`, the names of the inputs in the target language.
@@ -179,7 +181,7 @@ class _Builder:
         }
         self.target = target
         self.names = Names(taken=set(parameters))
-        self.variables: list[Assign | SampleSums | Walk] = []
+        self.variables: list[Assign | SampleSums | DefuzzifierWalk] = []
         # Of each output that is walked: the strength of each of its contributions.
         self.walked: dict[str, dict[int, Node]] = {}
         self.named: set[Node] = set()
@@ -189,13 +191,13 @@ class _Builder:
         # Of each output: the strength of each member so far, and the name of its variable.
         self.heights: dict[str, dict[int, tuple[str, Node]]] = {}
         # Of each output whose aggregate is not the greatest: what its rules add up to.
-        self.sums: dict[str, _Sums] = {}
+        self.sums: dict[str, _SetSums] = {}
         self.fired: dict[str, list[tuple[int, Node, str]]] = {}
         self.guards: list[Node] = []
         self.parameters = parameters
         self.holds = rulebase.output(target).no_rule == "hold"
 
-    def build(self) -> Program:
+    def build(self) -> OutputProgram:
         rulebase = self.plan.rulebase
         parameters = tuple(self.names.new(f"given_{name}") for name in self.parameters)
         for variable, name in zip(rulebase.inputs, parameters, strict=False):
@@ -215,7 +217,7 @@ class _Builder:
                 result = self._conclude(self.plan.outputs[step], symbol(parameters[-1]))
         for guard in self.guards:
             result = where(guard > 0.0, result, math.nan)
-        return Program(parameters, result, tuple(self.variables), self.calls, self.holds)
+        return OutputProgram(parameters, result, tuple(self.variables), self.calls, self.holds)
 
     def fresh(self, value: Node, wanted: str, remark: str = "") -> Node:
         """Give a part its own variable, unless it has one or needs none."""
@@ -294,7 +296,7 @@ class _Builder:
             else:
                 parts = [scaled(output, member, strength)]
             if name not in self.sums:
-                self.sums[name] = _Sums(self)
+                self.sums[name] = _SetSums(self)
             for part in parts:
                 self.sums[name].add(part)
             return
@@ -427,7 +429,7 @@ class _Builder:
             else:
                 nodes = [node for both in by_turns for node in both]
         total, value = self.names.new("total"), self.names.new("found")
-        self.variables.append(Walk(total, value, self.plan, name, tuple(nodes)))
+        self.variables.append(DefuzzifierWalk(total, value, self.plan, name, tuple(nodes)))
         result: Node = symbol(value)
         if layout.program.centre:
             centre = constant(layout.floats[layout.whole[at.HEAD + at.FLOATS_AT] + 3])
@@ -464,7 +466,7 @@ class _Builder:
                     m: h for m, h in heights.items() if side is None or output.sides[m] == side
                 }
                 parts += scaled_union(output, heights_of_side, self.fresh)
-        sums = _Sums(self)
+        sums = _SetSums(self)
         for sign, part in parts:
             sums.add(part, sign)
         return sums.part
@@ -584,7 +586,7 @@ def _on_pieces(pieces: Sequence[Piece], level: Node, beyond: float, *, rising: b
     return value
 
 
-class _Sums:
+class _SetSums:
     """The area and the moment of an output, growing part by part."""
 
     def __init__(self, builder: _Builder) -> None:

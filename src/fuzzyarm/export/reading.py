@@ -22,10 +22,10 @@ from typing import Any, ClassVar, Protocol
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, apply
 
-__all__ = ["Cells", "read"]
+__all__ = ["KernelCells", "read"]
 
 
-class Cells(Protocol):
+class KernelCells(Protocol):
     """The numbers that a kernel works on, by their index."""
 
     def load(self, index: int) -> Any:
@@ -44,20 +44,20 @@ class Cells(Protocol):
         """Return the condition that an expression is not 0."""
 
 
-def read(function: Callable[..., Any], cells: Cells, *arguments: Any) -> Any:
+def read(function: Callable[..., Any], cells: KernelCells, *arguments: Any) -> Any:
     """Return what a kernel returns; the cells are told what it writes.
 
     Parameters
     ----------
     function : callable
         A kernel in plain Python.
-    cells : Cells
+    cells : KernelCells
         What its argument ``s`` stands for.
     *arguments
         Its arguments; ``s`` is given as `cells`, the code as a list.
     """
-    trial = _Trial(cells)
-    result = _Reader(function, trial).run(
+    trial = _BranchCells(cells)
+    result = _KernelCall(function, trial).run(
         [trial if argument is cells else argument for argument in arguments]
     )
     for index, value in trial.written.items():
@@ -65,10 +65,10 @@ def read(function: Callable[..., Any], cells: Cells, *arguments: Any) -> Any:
     return result
 
 
-class _Trial:
+class _BranchCells:
     """Cells that keep what is written until it is known which branch is taken."""
 
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: KernelCells) -> None:
         self.cells = cells
         self.written: dict[int, Any] = {}
 
@@ -93,10 +93,10 @@ def _source(function: Callable[..., Any]) -> ast.FunctionDef:
     return definition
 
 
-class _Reader:
+class _KernelCall:
     """One call of a function."""
 
-    def __init__(self, function: Callable[..., Any], cells: _Trial) -> None:
+    def __init__(self, function: Callable[..., Any], cells: _BranchCells) -> None:
         self.function = function
         self.names = vars(inspect.getmodule(function))
         self.cells = cells
@@ -233,7 +233,7 @@ class _Reader:
             unknown = any(isinstance(argument, Node) for argument in arguments)
             plain, traced = _PLAIN[name]
             return traced(*arguments) if unknown else plain(*arguments)
-        return _Reader(self.names[name], self.cells).run(arguments)
+        return _KernelCall(self.names[name], self.cells).run(arguments)
 
     _READERS: ClassVar[dict[type, Callable[..., Any]]] = {
         ast.Constant: lambda _, each: each.value,

@@ -21,8 +21,8 @@ from fuzzyarm.export.steps import (
     Set,
     Step,
     Steps,
+    StepVariable,
     Teach,
-    Variable,
 )
 from fuzzyarm.export.table import TableRoutine
 from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
@@ -65,7 +65,7 @@ class Replica:
         }
         self._periods = 0
 
-    def _held(self, variable: Variable) -> float:
+    def _held(self, variable: StepVariable) -> float:
         wide = variable.wide or not self.program.single
         return variable.start if wide else float(np.float32(variable.start))
 

@@ -131,7 +131,7 @@ def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    "
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class RoutineArgument:
     """An argument or a result: its name in the model and its meaning."""
 
     name: str
@@ -142,7 +142,7 @@ class Argument:
 
 
 @dataclass(frozen=True, slots=True)
-class Cost:
+class CallCost:
     """What one call takes at most."""
 
     operations: tuple[tuple[str, int], ...]  # kind of operation and how many
@@ -168,7 +168,7 @@ class Accuracy:
 
 
 @dataclass(frozen=True, eq=False)
-class Vectors:
+class TestPoints:
     """Points for a self-test: the inputs, one array for each, and what must come out."""
 
     inputs: tuple[NDArray[Any], ...]
@@ -180,11 +180,11 @@ class Routine(Protocol):
     """A function to be exported, with the Python model of its arithmetic."""
 
     @property
-    def output(self) -> Argument:
+    def output(self) -> RoutineArgument:
         """The result."""
 
     @property
-    def arguments(self) -> Sequence[Argument]:
+    def arguments(self) -> Sequence[RoutineArgument]:
         """The arguments, in order."""
 
     @property
@@ -197,7 +197,7 @@ class Routine(Protocol):
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function, without indentation."""
 
-    def cost(self) -> Cost:
+    def cost(self) -> CallCost:
         """Return what one call takes."""
 
     def remarks(self) -> list[str]:
@@ -210,7 +210,7 @@ class Routine(Protocol):
     def accuracy(self) -> Accuracy:
         """The difference to the model in double precision over a dense grid."""
 
-    def vectors(self) -> Vectors:
+    def vectors(self) -> TestPoints:
         """Return points for the self-test."""
 
 
@@ -276,7 +276,7 @@ def proved_words(routine: Routine) -> str:
     return f"against the rules of {routine.output.name}: {text} (proved, rounding included)"
 
 
-def _argument(argument: Argument) -> str:
+def _argument(argument: RoutineArgument) -> str:
     words = f"{argument.name}: {number_text(argument.low)} .. {number_text(argument.high)}"
     if argument.description:
         words += f", {argument.description}"

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import C_TYPES, Kind, Precision, precision_named, rounded
-from fuzzyarm.export.program import Program, make_program
-from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
+from fuzzyarm.export.program import OutputProgram, make_program
+from fuzzyarm.export.routine import Accuracy, CallCost, CWriter, RoutineArgument, TestPoints
 from fuzzyarm.export.sets import refuse
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
@@ -52,7 +52,7 @@ class DirectRoutine:
         The output.
     precision : Precision
         Types outside and inside.
-    program : Program
+    program : OutputProgram
         The arithmetic.
     source : str
         The file it comes from, for the head.
@@ -61,7 +61,7 @@ class DirectRoutine:
     rulebase: RuleBase
     name: str
     precision: Precision
-    program: Program
+    program: OutputProgram
     source: str = ""
 
     @cached_property
@@ -82,19 +82,23 @@ class DirectRoutine:
         return bool(self.program.walks) or uses_functions(self.program.nodes)
 
     @property
-    def output(self) -> Argument:
+    def output(self) -> RoutineArgument:
         """The result."""
         output = self.rulebase.output(self.name)
-        return Argument(output.name, output.low, output.high, output.description)
+        return RoutineArgument(output.name, output.low, output.high, output.description)
 
     @property
-    def arguments(self) -> Sequence[Argument]:
+    def arguments(self) -> Sequence[RoutineArgument]:
         """The inputs, and the value to hold where the output holds."""
-        parameters = [Argument(v.name, v.low, v.high, v.description) for v in self.rulebase.inputs]
+        parameters = [
+            RoutineArgument(v.name, v.low, v.high, v.description) for v in self.rulebase.inputs
+        ]
         if self.program.holds:
             output = self.rulebase.output(self.name)
             words = "the last value, returned where no rule fires"
-            parameters.append(Argument(f"last {output.name}", output.low, output.high, words))
+            parameters.append(
+                RoutineArgument(f"last {output.name}", output.low, output.high, words)
+            )
         return parameters
 
     @property
@@ -148,7 +152,7 @@ class DirectRoutine:
         body, result = self.listing.lines(writer, self.precision.inside)
         return [*lines, *body, f"return {back}({result});" if back else f"return {result};"]
 
-    def cost(self) -> Cost:
+    def cost(self) -> CallCost:
         """Return what one call takes."""
         counted = {
             f"{sort} of math.h" if sort == "functions" else sort: count
@@ -157,7 +161,7 @@ class DirectRoutine:
         names = {*self.listing.variables, *self.program.given}
         size = np.dtype(self.precision.inside).itemsize
         room = sum(walk.room for walk in self.program.walks)
-        return Cost(tuple(sorted(counted.items())), size * (len(names) + room))
+        return CallCost(tuple(sorted(counted.items())), size * (len(names) + room))
 
     @property
     def silence(self) -> str:
@@ -252,7 +256,7 @@ class DirectRoutine:
         even = np.linspace(low, high, max(3, count - 3 * len(inside))).astype(outside)
         return np.unique(np.concatenate([even, close, *around]))
 
-    def vectors(self) -> Vectors:
+    def vectors(self) -> TestPoints:
         """Return corners with their neighbours and points between, mixed over the inputs."""
         inputs, number = [], np.arange(_VECTORS)
         for k, variable in enumerate(self.rulebase.inputs):
@@ -274,7 +278,7 @@ class DirectRoutine:
         loose = 256.0 if self.precision.inside is np.float32 else 4.0
         if self.calls_functions:  # another machine has another library
             loose *= 16.0
-        return Vectors(tuple(columns), expected, loose * step * scale)
+        return TestPoints(tuple(columns), expected, loose * step * scale)
 
 
 def direct_routine(

@@ -65,11 +65,11 @@ def scl_source(project: Project) -> str:
         If a function of mathematics does not exist in SCL.
     """
     units = {unit.name: unit for unit in project.units}
-    return "\n".join(_Block(unit, units).text() for unit in project.units)
+    return "\n".join(_SclUnit(unit, units).text() for unit in project.units)
 
 
 @dataclass
-class _Block:
+class _SclUnit:
     """One unit in the dialect."""
 
     unit: Unit

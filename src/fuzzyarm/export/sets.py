@@ -16,7 +16,7 @@ from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
-from fuzzyarm.expression.lines import Line, Lines
+from fuzzyarm.expression.lines import StraightLine, StraightShape
 from fuzzyarm.expression.nodes import (
     Apply,
     Constant,
@@ -126,7 +126,7 @@ def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
         raise refuse(what, term.span) from None
 
 
-def _on_lines(lines: Lines, x: Node) -> Node:
+def _on_lines(lines: StraightShape, x: Node) -> Node:
     """Return the degree on lines through corners, each rounding as in every engine."""
     degree = _on_line(lines.between[-1], x)
     for i in range(len(lines.edges) - 1, -1, -1):
@@ -142,7 +142,7 @@ def _on_lines(lines: Lines, x: Node) -> Node:
     return degree
 
 
-def _on_line(line: Line, x: Node) -> Node:
+def _on_line(line: StraightLine, x: Node) -> Node:
     """Return a line; from its foot it cannot fall below 0, elsewhere rounding may."""
     if line.slope == 0.0:
         return constant(line.height)

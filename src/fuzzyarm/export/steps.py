@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.controller import kernel as at
-from fuzzyarm.controller.program import Program, SourceError, Wiring, write_down
+from fuzzyarm.controller.program import ControllerCode, SourceError, Wiring, write_down
 from fuzzyarm.controller.text import ControllerText, sheet_path, wiring_of
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, Precision, precision_named
@@ -55,7 +55,7 @@ from fuzzyarm.expression.sources import VALUE, unseen
 from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import LAST as LAST_PERIOD
-from fuzzyarm.plant.setting import PERIOD, Arithmetic
+from fuzzyarm.plant.setting import PERIOD, RunArithmetic
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
 from fuzzyarm.text.diagnostic import NOWHERE, Span
@@ -79,7 +79,7 @@ def limited_value() -> Node:
 # --- Variables ---
 
 
-class Variable(NamedTuple):
+class StepVariable(NamedTuple):
     """A number of the controller that lasts from step to step, or a port.
 
     Attributes
@@ -113,7 +113,7 @@ class Variable(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearningTable:
     """A table that learns: it lies in memory, beside it how often its cells were in use.
 
     Attributes
@@ -194,7 +194,7 @@ class Steps:
         What the text says.
     precision : Precision
         Types of signals, of gains and of the arithmetic; `wide` is that of the arithmetic.
-    variables : dict of str to Variable
+    variables : dict of str to StepVariable
         By symbol, in the order of the cells.
     steps : list of Step
         Of one period.
@@ -208,7 +208,7 @@ class Steps:
         By the name of the function that finds a cell of a table in memory.
     grid_tables : dict of str to LookupTable
         By the same names, a table on that grid.
-    learned : dict of str to Learned
+    learned : dict of str to LearningTable
         Tables that learn.
     judges : dict of str to LookupTable
         Performance tables.
@@ -218,18 +218,18 @@ class Steps:
 
     model: ControllerModel
     precision: Precision
-    variables: dict[str, Variable] = field(default_factory=dict)
+    variables: dict[str, StepVariable] = field(default_factory=dict)
     steps: list[Step] = field(default_factory=list)
     routines: dict[str, Routine] = field(default_factory=dict)
     sheets: dict[str, tuple[RuleBase, str] | LookupTable] = field(default_factory=dict)
     grids: dict[str, Grid] = field(default_factory=dict)
     grid_tables: dict[str, LookupTable] = field(default_factory=dict)
-    learned: dict[str, Learned] = field(default_factory=dict)
+    learned: dict[str, LearningTable] = field(default_factory=dict)
     judges: dict[str, LookupTable] = field(default_factory=dict)
     needs_last: bool = False
     needs_first: bool = False
 
-    def of_sort(self, sort: str) -> list[Variable]:
+    def of_sort(self, sort: str) -> list[StepVariable]:
         """Return the variables of a sort, in order."""
         return [variable for variable in self.variables.values() if variable.sort == sort]
 
@@ -282,7 +282,7 @@ def steps_of(
         )
     types = precision_named(precision, arithmetic=True)
     wiring = wiring_of(model)
-    arithmetic = Arithmetic(types.outside is np.float32, math.pi, False)
+    arithmetic = RunArithmetic(types.outside is np.float32, math.pi, False)
     try:
         # No inference is called while the instructions are read: any address will do.
         program = write_down(model, text.sheets, {}, wiring, arithmetic)
@@ -302,7 +302,7 @@ class _Walk:
     def __init__(
         self,
         text: ControllerText,
-        program: Program,
+        program: ControllerCode,
         wiring: Wiring,
         types: Precision,
         options: RoutineOptions,
@@ -324,7 +324,7 @@ class _Walk:
             ("drive", wiring.drives),
         ):
             for (axis, port), cell in cells.items():
-                self._variable(cell, Variable(sort, axis, port))
+                self._variable(cell, StepVariable(sort, axis, port))
         self.drives = {self.symbols[cell]: cell for cell in wiring.drives.values()}
         self._gains()
         self.signals = {cell: key for key, cell in program.signals.items()}
@@ -342,7 +342,7 @@ class _Walk:
 
     # --- Names ---
 
-    def _variable(self, cell: int, variable: Variable) -> str:
+    def _variable(self, cell: int, variable: StepVariable) -> str:
         self.made.variables[variable.symbol] = variable
         self.symbols[cell] = variable.symbol
         return variable.symbol
@@ -353,7 +353,7 @@ class _Walk:
             for number, cell in enumerate(self.program.gains[gain.name]):
                 start = float(self.program.cells[cell])
                 axis_number = number if several else -1
-                self._variable(cell, Variable("gain", "", gain.name, start, number=axis_number))
+                self._variable(cell, StepVariable("gain", "", gain.name, start, number=axis_number))
 
     def _state(self, cell: int, suffix: str, begin: int) -> None:
         """Name a cell that an instruction changes, after the signal that it works for."""
@@ -364,7 +364,7 @@ class _Walk:
         name = self.state_names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
         # No language has NaN for what has seen nothing yet: the first period is known.
         nothing = math.isnan(start)
-        variable = Variable("state", axis, name, 0.0 if nothing else start, wide=True)
+        variable = StepVariable("state", axis, name, 0.0 if nothing else start, wide=True)
         symbol = self._variable(cell, variable)
         if nothing:
             self.unseen.add(symbol)
@@ -448,7 +448,7 @@ class _Walk:
     def _set(self, cell: int, value: Node, *, rounded: bool) -> None:
         if cell in self.signals and cell not in self.symbols:
             axis, name = self.signals[cell]
-            self._variable(cell, Variable("signal", axis, name))
+            self._variable(cell, StepVariable("signal", axis, name))
         target = self.symbols.get(cell)
         if target is None and isinstance(value, Symbol) and value.name.startswith("local:"):
             self.scratch[cell] = value.name
@@ -691,7 +691,7 @@ class _Walk:
             )
         start = self.program.cells[values : values + place.count]
         delay = entries[at.DELAY]
-        self.made.learned[name] = Learned(*key, tuple(map(float, start)), delay)
+        self.made.learned[name] = LearningTable(*key, tuple(map(float, start)), delay)
         table, judge = self.program.tables[values][1], self.program.tables[entries[at.JUDGE]]
         cells = self._inputs_of(begin + at.LEARN_INPUTS, entries[at.GRID])
         inputs = tuple(self._input(cell) for cell in cells)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
-from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
-from fuzzyarm.export.table_numbers import FixedTable, FloatTable, Scale
+from fuzzyarm.export.routine import Accuracy, CallCost, CWriter, RoutineArgument, TestPoints
+from fuzzyarm.export.table_numbers import FixedTable, FloatTable, WholeNumberScale
 from fuzzyarm.expression.nodes import symbol
 from fuzzyarm.expression.printing import Language, c_language
 from fuzzyarm.table.fidelity import dense_points
@@ -277,18 +277,18 @@ class TableRoutine:
     proved: float | None = None
 
     @property
-    def output(self) -> Argument:
+    def output(self) -> RoutineArgument:
         """The result."""
         table = self.core.table
         low, high = table.reach
         scaling = _scaling(self.core.scales[-1])
-        return Argument(table.output, low, high, table.description, scaling)
+        return RoutineArgument(table.output, low, high, table.description, scaling)
 
     @property
-    def arguments(self) -> Sequence[Argument]:
+    def arguments(self) -> Sequence[RoutineArgument]:
         """The arguments, in order."""
         return [
-            Argument(axis.name, axis.low, axis.high, axis.description, _scaling(scale))
+            RoutineArgument(axis.name, axis.low, axis.high, axis.description, _scaling(scale))
             for axis, scale in zip(self.core.table.axes, self.core.scales[:-1], strict=True)
         ]
 
@@ -305,7 +305,7 @@ class TableRoutine:
         """Return the statements of the function."""
         return _CTable(self.core, writer, parameters).body()
 
-    def cost(self) -> Cost:
+    def cost(self) -> CallCost:
         """Return what one call takes."""
         sizes = [size for size in self.core.table.shape if size > 1]
         searched = [size - 2 if self.core.linear else size - 1 for size in sizes]
@@ -323,7 +323,9 @@ class TableRoutine:
             else:
                 operations["multiplications"] = 2 * blends
                 operations["additions and subtractions"] += 2 * blends
-        return Cost((("comparisons", comparisons), *operations.items()), bytes_of_locals(self.core))
+        return CallCost(
+            (("comparisons", comparisons), *operations.items()), bytes_of_locals(self.core)
+        )
 
     def remarks(self) -> list[str]:
         """Return what the head of the file says of index order, borders and arithmetic."""
@@ -368,7 +370,7 @@ class TableRoutine:
             grid = [x[:: -(-x.size // most)] for x in grid]
         return grid
 
-    def vectors(self) -> Vectors:
+    def vectors(self) -> TestPoints:
         """Return corners, edges with their neighbours and points between, mixed over the axes."""
         inputs = []
         for k in range(len(self.core.table.axes)):
@@ -378,10 +380,10 @@ class TableRoutine:
             inputs.append(points[(np.arange(_VECTORS) * stride + k) * 5 % points.size])
         expected = self.evaluate(*inputs)
         if isinstance(self.core, FixedTable) or not self.core.linear:
-            return Vectors(tuple(inputs), expected, 0.0)
+            return TestPoints(tuple(inputs), expected, 0.0)
         step = float(np.finfo(self.core.precision.outside).eps)
         scale = float(np.abs(self.core.values).max())
-        return Vectors(tuple(inputs), expected, 4.0 * step * scale)
+        return TestPoints(tuple(inputs), expected, 4.0 * step * scale)
 
 
 _MODE_WORDS = {
@@ -391,7 +393,7 @@ _MODE_WORDS = {
 }
 
 
-def _scaling(scale: Scale | None) -> str:
+def _scaling(scale: WholeNumberScale | None) -> str:
     if scale is None:
         return ""
     offset = f" + {number_text(scale.offset)}" if scale.offset else ""

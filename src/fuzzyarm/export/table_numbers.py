@@ -24,7 +24,7 @@ from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.axis import mode_named
-from fuzzyarm.table.lookup import OVER_ARRAYS, Arithmetic, Grid
+from fuzzyarm.table.lookup import OVER_ARRAYS, LookupArithmetic, PreparedTable
 
 MOST_AXES = 8
 """Interpolation over more inputs would take more than 256 corners."""
@@ -52,7 +52,7 @@ class NumberTable:
         The types of numbers.
     """
 
-    arithmetic: ClassVar[Arithmetic] = OVER_ARRAYS
+    arithmetic: ClassVar[LookupArithmetic] = OVER_ARRAYS
     table: LookupTable
     mode: str
     points: tuple[NDArray[Any], ...]
@@ -73,7 +73,7 @@ class NumberTable:
         ]
 
     def _look_up(self, columns: Sequence[NDArray[Any]]) -> NDArray[Any]:
-        grid = Grid.of(self.table.shape, self.points, self.values, self.arithmetic)
+        grid = PreparedTable.of(self.table.shape, self.points, self.values, self.arithmetic)
         values = grid.interpolate(columns) if self.linear else grid.pick(columns)
         return np.broadcast_to(values, columns[0].shape)
 
@@ -116,7 +116,7 @@ class FloatTable(NumberTable):
         return 2.0 * error
 
     @property
-    def scales(self) -> list[Scale | None]:
+    def scales(self) -> list[WholeNumberScale | None]:
         """Of the inputs and the output: none."""
         return [None] * (len(self.table.axes) + 1)
 
@@ -215,7 +215,7 @@ ONE = 1 << SHARE_BITS
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class WholeNumberScale:
     """How a quantity becomes a whole number."""
 
     offset: float  # the quantity at 0
@@ -254,7 +254,7 @@ class Scale:
         return self.offset + np.asarray(numbers, dtype=np.float64) * self.step
 
 
-def scale_over(numbers: Sequence[float], bits: int) -> Scale:
+def scale_over(numbers: Sequence[float], bits: int) -> WholeNumberScale:
     """Return the scale whose range just holds all finite `numbers`."""
     finite = [x for x in numbers if math.isfinite(x)]
     low, high = min(finite), max(finite)
@@ -264,18 +264,18 @@ def scale_over(numbers: Sequence[float], bits: int) -> Scale:
             f"the range {low:g} .. {high:g} is too wide for fixed point",
             hint="leave out --q",
         )
-    return Scale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
+    return WholeNumberScale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
 
 
 # The way from a signal in floating point to a whole number and back, as it is printed.
 
 
-def shift_of(scale: Scale) -> int:
+def shift_of(scale: WholeNumberScale) -> int:
     """Return what is added to a whole number so that it is not negative."""
     return -scale.low
 
 
-def scaled(scale: Scale, x: Node) -> Node:
+def scaled(scale: WholeNumberScale, x: Node) -> Node:
     """Return a quantity in steps of whole numbers, shifted: cut off, it is rounded.
 
     NaN becomes the lowest number.
@@ -285,7 +285,7 @@ def scaled(scale: Scale, x: Node) -> Node:
     return inside + (shift_of(scale) + 0.5)
 
 
-def unscaled(scale: Scale, number: Node) -> Node:
+def unscaled(scale: WholeNumberScale, number: Node) -> Node:
     """Return the quantity of a whole number."""
     value = number * scale.step
     return value + scale.offset if scale.offset else value
@@ -321,15 +321,15 @@ class FixedTable(NumberTable):
 
     Attributes
     ----------
-    inputs : tuple of Scale
+    inputs : tuple of WholeNumberScale
         One for each axis.
-    output : Scale
+    output : WholeNumberScale
         Of the result.
     """
 
     arithmetic = IN_WHOLE_NUMBERS
-    inputs: tuple[Scale, ...]
-    output: Scale
+    inputs: tuple[WholeNumberScale, ...]
+    output: WholeNumberScale
 
     def evaluate(self, *inputs: Any) -> Integers:
         """Return what the exported function returns, bit for bit.
@@ -363,7 +363,7 @@ class FixedTable(NumberTable):
         return error * (1.0 + 1e-9)
 
     @property
-    def scales(self) -> list[Scale | None]:
+    def scales(self) -> list[WholeNumberScale | None]:
         """Of the inputs and the output."""
         return [*self.inputs, self.output]
 
@@ -418,7 +418,7 @@ def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> Fixed
     return FixedTable(table, lookup_mode, points, values, FORMATS[bits], scales, output)
 
 
-def _points(axis: Axis, scale: Scale, mode: str) -> Integers:
+def _points(axis: Axis, scale: WholeNumberScale, mode: str) -> Integers:
     if mode != "linear":
         return np.array([scale.below(x) for x in axis.thresholds(mode)], dtype=np.int64)
     levels = np.array([scale.nearest(x) for x in axis.levels], dtype=np.int64)

@@ -21,7 +21,7 @@ from fuzzyarm.expression.kinds import SHAPES, Norm
 from fuzzyarm.expression.nodes import Node
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.plan import Plan
-from fuzzyarm.inference.programs import Program
+from fuzzyarm.inference.programs import DefuzzifierProgram
 from fuzzyarm.inference.row_functions import (
     Curve,
     InMemory,
@@ -90,13 +90,13 @@ class Listed:
         function, numbers = curved_row(shape, hedges)
         return Curve(self._number(function, self.curves, lambda: function), numbers)
 
-    def program(self, program: Program) -> int:
+    def program(self, program: DefuzzifierProgram) -> int:
         """Nothing: the defuzzifier is called by its name."""
         return 0
 
 
 @dataclass(frozen=True, eq=False)
-class Walk:
+class DefuzzifierWalk:
     """What a defuzzifier makes of the strengths of an output: two numbers.
 
     Attributes

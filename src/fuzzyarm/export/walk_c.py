@@ -18,10 +18,10 @@ import numpy as np
 from fuzzyarm.export.numbers import ExportError, c_number
 from fuzzyarm.export.routine import ONE_OF_TWO, CWriter
 from fuzzyarm.export.sets import TABLE_HINT
-from fuzzyarm.export.walk import Walk
+from fuzzyarm.export.walk import DefuzzifierWalk
 from fuzzyarm.translation.functions import NotTranslatedError, Translation
 from fuzzyarm.translation.targets import C99
-from fuzzyarm.translation.types import Array, Nothing, Record, Scalar, Type, Value
+from fuzzyarm.translation.types import Array, Nothing, Scalar, TupleType, Type, TypedText
 
 __all__ = ["walk_in_c"]
 
@@ -60,7 +60,7 @@ _ENTRY = """double NAME(double *room, double *total)
 """
 
 
-def walk_in_c(walk: Walk, writer: CWriter, wanted: str) -> str:
+def walk_in_c(walk: DefuzzifierWalk, writer: CWriter, wanted: str) -> str:
     """Write a walk into a file; return the name of the function that takes the room.
 
     It is ``double name(double *room, double *total)``: the room holds the parts and is worked in.
@@ -104,7 +104,7 @@ def _real(value: float) -> str:
 class _InC(Translation):
     """The functions of one walk; small helpers are shared by all of a file."""
 
-    def __init__(self, walk: Walk, writer: CWriter, wanted: str) -> None:
+    def __init__(self, walk: DefuzzifierWalk, writer: CWriter, wanted: str) -> None:
         self.walk, self.writer, self.wanted = walk, writer, wanted
         # Between two @ stands a helper: `finish` writes those that are needed.
         extremes = {
@@ -152,7 +152,7 @@ class _InC(Translation):
             return self.writer.definition(type_.value, _ARRAY, ELEMENT=_ELEMENTS[type_])
         if type_ is Nothing.NOTHING:
             return "void"
-        if not isinstance(type_, Record):
+        if not isinstance(type_, TupleType):
             assert isinstance(type_, Scalar)
             return self._scalar(type_)
         parts = [self.type_name(part) for part in type_.parts]
@@ -166,7 +166,7 @@ class _InC(Translation):
 
     # ── functions by number ──────────────────────────────────────────────────────────
 
-    def _call(self, address: str, arrays: Sequence[Value]) -> str:
+    def _call(self, address: str, arrays: Sequence[TypedText]) -> str:
         """Return the call of what a number stands for, by a function that knows them all."""
         types = tuple(array.type for array in arrays)
         if types not in self._dispatchers:
@@ -206,12 +206,12 @@ class _InC(Translation):
             return self.writer.helper(f"part_of_{what}", _PART, TYPE=name)
         if sort == "of":
             (parts,) = (parts for parts, name in self._tuples.items() if name == what)
-            return self._constructor(Record(parts), what)
+            return self._constructor(TupleType(parts), what)
         extreme = min if sort == "min" else max
         helper, sign = _SIGNS[extreme]
         return self.writer.helper(helper, ONE_OF_TWO, TYPE=what, SIGN=sign)
 
-    def _constructor(self, type_: Record, name: str) -> str:
+    def _constructor(self, type_: TupleType, name: str) -> str:
         kinds = [self.type_name(part) for part in type_.parts]
         signature = ", ".join(f"{kind} p_{i}" for i, kind in enumerate(kinds))
         parts = [f"part[{i}]" if type_.uniform else f"part_{i}" for i in range(len(kinds))]

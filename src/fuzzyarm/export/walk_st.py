@@ -19,10 +19,10 @@ import numpy as np
 
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ExportError, st_number
-from fuzzyarm.export.walk import Walk
+from fuzzyarm.export.walk import DefuzzifierWalk
 from fuzzyarm.translation.functions import Bindings, NotTranslatedError, Translation, _Function
 from fuzzyarm.translation.targets import C99
-from fuzzyarm.translation.types import Array, Nothing, Record, Scalar, Type, Value, wider
+from fuzzyarm.translation.types import Array, Nothing, Scalar, TupleType, Type, TypedText, wider
 
 __all__ = ["WalkText", "walk_in_st"]
 
@@ -51,7 +51,7 @@ class WalkText:
         braces: ``{whole}``, ``{floats}``, ``{room}``, ``{total}``, ``{value}``, ``{done}``.
     """
 
-    def __init__(self, functions: list[str], walk: Walk, name: str) -> None:
+    def __init__(self, functions: list[str], walk: DefuzzifierWalk, name: str) -> None:
         layout = walk.layout
         self.functions = functions
         self.tables = {
@@ -65,7 +65,7 @@ class WalkText:
         self.call = f"{{done}} := {name}({arguments});"
 
 
-def walk_in_st(walk: Walk, names: Names, wanted: str) -> WalkText:
+def walk_in_st(walk: DefuzzifierWalk, names: Names, wanted: str) -> WalkText:
     """Return a walk as functions, whose names are new to a file."""
     translation = _InST(walk, names, wanted)
     arrays = [Array.WHOLES, Array.CONSTANTS, Array.REALS, Array.REALS]
@@ -111,7 +111,7 @@ _TARGET = replace(
 class _InST(Translation):
     """The functions of one walk."""
 
-    def __init__(self, walk: Walk, names: Names, wanted: str) -> None:
+    def __init__(self, walk: DefuzzifierWalk, names: Names, wanted: str) -> None:
         super().__init__(_TARGET)
         self.walk, self.names, self.wanted = walk, names, wanted
         self.dispatchers: dict[tuple[Type, ...], str] = {}
@@ -200,7 +200,7 @@ class _STFunction(_Function):
         ])  # fmt: skip
 
     def _parts(self) -> tuple[Type, ...]:
-        return self.returned.parts if isinstance(self.returned, Record) else ()
+        return self.returned.parts if isinstance(self.returned, TupleType) else ()
 
     def _declared(self, name: str) -> list[str]:
         type_, identifier = self.types[name], self.variable(name)
@@ -227,7 +227,7 @@ class _STFunction(_Function):
         if isinstance(node.value, ast.Constant):
             return []
         value = self.value(node.value)
-        is_called = isinstance(value.type, Record)  # before this statement
+        is_called = isinstance(value.type, TupleType)  # before this statement
         return [] if is_called else [f"done := {value.text};"]
 
     def return_(self, node: ast.Return) -> list[str]:
@@ -236,15 +236,15 @@ class _STFunction(_Function):
             return ["RETURN;"]
         if isinstance(node.value, ast.Tuple):
             values = [self.value(part) for part in node.value.elts]
-            type_: Type = Record(tuple(value.type for value in values))
+            type_: Type = TupleType(tuple(value.type for value in values))
         else:
             value = self.value(node.value)
             type_ = value.type
-            if isinstance(type_, Record):
+            if isinstance(type_, TupleType):
                 names = value.text.split(_SPLIT)
-                values = [Value(*pair) for pair in zip(names, type_.parts, strict=True)]
+                values = [TypedText(*pair) for pair in zip(names, type_.parts, strict=True)]
         self.returned = self._returns = wider(self._returns, type_)
-        if not isinstance(self.returned, Record):
+        if not isinstance(self.returned, TupleType):
             return [f"{self.name} := {self.as_type(value, self.returned)};", "RETURN;"]
         # All values first: a part that is set may be what another one is made of.
         pairs = list(zip(values, self.returned.parts, strict=True))
@@ -253,11 +253,11 @@ class _STFunction(_Function):
             "RETURN;",
         ]
 
-    def stored(self, target: ast.expr, value: Value) -> list[str]:
+    def stored(self, target: ast.expr, value: TypedText) -> list[str]:
         """Return the lines that write a value into a name, an element, or several of these."""
         if isinstance(target, ast.Tuple):
-            assert isinstance(value.type, Record)
-            values = map(Value, value.text.split(_SPLIT), value.type.parts)
+            assert isinstance(value.type, TupleType)
+            values = map(TypedText, value.text.split(_SPLIT), value.type.parts)
             pairs = zip(target.elts, values, strict=True)
             return [line for pair in pairs for line in self.stored(*pair)]
         if isinstance(target, ast.Name):
@@ -272,7 +272,7 @@ class _STFunction(_Function):
         place = self.value(target)
         return [f"{place.text} := {self.as_type(value, place.type)};"]
 
-    def named(self, name: str, value: Value) -> str:
+    def named(self, name: str, value: TypedText) -> str:
         """Return the statement that gives a value a name."""
         if isinstance(value.type, Array):
             at, length = value.text.split(_SPLIT)
@@ -294,7 +294,7 @@ class _STFunction(_Function):
                 continue
             name = self.temporary()
             lines.append(self.named(name, value))
-            values.append(Value(name, value.type))
+            values.append(TypedText(name, value.type))
         for part, value in zip(target.elts, values, strict=True):
             lines += self.stored(part, value)
         return lines
@@ -334,7 +334,7 @@ class _STFunction(_Function):
         index = self.temporary()
         self.own[index] = "DINT"
         by = "" if step == "1" else f" BY {step}"
-        body = [f"    {line}" for line in self.stored(node.target, Value(index, WHOLE))]
+        body = [f"    {line}" for line in self.stored(node.target, TypedText(index, WHOLE))]
         head = f"FOR {index} := {start} TO {last}{by} DO"
         return [head, *body, *self.block(node.body), "END_FOR;"]
 
@@ -352,27 +352,27 @@ class _STFunction(_Function):
 
     # --- Expressions ---
 
-    def name_(self, node: ast.Name) -> Value:
+    def name_(self, node: ast.Name) -> TypedText:
         """Return a name; of an array where it begins and how long it is."""
         type_ = self.types.get(node.id)
         if isinstance(type_, Array):
             identifier = self.variable(node.id)
-            return Value(f"{identifier}_at{_SPLIT}{identifier}_n", type_)
+            return TypedText(f"{identifier}_at{_SPLIT}{identifier}_n", type_)
         return super().name_(node)
 
-    def unary(self, node: ast.UnaryOp) -> Value:
+    def unary(self, node: ast.UnaryOp) -> TypedText:
         """Return a negative, or what is not so."""
         value = self.value(node.operand)
         if isinstance(node.op, ast.USub):
-            return Value(f"(-{value.text})", value.type)
-        return Value(f"(NOT {value.text})", TRUTH)
+            return TypedText(f"(-{value.text})", value.type)
+        return TypedText(f"(NOT {value.text})", TRUTH)
 
-    def joined(self, node: ast.BoolOp) -> Value:
+    def joined(self, node: ast.BoolOp) -> TypedText:
         """Return conditions that are joined; both are asked, whatever the first says."""
         word = " AND " if isinstance(node.op, ast.And) else " OR "
-        return Value(f"({word.join(self.condition(part) for part in node.values)})", TRUTH)
+        return TypedText(f"({word.join(self.condition(part) for part in node.values)})", TRUTH)
 
-    def compared(self, node: ast.Compare) -> Value:
+    def compared(self, node: ast.Compare) -> TypedText:
         """Return a comparison, of two values at a time."""
         values = [self.value(part) for part in (node.left, *node.comparators)]
         parts = []
@@ -384,9 +384,9 @@ class _STFunction(_Function):
                 self.as_type(b, type_),
             )
             parts.append(f"({' '.join(texts)})")
-        return Value(parts[0] if len(parts) == 1 else f"({' AND '.join(parts)})", TRUTH)
+        return TypedText(parts[0] if len(parts) == 1 else f"({' AND '.join(parts)})", TRUTH)
 
-    def choice(self, node: ast.IfExp) -> Value:
+    def choice(self, node: ast.IfExp) -> TypedText:
         """Return a choice between two values, of which one is found before the statement."""
         condition, outer = self.condition(node.test), self.before
         branches = []
@@ -403,16 +403,16 @@ class _STFunction(_Function):
             for value, before in branches
         )
         self.before += [f"IF {condition} THEN", *then, "ELSE", *otherwise, "END_IF;"]
-        return Value(name, type_)
+        return TypedText(name, type_)
 
-    def subscript(self, node: ast.Subscript) -> Value:
+    def subscript(self, node: ast.Subscript) -> TypedText:
         """Return an element, a stretch, a length, or a part of what a function returns."""
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
             return self.length(self.value(node.value.value))
         whole = self.value(node.value)
-        if isinstance(whole.type, Record):
+        if isinstance(whole.type, TupleType):
             index = int(str(ast.literal_eval(node.slice)))
-            return Value(whole.text.split(_SPLIT)[index], whole.type.parts[index])
+            return TypedText(whole.text.split(_SPLIT)[index], whole.type.parts[index])
         assert isinstance(whole.type, Array)
         at, length = whole.text.split(_SPLIT)
         if isinstance(node.slice, ast.Slice):
@@ -420,17 +420,17 @@ class _STFunction(_Function):
             start, end = (None if part is None else self.value(part).text for part in ends)
             size = length if end is None else f"MIN({end}, {length})"
             if start is None:
-                return Value(f"{at}{_SPLIT}{size}", whole.type)
-            return Value(f"{at} + {start}{_SPLIT}{size} - {start}", whole.type)
+                return TypedText(f"{at}{_SPLIT}{size}", whole.type)
+            return TypedText(f"{at} + {start}{_SPLIT}{size} - {start}", whole.type)
         index_text = self.value(node.slice).text
         memory = MEMORIES[whole.type]
-        return Value(f"{memory}[{at} + {index_text}]", whole.type.element)
+        return TypedText(f"{memory}[{at} + {index_text}]", whole.type.element)
 
-    def length(self, whole: Value) -> Value:
+    def length(self, whole: TypedText) -> TypedText:
         """Return how long an array is."""
-        return Value(f"({whole.text.split(_SPLIT)[1]})", WHOLE)
+        return TypedText(f"({whole.text.split(_SPLIT)[1]})", WHOLE)
 
-    def function_called(self, node: ast.Call, function: Any) -> Value:
+    def function_called(self, node: ast.Call, function: Any) -> TypedText:
         """Return a call; what returns several numbers is called before the statement."""
         from fuzzyarm.kernels import call, is_kernel
 
@@ -442,23 +442,23 @@ class _STFunction(_Function):
             types = tuple(argument.type for argument in arguments[1:])
             passed = [arguments[0].text, *(_passed(argument.text) for argument in arguments[1:])]
             name = self.whole.dispatcher(types)
-            return Value(f"{name}({', '.join([*memories, *passed])})", Nothing.NOTHING)
+            return TypedText(f"{name}({', '.join([*memories, *passed])})", Nothing.NOTHING)
         callee = self.whole.function(
             function, [argument.type for argument in arguments], self.bindings
         )
         kinds = [callee.types[name] for name in callee.parameters]
         passed = [_passed(self.as_type(*pair)) for pair in zip(arguments, kinds, strict=True)]
-        if not isinstance(callee.returned, Record):
-            return Value(f"{callee.name}({', '.join([*memories, *passed])})", callee.returned)
+        if not isinstance(callee.returned, TupleType):
+            return TypedText(f"{callee.name}({', '.join([*memories, *passed])})", callee.returned)
         parts = []
         for part in callee.returned.parts:
             assert isinstance(part, Scalar)
             parts.append(self.temporary())
             self.own[parts[-1]] = _KINDS[part]
         self.before.append(f"done := {callee.name}({', '.join([*memories, *parts, *passed])});")
-        return Value(_SPLIT.join(parts), callee.returned)
+        return TypedText(_SPLIT.join(parts), callee.returned)
 
-    def as_type(self, value: Value, type_: Type) -> str:
+    def as_type(self, value: TypedText, type_: Type) -> str:
         """Return the text of a value as one of another type."""
         if value.type is TRUTH and type_ in {WHOLE, REAL}:
             return f"BOOL_TO_{_KINDS[type_]}({value.text})"

@@ -1,6 +1,6 @@
 """Formulas that people write, in the dialects of several programs: read and written.
 
-One parser and one writer serve all dialects; what differs is a :class:`Dialect`, a table.
+One parser and one writer serve all dialects; what differs is a :class:`FormulaDialect`, a table.
 A formula becomes the same expression as a built-in shape, so whatever reads expressions
 (arrays, machine code, C, derivatives, bounds) reads formulas.
 
@@ -42,8 +42,8 @@ __all__ = [
     "FRB",
     "FUZZYLITE",
     "JFUZZYLOGIC",
-    "Dialect",
     "Formula",
+    "FormulaDialect",
     "FormulaError",
     "read_formula",
     "write_formula",
@@ -103,7 +103,7 @@ _FUNCTIONS = {
 
 
 @dataclass(frozen=True)
-class Dialect:
+class FormulaDialect:
     """How one program writes formulas.
 
     Attributes
@@ -152,9 +152,9 @@ class Dialect:
         )
 
 
-FRB = Dialect("fuzzyarm", _FUNCTIONS, comparisons=True, quotes=True)
+FRB = FormulaDialect("fuzzyarm", _FUNCTIONS, comparisons=True, quotes=True)
 
-FUZZYLITE = Dialect(
+FUZZYLITE = FormulaDialect(
     "fuzzylite",
     _FUNCTIONS | {"fabs": "absolute"},
     comparisons=True,
@@ -162,7 +162,7 @@ FUZZYLITE = Dialect(
     any_case=True,
 )
 
-JFUZZYLOGIC = Dialect(
+JFUZZYLOGIC = FormulaDialect(
     "jFuzzyLogic",
     {
         "exp": "exp", "ln": "log", "log": "log10", "sin": "sin", "cos": "cos", "tan": "tan",
@@ -259,14 +259,14 @@ class Formula:
 # ── reading ──────────────────────────────────────────────────────────────────────────
 
 
-def read_formula(text: str, dialect: Dialect = FRB) -> Formula:
+def read_formula(text: str, dialect: FormulaDialect = FRB) -> Formula:
     """Read a formula.
 
     Parameters
     ----------
     text : str
         For instance ``2 * e - sin(ce) ^ 2``.
-    dialect : Dialect
+    dialect : FormulaDialect
         How it is written.
 
     Returns
@@ -289,7 +289,7 @@ def read_formula(text: str, dialect: Dialect = FRB) -> Formula:
 class _Parser:
     """Recursive descent over the words of one formula."""
 
-    def __init__(self, text: str, dialect: Dialect) -> None:
+    def __init__(self, text: str, dialect: FormulaDialect) -> None:
         self.text = text
         self.dialect = dialect
         self.tokens = list(_tokens(text, dialect.token))
@@ -432,7 +432,7 @@ def _tokens(text: str, token: re.Pattern[str]) -> Iterator[tuple[str, str, int]]
 
 def write_formula(
     root: Node,
-    dialect: Dialect = FRB,
+    dialect: FormulaDialect = FRB,
     rename: Mapping[str, str] | None = None,
     *,
     upper: bool = False,
@@ -444,7 +444,7 @@ def write_formula(
     ----------
     root : Node
         The expression.
-    dialect : Dialect
+    dialect : FormulaDialect
         For whom it is written.
     rename : mapping of str to str, optional
         Variables that are called otherwise in the text.
@@ -470,7 +470,7 @@ _BINDS = {"add": 1, "subtract": 1, "multiply": 2, "divide": 2, "power": 3}
 
 @dataclass(frozen=True)
 class _Writer:
-    dialect: Dialect
+    dialect: FormulaDialect
     rename: Mapping[str, str]
     upper: bool
     minus: str

@@ -28,13 +28,18 @@ from typing import Any
 from fuzzyarm.frozen import NamedTuple
 
 __all__ = [
-    "Corner", "Line", "Lines", "degree_on_corners", "lines_through", "sampled_degrees",
-]  # fmt: skip
+    "Corner",
+    "StraightLine",
+    "StraightShape",
+    "degree_on_corners",
+    "lines_through",
+    "sampled_degrees",
+]
 
 Corner = tuple[float, float]
 
 
-class Line(NamedTuple):
+class StraightLine(NamedTuple):
     """A straight line: max(0, height + (x − x_0) slope)."""
 
     height: float
@@ -46,7 +51,7 @@ class Line(NamedTuple):
         return max(0.0, self.height + (x - self.x_0) * self.slope)
 
 
-class Lines(NamedTuple):
+class StraightShape(NamedTuple):
     """A straight shape.
 
     Attributes
@@ -55,13 +60,13 @@ class Lines(NamedTuple):
         Where its corners stand, ascending, each position once.
     heights : tuple of float
         The degrees there.
-    between : tuple of Line
+    between : tuple of StraightLine
         In front of the first edge, between two of them, after the last.
     """
 
     edges: tuple[float, ...]
     heights: tuple[float, ...]
-    between: tuple[Line, ...]
+    between: tuple[StraightLine, ...]
 
     def at(self, x: float) -> float:
         """Return the degree at a position."""
@@ -105,7 +110,7 @@ class Lines(NamedTuple):
         return foot and self.heights[edge] == 0.0
 
 
-def _over_line(line: Line, x: Any) -> Any:
+def _over_line(line: StraightLine, x: Any) -> Any:
     import numpy as np
 
     height, x_0, slope = line
@@ -118,7 +123,7 @@ def _over_line(line: Line, x: Any) -> Any:
     return np.maximum(heights, 0.0, out=heights)
 
 
-def lines_through(corners: Sequence[Corner]) -> Lines:
+def lines_through(corners: Sequence[Corner]) -> StraightShape:
     """Return the lines through corners.
 
     Parameters
@@ -128,7 +133,7 @@ def lines_through(corners: Sequence[Corner]) -> Lines:
     """
     edges: list[float] = []
     heights: list[float] = []
-    between = [Line(corners[0][1], 0.0, 0.0)]
+    between = [StraightLine(corners[0][1], 0.0, 0.0)]
     for x, y in corners:
         if edges and edges[-1] == x:
             heights[-1] = max(heights[-1], y)
@@ -136,18 +141,18 @@ def lines_through(corners: Sequence[Corner]) -> Lines:
             edges.append(x)
             heights.append(y)
     between += [_line(*a, *b) for a, b in pairwise(corners) if a[0] != b[0]]
-    between.append(Line(corners[-1][1], 0.0, 0.0))
-    return Lines(tuple(edges), tuple(heights), tuple(between))
+    between.append(StraightLine(corners[-1][1], 0.0, 0.0))
+    return StraightShape(tuple(edges), tuple(heights), tuple(between))
 
 
-def _line(x_0: float, y_0: float, x_1: float, y_1: float) -> Line:
+def _line(x_0: float, y_0: float, x_1: float, y_1: float) -> StraightLine:
     """Return the line between two corners, of which the first stands on the left."""
     slope = (y_1 - y_0) / (x_1 - x_0)
     if not abs(slope) < math.inf:  # closer than 1e-308: no float between them would tell
-        return Line(max(y_0, y_1), 0.0, 0.0)
+        return StraightLine(max(y_0, y_1), 0.0, 0.0)
     if (slope < 0.0) == (min(y_0, y_1) == 0.0):
-        return Line(y_1, x_1, slope)
-    return Line(y_0, x_0, slope)
+        return StraightLine(y_1, x_1, slope)
+    return StraightLine(y_0, x_0, slope)
 
 
 def degree_on_corners(corners: Sequence[float], x: float) -> float:

@@ -15,7 +15,7 @@ from itertools import chain, pairwise, product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.expression.lines import Corner, Lines, lines_through
+from fuzzyarm.expression.lines import Corner, StraightShape, lines_through
 from fuzzyarm.expression.nodes import Node, apply, symbol, symbols, trace
 from fuzzyarm.frozen import NamedTuple, dataclass, field
 from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MIN_WIDTH
@@ -239,7 +239,7 @@ class Shape(Kind):
         scalar = self.scalar
         return lambda x: scalar(x, *parameters)
 
-    def lines(self, *parameters: float, height: float = 1.0) -> Lines:
+    def lines(self, *parameters: float, height: float = 1.0) -> StraightShape:
         """Return the lines of a straight shape, which have all its degrees.
 
         Parameters

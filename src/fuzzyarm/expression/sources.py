@@ -39,7 +39,7 @@ __all__ = [
     "OptionKind",
     "Setting",
     "SourceKind",
-    "State",
+    "SourceState",
     "Surroundings",
     "source",
     "unseen",
@@ -101,7 +101,7 @@ class OptionKind(NamedTuple):
         return " ".join(self.rest) or texts.get(self.takes, "0.5")
 
 
-class State(NamedTuple):
+class SourceState(NamedTuple):
     """What a source remembers from one period to the next.
 
     Attributes
@@ -166,7 +166,7 @@ class SourceKind(Kind):
         What may stand after a comma.
     ports : tuple of str
         Which values of its port it reads: ``reference``, ``measured`` or both.
-    states : tuple of State
+    states : tuple of SourceState
         What it remembers. Without an update it gives what it is taken of.
     rounded : bool
         Whether what it remembers is rounded as signals are.
@@ -193,7 +193,7 @@ class SourceKind(Kind):
     of: Literal["port", "signal", "error", "call"] = "signal"
     options: dict[str, OptionKind] = field(default_factory=dict)
     ports: tuple[str, ...] = ()
-    states: tuple[State, ...] = ()
+    states: tuple[SourceState, ...] = ()
     rounded: bool = False
     seconds: int = 0
     difference: bool = False
@@ -271,7 +271,7 @@ def _number(value: Setting | None) -> float:
     return float(value) if isinstance(value, int | float) else 0.0
 
 
-class Sources(Registry[SourceKind]):
+class SourceRegistry(Registry[SourceKind]):
     """All sources by their words; what is not among them is an error by name."""
 
     def __getitem__(self, name: str) -> SourceKind:
@@ -287,7 +287,7 @@ class Sources(Registry[SourceKind]):
         return (kind for kind in self.values() if kind.of in what)
 
 
-SOURCES = Sources("source")
+SOURCES = SourceRegistry("source")
 """Every source by its word."""
 
 
@@ -437,7 +437,7 @@ def _register() -> None:
         _rate,
         doc="change of a signal per second; 0 in the first period",
         options={"filter": low_pass},
-        states=(State("before", lambda x: x, math.nan), State("slope")),
+        states=(SourceState("before", lambda x: x, math.nan), SourceState("slope")),
         seconds=-1,
         difference=True,
         kept="loop",
@@ -449,7 +449,7 @@ def _register() -> None:
         "change",
         lambda x, before: op.where(unseen(before), 0.0, x - before),
         doc="change of a signal since the last period; 0 at first",
-        states=(State("before", lambda x: x, math.nan),),
+        states=(SourceState("before", lambda x: x, math.nan),),
         difference=True,
         kept="loop",
         bounds=lambda near: _symmetric(min(near.width, near.pace * near.period)),
@@ -467,7 +467,7 @@ def _register() -> None:
             ),
             "start": OptionKind("figure", "its value before the first period"),
         },
-        states=(State("total", start="start"),),
+        states=(SourceState("total", start="start"),),
         seconds=1,
         bounds=_of_integral,
         pace=lambda near: near.largest,
@@ -485,7 +485,7 @@ def _register() -> None:
             "cleared": OptionKind("words", "begin again at each set point", ("each", "set-point"))
         },
         states=(
-            State(
+            SourceState(
                 "total", lambda value, cleared, last: op.where((cleared > 0.0) & last, 0.0, value)
             ),
         ),
@@ -499,7 +499,7 @@ def _register() -> None:
         _lag,
         doc="first-order low-pass of a signal; begins at its first value",
         options={"time": OptionKind("time", "its time constant", needed=True)},
-        states=(State("lagged", start=math.nan),),
+        states=(SourceState("lagged", start=math.nan),),
         kept="signal",
         bounds=lambda near: near.at,
         pace=lambda near: near.pace,
@@ -520,7 +520,7 @@ def _register() -> None:
         _hysteresis,
         doc="play: stays while a signal is within ± half the width around it; begins at 0",
         options=WIDTH,
-        states=(State("held"),),
+        states=(SourceState("held"),),
         kept="signal",
         pace=lambda near: near.pace,
         elsewhere="backlash play",

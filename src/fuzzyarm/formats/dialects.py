@@ -71,7 +71,7 @@ class Dialect:
         ``extend`` or ``error``.
     negates : bool
         Whether a conclusion may be negated.
-    formula : fuzzyarm.expression.formulas.Dialect
+    formula : fuzzyarm.expression.formulas.FormulaDialect
         How formulas are written.
     assumed : str
         What a reader says it took for granted.
@@ -145,7 +145,7 @@ class Dialect:
     clamps: tuple[str, ...] = ()
     outside: str = "extend"
     negates: bool = True
-    formula: formulas.Dialect = formulas.FUZZYLITE
+    formula: formulas.FormulaDialect = formulas.FUZZYLITE
     assumed: str = ""
     equal_precedence: bool = False
     commas: bool = False

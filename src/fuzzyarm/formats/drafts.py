@@ -16,7 +16,7 @@ from fuzzyarm.formats.findings import (
     MAX_CHARACTERS,
     Findings,
     Imported,
-    Word,
+    TextPiece,
     number,
     rounded,
     shortened,
@@ -144,14 +144,14 @@ def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) ->
         findings.error("chained-output", message, reader[late[0]].span)
 
 
-def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[Word]:
+def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[TextPiece]:
     """Yield the lines of a text that are not empty, without the space around them."""
     for row, raw in enumerate(text.split("\n"), 1):
         content = without_comment(raw)
         line = content.strip()
         if line:
             start = len(content) - len(content.lstrip()) + 1
-            yield Word(line, Span(row, start, row, start + len(line)))
+            yield TextPiece(line, Span(row, start, row, start + len(line)))
 
 
 def blocks_by_norms(
@@ -181,14 +181,14 @@ def note_rounding(text: str, findings: Findings) -> None:
 
 
 @dataclass(slots=True)
-class Draft:
+class VariableDraft:
     """A variable in the making.
 
     The range is infinite until the file says more; `enabled` is False where the file
     switches the variable off, `aggregates` where it names no norm for its terms.
     """
 
-    word: Word
+    word: TextPiece
     is_output: bool
     low: float = -math.inf
     high: float = math.inf
@@ -201,8 +201,8 @@ class Draft:
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
     step: float | None = None  # between the points of its range, to scikit-fuzzy
-    method: Word | None = None  # the word for the defuzzifier
-    inference: Word | None = None  # what fuzzylite makes of values: one of INFERENCES
+    method: TextPiece | None = None  # the word for the defuzzifier
+    inference: TextPiece | None = None  # what fuzzylite makes of values: one of INFERENCES
     resolution: int | None = None  # samples, where the file says how many
     settled: bool = False  # whether the range is what the program makes of the file's
     _index: dict[str, Term] = field(default_factory=dict)
@@ -257,7 +257,9 @@ class Draft:
         """The kinds of shape of its terms."""
         return {term.shape.kind for term in self.terms}
 
-    def set_range(self, words: list[Word], at: Word, findings: Findings, what: str) -> None:
+    def set_range(
+        self, words: list[TextPiece], at: TextPiece, findings: Findings, what: str
+    ) -> None:
         """Take the range from two words."""
         values = [number(word.text) for word in words]
         if len(values) != 2 or values[0] is None or values[1] is None:
@@ -289,7 +291,7 @@ class Draft:
             self.high = math.nextafter(self.low, math.inf)
 
 
-def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequent:
+def same_value(consequent: Consequent, variables: dict[str, VariableDraft]) -> Consequent:
     """Name the first term with the same value, for programs that aggregate by value."""
     draft = variables.get(consequent.variable)
     term = draft.term(consequent.term) if draft is not None else None
@@ -306,7 +308,7 @@ def same_number(value: float | str, other: float) -> bool:
     return value == other or (math.isnan(value) and math.isnan(other))
 
 
-def maximum_of_nothing(output: Draft | Output) -> float:
+def maximum_of_nothing(output: VariableDraft | Output) -> float:
     """Return the maximum of nothing to fuzzylite 7 and Octave: all samples are it."""
     defuzzifier = output.defuzzifier
     half_step = 0.0

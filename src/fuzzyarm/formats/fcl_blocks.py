@@ -7,10 +7,10 @@ from bisect import bisect_left
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.formats.dialects import JFUZZYLOGIC_PAIRS, Dialect
-from fuzzyarm.formats.drafts import VALUES, Draft
+from fuzzyarm.formats.drafts import VALUES, VariableDraft
 from fuzzyarm.formats.fcl_text import MEAN_OF_MAXIMUM
-from fuzzyarm.formats.findings import Findings, Word
-from fuzzyarm.formats.meaning import Block
+from fuzzyarm.formats.findings import Findings, TextPiece
+from fuzzyarm.formats.meaning import BlockDraft
 from fuzzyarm.formats.sentences import RuleText, read_sentences
 from fuzzyarm.formats.system_reader import SystemReader
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term
@@ -22,9 +22,9 @@ _S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
 class BlockText:
     """A rule block as it was written: norms by AND, OR, ACT and ACCU, rules from IF on."""
 
-    word: Word
-    norms: list[tuple[str, Word]] = field(default_factory=list)
-    rules: list[list[Word]] = field(default_factory=list)
+    word: TextPiece
+    norms: list[tuple[str, TextPiece]] = field(default_factory=list)
+    rules: list[list[TextPiece]] = field(default_factory=list)
     enabled: bool = True
     named: dict[str, str] | None = None  # the norms in the model, once they are asked for
 
@@ -34,13 +34,13 @@ class FunctionBlock(SystemReader):
 
     Attributes
     ----------
-    word : Word
+    word : TextPiece
         Its name.
     texts : list of BlockText
         Its rule blocks.
     """
 
-    def __init__(self, word: Word, dialect: Dialect, findings: Findings) -> None:
+    def __init__(self, word: TextPiece, dialect: Dialect, findings: Findings) -> None:
         super().__init__(dialect, findings)
         self.word = word
         self.accumulations: dict[str, str] = {}
@@ -51,15 +51,15 @@ class FunctionBlock(SystemReader):
         """Whether fuzzylite's meaning counts."""
         return self.dialect.producer == "fuzzylite"
 
-    def step(self, draft: Draft, word: Word, value: float) -> None:
+    def step(self, draft: VariableDraft, word: TextPiece, value: float) -> None:
         """Take the distance of the points of a range, which only fcl-for-scikit-fuzzy has."""
         message = f"the step of '{draft.name}' is left out: {self.dialect.program} has none"
         self.findings.warn("dropped-step", message, word)
 
-    def note_default(self, draft: Draft, word: Word) -> None:
+    def note_default(self, draft: VariableDraft, word: TextPiece) -> None:
         """Say what becomes of the value where no rule fires."""
 
-    def accumulation(self, draft: Draft, word: Word) -> None:
+    def accumulation(self, draft: VariableDraft, word: TextPiece) -> None:
         """Take the ACCU of an output."""
         norm = self.snorm(word, "the accumulation")
         if norm is not None:
@@ -86,7 +86,7 @@ class FunctionBlock(SystemReader):
             norms[key] = norm
         return norms
 
-    def _pair(self, found: dict[str, str], key: str, norm: str, word: Word) -> None:
+    def _pair(self, found: dict[str, str], key: str, norm: str, word: TextPiece) -> None:
         """Set OR with AND and AND with OR, as jFuzzyLogic does."""
         other = "OR" if key == "AND" else "AND"
         table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
@@ -131,31 +131,31 @@ class FunctionBlock(SystemReader):
             self.findings.warn("no-rules", "the function block has no rules", self.word)
         return self.rulebase(self.word.text, in_model)
 
-    def _block(self, text: BlockText) -> Block:
-        block = Block(text.word.text, text.word.span, text.enabled)
+    def _block(self, text: BlockText) -> BlockDraft:
+        block = BlockDraft(text.word.text, text.word.span, text.enabled)
         if block.enabled:
             norms = self._norms_of(text)
             block.conjunction, block.disjunction = norms.get("AND"), norms.get("OR")
             block.implication, block.threshold = norms.get("ACT"), self.dialect.threshold
         return block
 
-    def sentences(self, rules: list[list[Word]]) -> list[RuleText]:
+    def sentences(self, rules: list[list[TextPiece]]) -> list[RuleText]:
         """Return rules from their words."""
         return read_sentences(rules, self.variables, self.findings, self.dialect)
 
-    def settle_variable(self, draft: Draft) -> None:
+    def settle_variable(self, draft: VariableDraft) -> None:
         """Settle a variable, and where its edges stand to the samples of jFuzzyLogic."""
         super().settle_variable(draft)
         if draft.is_output and not self.own:
             _settle_edges(draft, self.findings)
 
-    def finish_output(self, draft: Draft, name: str) -> None:
+    def finish_output(self, draft: VariableDraft, name: str) -> None:
         """Set the aggregation, which rule blocks may change, and the defuzzifier."""
         norm = self.accumulations.get(draft.name)
         draft.aggregation, draft.aggregates = norm or "sum", norm is not None
         super().finish_output(draft, name)
 
-    def method_name(self, draft: Draft) -> str:
+    def method_name(self, draft: VariableDraft) -> str:
         """Return the method; a centre of gravity of values is their average."""
         name = super().method_name(draft)
         if name != "COG" or self.own or not draft.kinds or not draft.kinds <= VALUES:
@@ -166,7 +166,7 @@ class FunctionBlock(SystemReader):
         self.findings.warn("value-as-set", message, at, hint)
         return "COGS"
 
-    def note_method(self, draft: Draft, name: str, at: Word) -> None:
+    def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
         """Say in what the methods of jFuzzyLogic differ from those of the model."""
         if self.own:
             super().note_method(draft, name, at)
@@ -186,7 +186,7 @@ class FunctionBlock(SystemReader):
 # see 1 and the other 0.
 
 
-def _settle_edges(draft: Draft, findings: Findings) -> None:
+def _settle_edges(draft: VariableDraft, findings: Findings) -> None:
     """Move vertical edges by one step of the machine where that makes the samples agree."""
     count = draft.defuzzifier.resolution
     if count is None:

@@ -6,17 +6,17 @@ import math
 import re
 
 from fuzzyarm.formats.dialects import FCL, Dialect
-from fuzzyarm.formats.drafts import Draft, imported
+from fuzzyarm.formats.drafts import VariableDraft, imported
 from fuzzyarm.formats.fcl_blocks import BlockText, FunctionBlock
 from fuzzyarm.formats.fcl_scikit import ScikitBlock
-from fuzzyarm.formats.fcl_text import SECTION_ENDS, SECTIONS, Cursor, fcl_words, read_shape
+from fuzzyarm.formats.fcl_text import SECTION_ENDS, SECTIONS, WordCursor, fcl_words, read_shape
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     MAX_VARIABLES,
     FaultError,
     Findings,
     Imported,
-    Word,
+    TextPiece,
     number,
 )
 from fuzzyarm.model.rulebase import RuleBase
@@ -82,11 +82,11 @@ def _has_accu_in_defuzzify(text: str) -> bool:
 # --- From the text to its blocks ---
 
 
-def _joined_numbers(words: list[Word]) -> list[Word]:
+def _joined_numbers(words: list[TextPiece]) -> list[TextPiece]:
     """Put the sign of a weight back to its number."""
     if len(words) > 2 and words[-2].text in ("-", "+"):
         sign, value = words[-2], words[-1]
-        words[-2:] = [Word(sign.text + value.text, sign.span.to(value.span))]
+        words[-2:] = [TextPiece(sign.text + value.text, sign.span.to(value.span))]
     return words
 
 
@@ -105,11 +105,11 @@ class _Reader:
     def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
         self.findings = findings
         self.dialect = dialect
-        self.cursor = Cursor(fcl_words(text, findings))
+        self.cursor = WordCursor(fcl_words(text, findings))
         self.blocks: list[FunctionBlock] = []
-        self.block = self._new(Word(""))  # the one that is read
+        self.block = self._new(TextPiece(""))  # the one that is read
 
-    def _new(self, word: Word) -> FunctionBlock:
+    def _new(self, word: TextPiece) -> FunctionBlock:
         is_scikits = self.dialect.producer == "scikit-fuzzy"
         return (ScikitBlock if is_scikits else FunctionBlock)(word, self.dialect, self.findings)
 
@@ -131,7 +131,7 @@ class _Reader:
             return None
         names = [block.word.text for block in self.blocks]
         if wanted is not None and wanted not in names:
-            self.findings.unknown("unknown-block", "the function block", Word(wanted), names)
+            self.findings.unknown("unknown-block", "the function block", TextPiece(wanted), names)
             return None
         selection = self.blocks[names.index(wanted) if wanted is not None else 0]
         for other in self.blocks:
@@ -182,7 +182,7 @@ class _Reader:
 
     def _inner(self, key: str) -> None:
         if not self.blocks:
-            self.blocks.append(self._new(Word("", self.cursor.word.span)))
+            self.blocks.append(self._new(TextPiece("", self.cursor.word.span)))
         self.block = self.blocks[-1]
         self.cursor.take()
         if key in ("VAR_INPUT", "VAR_OUTPUT"):
@@ -225,7 +225,7 @@ class _Reader:
     def _declarations(self, *, is_output: bool) -> None:
         """Read from after VAR_INPUT or VAR_OUTPUT to after END_VAR."""
         cursor = self.cursor
-        last: Draft | None = None
+        last: VariableDraft | None = None
         while not self._is_over("END_VAR"):
             if cursor.key() == "RANGE" and last is not None:
                 self._range(last)
@@ -256,7 +256,7 @@ class _Reader:
                 cursor.at += not ends or cursor.at == start
                 cursor.to_next_statement()
 
-    def _variable(self, *, is_output: bool) -> Draft:
+    def _variable(self, *, is_output: bool) -> VariableDraft:
         word = self.cursor.name("a variable")
         draft = self.block.variables.get(word.text)
         if draft is None:
@@ -270,7 +270,7 @@ class _Reader:
             self.findings.error("wrong-section", message, word)
         return draft
 
-    def _statement(self, draft: Draft) -> None:
+    def _statement(self, draft: VariableDraft) -> None:
         cursor = self.cursor
         match cursor.key():
             case "TERM":
@@ -314,7 +314,7 @@ class _Reader:
             if not cursor.key().startswith(("END_", "TERM", "RANGE", "METHOD")):
                 raise FaultError(f"';' is expected before '{word.text[:40]}'", word)
 
-    def _note_range(self, draft: Draft) -> None:
+    def _note_range(self, draft: VariableDraft) -> None:
         """Say that jFuzzyLogic knows the range of an input after its declaration only."""
         if draft.is_output or self.dialect.producer != "jfuzzylogic":
             return
@@ -322,7 +322,7 @@ class _Reader:
         hint = "--from fuzzylite or scikit-fuzzy, whose files have it there"
         self.findings.warn("misplaced-range", message, self.cursor.word, hint)
 
-    def _range(self, draft: Draft) -> None:
+    def _range(self, draft: VariableDraft) -> None:
         cursor = self.cursor
         cursor.end_key()
         cursor.expect("(")
@@ -335,7 +335,7 @@ class _Reader:
             self.block.step(draft, cursor.take(), cursor.number())
         cursor.skip(";")
 
-    def _default(self, draft: Draft) -> None:
+    def _default(self, draft: VariableDraft) -> None:
         cursor, word = self.cursor, self.cursor.word
         cursor.end_key()
         if cursor.skip("NC"):
@@ -350,7 +350,7 @@ class _Reader:
             draft.no_rule = "hold"
         self.block.note_default(draft, word)
 
-    def _lock(self, draft: Draft) -> None:
+    def _lock(self, draft: VariableDraft) -> None:
         cursor = self.cursor
         cursor.end_key()
         while cursor.key() in ("PREVIOUS", "RANGE", "NONE", "|"):
@@ -397,11 +397,11 @@ class _Reader:
             message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
             raise FaultError(message, cursor.word)
 
-    def _rule_words(self, start: Word) -> list[Word]:
+    def _rule_words(self, start: TextPiece) -> list[TextPiece]:
         cursor = self.cursor
         while not cursor.ended and cursor.key() not in ("IF", *_END_OF_RULE):
             cursor.take()
-        words: list[Word] = []
+        words: list[TextPiece] = []
         while not cursor.ended and cursor.key() not in _END_OF_RULE:
             words.append(cursor.take())
         cursor.skip(";")

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.formats.dialects import Dialect, words
-from fuzzyarm.formats.drafts import Draft
+from fuzzyarm.formats.drafts import VariableDraft
 from fuzzyarm.formats.fcl_blocks import BlockText, FunctionBlock
 from fuzzyarm.formats.fcl_scikit_terms import (
     MORE_HEDGES,
@@ -22,7 +22,7 @@ from fuzzyarm.formats.fcl_scikit_terms import (
     least_difference,
     widest_gap,
 )
-from fuzzyarm.formats.findings import Findings, Word, unique_name
+from fuzzyarm.formats.findings import Findings, TextPiece, unique_name
 from fuzzyarm.formats.recovery import NEAR_LINES, beside_lines, is_joined, joined
 from fuzzyarm.formats.sentences import NOT, RuleText, read_sentences
 from fuzzyarm.model.rulebase import (
@@ -82,19 +82,19 @@ def universe(low: float, high: float, step: float | None) -> list[float]:
 class ScikitBlock(FunctionBlock):
     """A function block as fcl-for-scikit-fuzzy takes it."""
 
-    def __init__(self, word: Word, dialect: Dialect, findings: Findings) -> None:
+    def __init__(self, word: TextPiece, dialect: Dialect, findings: Findings) -> None:
         super().__init__(word, dialect, findings)
         self._universes: dict[str, list[float]] = {}
         self._hedged_terms: dict[tuple[str, str, tuple[Hedge, ...]], str] = {}
 
-    def step(self, draft: Draft, word: Word, value: float) -> None:
+    def step(self, draft: VariableDraft, word: TextPiece, value: float) -> None:
         """Take the distance of the points of a universe."""
         if 0.0 < value < math.inf:
             draft.step = value
         else:
             self.findings.error("bad-range", "the step of a range must be positive", word)
 
-    def note_default(self, draft: Draft, word: Word) -> None:
+    def note_default(self, draft: VariableDraft, word: TextPiece) -> None:
         """Say that scikit-fuzzy has no value where no rule fires."""
         message = f"the DEFAULT of '{draft.name}' is left out: no rule is an error to scikit-fuzzy"
         self.findings.info("dropped-options", message, word)
@@ -124,7 +124,7 @@ class ScikitBlock(FunctionBlock):
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
         """Leave the aggregation to the outputs."""
 
-    def settle_variable(self, draft: Draft) -> None:
+    def settle_variable(self, draft: VariableDraft) -> None:
         """Put the terms of a variable on the points of its universe."""
         if draft.is_output:
             draft.no_rule = "error"
@@ -157,18 +157,18 @@ class ScikitBlock(FunctionBlock):
             if draft.defuzzifier.record.joins:
                 draft.defuzzifier = Defuzzifier(method, len(xs), "joined")
 
-    def method_name(self, draft: Draft) -> str:
+    def method_name(self, draft: VariableDraft) -> str:
         """Return the method as it stands: values and words of others are refused."""
         return "COG" if draft.method is None else draft.method.text.upper()
 
-    def note_method(self, draft: Draft, name: str, at: Word) -> None:
+    def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
         """Say what is the mean of maxima to scikit-fuzzy."""
         if self.dialect.integral[name] == "mean-of-maximum":
             self.findings.loss("mean-of-maximum", MEAN_OF_POINTS, at, slight=True)
 
     # --- Hedges ---
 
-    def sentences(self, rules: list[list[Word]]) -> list[RuleText]:
+    def sentences(self, rules: list[list[TextPiece]]) -> list[RuleText]:
         """Read rules; hedged terms become terms where the points do not show the hedge itself."""
         variables = self.variables
         texts = read_sentences(rules, variables, self.findings, self.dialect, MORE_HEDGES)
@@ -226,7 +226,7 @@ class ScikitBlock(FunctionBlock):
             self._hedged_terms[key] = title
         return self._hedged_terms[key], ()
 
-    def _on_points(self, draft: Draft, term: Term, xs: list[float]) -> Shape:
+    def _on_points(self, draft: VariableDraft, term: Term, xs: list[float]) -> Shape:
         """Return the set that has the degrees of a term at points and is straight between them."""
         shape = _extended(term.shape, xs)
         if shape.kind == "sigmoid-difference" and (least := least_difference(shape, xs)) < -1e-12:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import FCL, Dialect, Spelling, all_spellings
 from fuzzyarm.formats.fcl_scikit_terms import own_shape, refusal
-from fuzzyarm.formats.findings import FaultError, Findings, Word, number
+from fuzzyarm.formats.findings import FaultError, Findings, TextPiece, number
 from fuzzyarm.formats.shapes import formula_shape, make_shape, spelled_shape
 from fuzzyarm.model.rulebase import Shape
 from fuzzyarm.text.diagnostic import NOWHERE, Span
@@ -34,10 +34,10 @@ KEYWORDS = frozenset(
 """Words that begin a statement or end a section, in capitals."""
 
 
-def fcl_words(text: str, findings: Findings) -> list[Word]:
+def fcl_words(text: str, findings: Findings) -> list[TextPiece]:
     """Return the words of a text, without its three kinds of comment."""
     text = _PERCENT_LINE.sub(lambda m: " " * len(m.group()), text)
-    words: list[Word] = []
+    words: list[TextPiece] = []
     line, line_start, position = 1, 0, 0
     while position < len(text):
         match = _TOKEN.match(text, position)
@@ -53,11 +53,11 @@ def fcl_words(text: str, findings: Findings) -> list[Word]:
             if "\n" in piece:
                 line_start = match.start() + piece.rfind("\n") + 1
         elif kind == "open":
-            word = Word(piece, Span(line, column, line, column + 2))
+            word = TextPiece(piece, Span(line, column, line, column + 2))
             findings.error("open-comment", "the comment that begins here never ends", word)
             break
         elif kind in ("number", "bad", "word", "sign"):
-            words.append(Word(piece, Span(line, column, line, column + len(piece))))
+            words.append(TextPiece(piece, Span(line, column, line, column + len(piece))))
     return words
 
 
@@ -67,10 +67,10 @@ MEAN_OF_MAXIMUM = (
 )
 
 
-class Cursor:
+class WordCursor:
     """Goes through words."""
 
-    def __init__(self, words: list[Word]) -> None:
+    def __init__(self, words: list[TextPiece]) -> None:
         self.words = words
         self.at = 0
 
@@ -80,19 +80,19 @@ class Cursor:
         return self.at >= len(self.words)
 
     @property
-    def word(self) -> Word:
+    def word(self) -> TextPiece:
         """The next word; an empty one at the end."""
         if self.at < len(self.words):
             return self.words[self.at]
         last = self.words[-1].span if self.words else NOWHERE
-        return Word("", last)
+        return TextPiece("", last)
 
     def key(self, ahead: int = 0) -> str:
         """Return a coming word in capitals."""
         index = self.at + ahead
         return self.words[index].text.upper() if index < len(self.words) else ""
 
-    def take(self) -> Word:
+    def take(self) -> TextPiece:
         """Return the next word and go on."""
         word = self.word
         self.at += 1
@@ -105,20 +105,20 @@ class Cursor:
             return True
         return False
 
-    def expect(self, *keys: str) -> Word:
+    def expect(self, *keys: str) -> TextPiece:
         """Return the next word, which must be one of `keys`."""
         if self.ended or self.key() not in keys:
             text = f"'{self.word.text[:40]}'" if not self.ended else "the end of the file"
             raise FaultError(f"'{keys[0]}' is expected here, not {text}", self.word)
         return self.take()
 
-    def name(self, what: str) -> Word:
+    def name(self, what: str) -> TextPiece:
         """Return the next word, which must be a name."""
         if self.ended or not (self.word.text[0].isalpha() or self.word.text[0] in "_0123456789"):
             raise FaultError(f"the name of {what} is expected here", self.word)
         return self.take()
 
-    def title(self, keys: frozenset[str], *, setting: bool = False) -> Word:
+    def title(self, keys: frozenset[str], *, setting: bool = False) -> TextPiece:
         """Return the rest of the line up to one of `keys`, as the name of a block.
 
         With `setting` a key ends it only where a colon follows at once or after one more word.
@@ -131,12 +131,12 @@ class Cursor:
             self.at += 1
         words = self.words[start : self.at]
         if not words:
-            return Word("", self.word.span)
+            return TextPiece("", self.word.span)
         text = words[0].text
         for before, word in pairwise(words):
             apart = before.span.end_column < word.span.column
             text += f" {word.text}" if apart else word.text
-        return Word(text, words[0].span.to(words[-1].span))
+        return TextPiece(text, words[0].span.to(words[-1].span))
 
     def number(self) -> float:
         """Return the number that follows, with its signs."""
@@ -210,7 +210,9 @@ def is_scikits(dialect: Dialect) -> bool:
     return dialect.producer == "scikit-fuzzy"
 
 
-def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings) -> Shape | None:
+def read_shape(
+    cursor: WordCursor, dialect: Dialect, inputs: int, findings: Findings
+) -> Shape | None:
     """Read the function of a term, up to its end."""
     word = cursor.word
     key = cursor.key()
@@ -241,7 +243,7 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
 
 
 def _shape(
-    word: Word,
+    word: TextPiece,
     spelling: Spelling,
     values: list[float],
     dialect: Dialect,
@@ -275,7 +277,7 @@ def _shape(
     return shape
 
 
-def _numbers(cursor: Cursor, findings: Findings) -> list[float] | None:
+def _numbers(cursor: WordCursor, findings: Findings) -> list[float] | None:
     values: list[float] = []
     while not cursor.ended and cursor.word.text != ";" and cursor.key() not in KEYWORDS:
         if cursor.at_number():
@@ -289,7 +291,7 @@ def _numbers(cursor: Cursor, findings: Findings) -> list[float] | None:
     return values
 
 
-def _moving(word: Word, findings: Findings) -> None:
+def _moving(word: TextPiece, findings: Findings) -> None:
     if not word.text[0].isalpha():
         raise FaultError(f"'{word.text[:40]}' is not a number", word, "not-a-number")
     message = (
@@ -298,7 +300,7 @@ def _moving(word: Word, findings: Findings) -> None:
     findings.error("moving-corner", message, word)
 
 
-def _points(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | None:
+def _points(cursor: WordCursor, dialect: Dialect, findings: Findings) -> Shape | None:
     first = cursor.word
     values: list[float] = []
     while cursor.skip("("):
@@ -316,7 +318,7 @@ def _points(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | Non
     return make_shape("points", values, first, findings, ties=dialect.ties)
 
 
-def _singletons(cursor: Cursor, word: Word, findings: Findings) -> Shape | None:
+def _singletons(cursor: WordCursor, word: TextPiece, findings: Findings) -> Shape | None:
     pairs: list[float] = []
     while cursor.skip("("):
         pairs.append(cursor.number())
@@ -330,7 +332,7 @@ def _singletons(cursor: Cursor, word: Word, findings: Findings) -> Shape | None:
     return None
 
 
-def _function(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | None:
+def _function(cursor: WordCursor, dialect: Dialect, findings: Findings) -> Shape | None:
     first = cursor.word
     parts: list[str] = []
     last = first
@@ -339,7 +341,7 @@ def _function(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | N
             break
         last = cursor.take()
         parts.append(last.text)
-    formula = Word(" ".join(parts), first.span.to(last.span))
+    formula = TextPiece(" ".join(parts), first.span.to(last.span))
     return formula_shape(formula, dialect.formula, findings)
 
 

@@ -113,22 +113,22 @@ class Exported:
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class TextPiece:
     """A piece of text and where it stood."""
 
     text: str
     span: Span = NOWHERE
 
-    def part(self, start: int, end: int) -> Word:
+    def part(self, start: int, end: int) -> TextPiece:
         """Return the characters from index `start` to `end` of a word on one line."""
         line, column = self.span.line, self.span.column
-        return Word(self.text[start:end], Span(line, column + start, line, column + end))
+        return TextPiece(self.text[start:end], Span(line, column + start, line, column + end))
 
-    def parts(self, pattern: re.Pattern[str]) -> list[Word]:
+    def parts(self, pattern: re.Pattern[str]) -> list[TextPiece]:
         """Return the pieces that match a pattern."""
         return [self.part(*match.span()) for match in pattern.finditer(self.text)]
 
-    def around(self, sign: str) -> tuple[Word, Word] | None:
+    def around(self, sign: str) -> tuple[TextPiece, TextPiece] | None:
         """Return what stands before and after a sign, without space; None if it is not there."""
         before, sign_, after = self.text.partition(sign)
         if not sign_:
@@ -172,7 +172,7 @@ def reading(what: str) -> Iterator[None]:
 class FaultError(ValueError):
     """What keeps a text from being read further, at which word, and the name of the finding."""
 
-    def __init__(self, message: str, word: Word, name: str = "syntax") -> None:
+    def __init__(self, message: str, word: TextPiece, name: str = "syntax") -> None:
         super().__init__(message)
         self.word = word
         self.name = name
@@ -207,7 +207,9 @@ class Findings:
         """Whether there was an error."""
         return self._errors > 0
 
-    def error(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+    def error(
+        self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = ""
+    ) -> None:
         """Record a fault that keeps the file from being used."""
         self._add(name, message, at, Severity.ERROR, hint)
 
@@ -219,7 +221,7 @@ class Findings:
         self,
         name: str,
         message: str,
-        at: Word | Span = NOWHERE,
+        at: TextPiece | Span = NOWHERE,
         hint: str = "",
         *,
         slight: bool = False,
@@ -232,15 +234,17 @@ class Findings:
         severity = Severity.WARNING if allowed else Severity.ERROR
         self._add(name, message, at, severity, hint or ("" if allowed else LOSSY_HINT))
 
-    def warn(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+    def warn(self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = "") -> None:
         """Record a doubt that changes no number."""
         self._add(name, message, at, Severity.WARNING, hint)
 
-    def info(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+    def info(self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = "") -> None:
         """Record a choice or a piece of text that was left out."""
         self._add(name, message, at, Severity.INFO, hint)
 
-    def no_term(self, variable: str, word: Word, terms: Iterable[str], before: str = "") -> None:
+    def no_term(
+        self, variable: str, word: TextPiece, terms: Iterable[str], before: str = ""
+    ) -> None:
         """Record an error about a word that is none of the terms of a variable."""
         self.unknown("undefined-term", f"{before}'{variable}' has no term", word, terms, ending="")
 
@@ -248,7 +252,7 @@ class Findings:
         self,
         name: str,
         what: str,
-        word: Word,
+        word: TextPiece,
         choices: Iterable[str],
         *,
         ending: str = " is not known",
@@ -278,7 +282,7 @@ class Findings:
             self._unknown[key] = len(self._items), 1
         self._add(name, message, word, Severity.ERROR, hint, replacement)
 
-    def ignored_key(self, word: Word, choices: Sequence[str]) -> None:
+    def ignored_key(self, word: TextPiece, choices: Sequence[str]) -> None:
         """Record a key that has no effect: an error where one of `choices` may be meant."""
         hint, _ = near_hint(word.text.lower(), [choice.lower() for choice in choices])
         if hint:
@@ -287,14 +291,16 @@ class Findings:
             message = f"the key '{shortened(word.text)}' is not known; it is left out"
             self.warn("unknown-key", message, word)
 
-    def norm(self, what: str, word: Word, table: Mapping[str, str], key: str = "") -> str | None:
+    def norm(
+        self, what: str, word: TextPiece, table: Mapping[str, str], key: str = ""
+    ) -> str | None:
         """Return the norm that `key` (the word itself) names in a table of words."""
         name = table.get(key or word.text)
         if name is None:
             self.unknown("unknown-norm", what, word, table)
         return name
 
-    def room(self, count: int, most: int, what: str, at: Word | Span) -> bool:
+    def room(self, count: int, most: int, what: str, at: TextPiece | Span) -> bool:
         """Whether one more than `count` is allowed; the first time it is not, say so."""
         if count < most:
             return True
@@ -303,7 +309,7 @@ class Findings:
             self.error("too-many", f"more than {most} {what} are not read", at)
         return False
 
-    def duplicate(self, name: str, message: str, at: Word | Span, first: Span) -> None:
+    def duplicate(self, name: str, message: str, at: TextPiece | Span, first: Span) -> None:
         """Record a warning that also points at the first of two."""
         related = (Related("the first one", first),)
         self._add(name, message, at, Severity.WARNING, "", None, related)
@@ -312,13 +318,13 @@ class Findings:
         self,
         name: str,
         message: str,
-        at: Word | Span,
+        at: TextPiece | Span,
         severity: Severity,
         hint: str,
         replacement: str | None = None,
         related: tuple[Related, ...] = (),
     ) -> None:
-        span = at.span if isinstance(at, Word) else at
+        span = at.span if isinstance(at, TextPiece) else at
         self._errors += severity is Severity.ERROR
         if len(self._items) >= MAX_FINDINGS:
             self._left_out += 1
@@ -413,7 +419,7 @@ def number(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def numbers(words: list[Word], findings: Findings) -> list[float] | None:
+def numbers(words: list[TextPiece], findings: Findings) -> list[float] | None:
     """Return the values of `words`; None, with findings, where one is not a number."""
     values: list[float] = []
     failed = False

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import (
-    Draft,
+    VariableDraft,
     imported,
     note_rounding,
 )
@@ -19,7 +19,7 @@ from fuzzyarm.formats.findings import (
     FaultError,
     Findings,
     Imported,
-    Word,
+    TextPiece,
     number,
     unique_name,
 )
@@ -44,7 +44,7 @@ from fuzzyarm.formats.fis_type2 import (
     note_toolbox,
     reductions,
 )
-from fuzzyarm.formats.meaning import Block
+from fuzzyarm.formats.meaning import BlockDraft
 from fuzzyarm.formats.sentences import NOT, RuleText
 from fuzzyarm.formats.system_reader import SystemReader
 from fuzzyarm.model.rulebase import (
@@ -125,11 +125,11 @@ class _Reader(SystemReader):
     def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
         super().__init__(dialect, findings)
         self.text = text
-        self.settings: dict[str, Word] = {}  # of [System], by keys in small letters
+        self.settings: dict[str, TextPiece] = {}  # of [System], by keys in small letters
         self.terms: dict[str, dict[int, str]] = {}
-        self.rules: list[Word] = []
+        self.rules: list[TextPiece] = []
         self.seen: dict[tuple[str, int], Span] = {}
-        self.unequal: list[Word] = []  # rules with too many or too few numbers
+        self.unequal: list[TextPiece] = []  # rules with too many or too few numbers
         self.aggregation: str | None = None  # of all outputs
         self.is_type2 = False
         self.is_toolbox = is_of_toolbox(text)
@@ -171,7 +171,7 @@ class _Reader(SystemReader):
         elif section.kind in ("input", "output"):
             self._variable(section, inputs)
 
-    def _settings(self, section: Section) -> Iterator[tuple[Word, Word]]:
+    def _settings(self, section: Section) -> Iterator[tuple[TextPiece, TextPiece]]:
         for line in section.lines:
             parts = line.around("=")
             if parts is None:
@@ -211,7 +211,9 @@ class _Reader(SystemReader):
         word = self.settings.get(key)
         return word.text.strip() if word is not None else ""
 
-    def _norm_of(self, key: str, norm: Callable[[Word, str], str | None], usual: str) -> str | None:
+    def _norm_of(
+        self, key: str, norm: Callable[[TextPiece, str], str | None], usual: str
+    ) -> str | None:
         """Return the norm of a setting; None where the file names none."""
         word = self.settings.get(key)
         if word is None or not word.text.strip():
@@ -222,7 +224,7 @@ class _Reader(SystemReader):
         """Return the implication, which is the minimum where the file names none."""
         return super().implication() or "min"
 
-    def method_name(self, draft: Draft) -> str:
+    def method_name(self, draft: VariableDraft) -> str:
         """Return the method of the whole file, which a Sugeno system need not name."""
         draft.method = self.settings.get("defuzzmethod")
         name = self.text_of("defuzzmethod").lower()
@@ -230,7 +232,7 @@ class _Reader(SystemReader):
             return "wtaver" if self.text_of("type").lower() == "sugeno" else self.dialect.method
         return name
 
-    def finish_output(self, draft: Draft, name: str) -> None:
+    def finish_output(self, draft: VariableDraft, name: str) -> None:
         draft.aggregation, draft.aggregates = self.aggregation or "max", bool(self.aggregation)
         if self.is_type2:
             self._reduce_output(draft)
@@ -239,7 +241,7 @@ class _Reader(SystemReader):
             name = self._by_magnitude(draft, name)
         super().finish_output(draft, name)
 
-    def _reduce_output(self, draft: Draft) -> None:
+    def _reduce_output(self, draft: VariableDraft) -> None:
         """Set the type reduction of an output, over 101 samples where it has sets."""
         is_sugeno = self.text_of("type").lower().startswith("sug")
         is_weighted = is_sugeno or self.text_of("defuzzmethod").lower() in self.dialect.weighted
@@ -263,7 +265,7 @@ class _Reader(SystemReader):
         else:
             draft.defuzzifier = Defuzzifier(method, *self.dialect.samples)
 
-    def _by_magnitude(self, draft: Draft, name: str) -> str:
+    def _by_magnitude(self, draft: VariableDraft, name: str) -> str:
         """Return the word of an output for which MATLAB compares the magnitudes of maxima."""
         term = by_magnitude(name, draft.low, draft.high)
         if term is None:
@@ -281,13 +283,13 @@ class _Reader(SystemReader):
         if not self.findings.room(len(self.variables), MAX_VARIABLES, "variables", section.span):
             return
         is_output = section.kind == "output"
-        draft = Draft(Word("", section.span), is_output)
+        draft = VariableDraft(TextPiece("", section.span), is_output)
         if not is_output:
             draft.outside = self.dialect.outside
         names_by_index: dict[int, str] = {}
-        memberships: list[tuple[int, Word]] = []
-        lower: dict[int, Word] = {}
-        counts: list[Word] = []
+        memberships: list[tuple[int, TextPiece]] = []
+        lower: dict[int, TextPiece] = {}
+        counts: list[TextPiece] = []
         for key, value in self._settings(section):
             below = LOWER_KEY.match(key.text)
             if key.text.lower() == "nummfs":
@@ -314,8 +316,11 @@ class _Reader(SystemReader):
         self.variables[draft.name] = draft
 
     def _numbered(
-        self, draft: Draft, memberships: list[tuple[int, Word]], lower: Mapping[int, Word]
-    ) -> list[tuple[int, Word]]:
+        self,
+        draft: VariableDraft,
+        memberships: list[tuple[int, TextPiece]],
+        lower: Mapping[int, TextPiece],
+    ) -> list[tuple[int, TextPiece]]:
         """Renumber terms in their order if a number appears twice, as the programs do."""
         numbers = [number for number, _ in memberships]
         twice = next((n for i, n in enumerate(numbers) if n in numbers[:i]), None)
@@ -329,7 +334,7 @@ class _Reader(SystemReader):
         self.findings.warn("duplicate-index", message, at)
         return [(index, value) for index, (_, value) in enumerate(memberships, 1)]
 
-    def _name(self, draft: Draft, section: Section) -> None:
+    def _name(self, draft: VariableDraft, section: Section) -> None:
         name = draft.name or f"{section.kind}{section.number or ''}"
         unique = unique_name(name, set(self.variables))
         if unique != draft.name:
@@ -337,15 +342,19 @@ class _Reader(SystemReader):
             message = f"the {section.kind} {what}; it is called '{unique}'"
             name_ = "duplicate-variable" if draft.name else "missing-name"
             self.findings.warn(name_, message, draft.word)
-        draft.word = Word(unique, draft.word.span)
+        draft.word = TextPiece(unique, draft.word.span)
 
     def _variable_setting(
-        self, draft: Draft, key: Word, value: Word, memberships: list[tuple[int, Word]]
+        self,
+        draft: VariableDraft,
+        key: TextPiece,
+        value: TextPiece,
+        memberships: list[tuple[int, TextPiece]],
     ) -> None:
         membership = MEMBERSHIP_KEY.match(key.text)
         match key.text.lower():
             case "name":
-                draft.word = Word(unquoted(value).text, value.span)
+                draft.word = TextPiece(unquoted(value).text, value.span)
             case "range":
                 draft.set_range(
                     value.parts(BRACKETED), value, self.findings, "two numbers in brackets"
@@ -368,9 +377,9 @@ class _Reader(SystemReader):
 
     def _term(
         self,
-        draft: Draft,
+        draft: VariableDraft,
         index: int,
-        value: Word,
+        value: TextPiece,
         taken: dict[int, str],
         names: set[str],
         inputs: int,
@@ -405,7 +414,7 @@ class _Reader(SystemReader):
             self.is_type2 = self.is_type2 or shapes[1] is not None
             draft.add(Term(unique, shapes[0], name.span, shapes[1]))
 
-    def _lower(self, draft: Draft, value: Word, inputs: int) -> None:
+    def _lower(self, draft: VariableDraft, value: TextPiece, inputs: int) -> None:
         """Give the term that was read last its lower function: numbers, and maybe a height."""
         parts = membership_parts(value)
         if parts is None or not draft.terms:
@@ -428,9 +437,9 @@ class _Reader(SystemReader):
 
     # --- Rules ---
 
-    def _block(self) -> Block:
+    def _block(self) -> BlockDraft:
         """Return the one block of the file, with its norms."""
-        block = Block("", threshold=self.dialect.threshold)
+        block = BlockDraft("", threshold=self.dialect.threshold)
         block.conjunction = self._norm_of("andmethod", self.tnorm, "min")
         block.disjunction = self._norm_of("ormethod", self.snorm, "max")
         block.implication = self._norm_of("impmethod", self.tnorm, "min")
@@ -438,7 +447,7 @@ class _Reader(SystemReader):
         self.blocks = [block]
         return block
 
-    def _read_rules(self, block: Block) -> None:
+    def _read_rules(self, block: BlockDraft) -> None:
         if len(self.rules) > MAX_RULES:
             self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
         rules = self.rules[:MAX_RULES]
@@ -451,7 +460,7 @@ class _Reader(SystemReader):
         if self.is_toolbox and self.is_type2:
             note_toolbox(block, self.settings, self.findings)
 
-    def _rule(self, line: Word) -> RuleText | None:
+    def _rule(self, line: TextPiece) -> RuleText | None:
         match = _RULE.match(line.text)
         if match is None:
             message = "a rule is 'inputs, outputs (weight) : connective'"
@@ -479,7 +488,7 @@ class _Reader(SystemReader):
         return RuleText(antecedent, tuple(conclusions), weight, line.span)
 
     def _propositions(
-        self, drafts: list[Draft], codes: list[Word]
+        self, drafts: list[VariableDraft], codes: list[TextPiece]
     ) -> Iterator[tuple[str, str, tuple[Hedge, ...], Span]]:
         """Yield variable, term, hedges and span of each index that is not 0 or at fault."""
         for draft, word in zip(drafts, codes, strict=True):
@@ -487,7 +496,9 @@ class _Reader(SystemReader):
             if term is not None:
                 yield draft.name, *term, word.span
 
-    def _indexed(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
+    def _indexed(
+        self, draft: VariableDraft, word: TextPiece
+    ) -> tuple[str, tuple[Hedge, ...]] | None:
         """Return term and hedges of an index; None for 0 or where it is at fault."""
         value = number(word.text)
         if value is None or math.isnan(value) or abs(value) > 1e6:
@@ -512,7 +523,7 @@ class _Reader(SystemReader):
             return None
         return table[index], ((NOT, *hedges) if value < 0.0 else hedges)
 
-    def _weight(self, match: re.Match[str], line: Word) -> float:
+    def _weight(self, match: re.Match[str], line: TextPiece) -> float:
         text = match.group("weight")
         value = number(text.strip()) if text is not None else 1.0
         if text is None:
@@ -523,7 +534,7 @@ class _Reader(SystemReader):
             self.findings.error("not-a-number", message, line)
         return 1.0 if value is None or math.isnan(value) else value
 
-    def _is_or(self, match: re.Match[str], line: Word) -> bool:
+    def _is_or(self, match: re.Match[str], line: TextPiece) -> bool:
         text = match.group("connective")
         value = number(text) if text else None
         if value not in (1.0, 2.0):
@@ -562,7 +573,7 @@ class _Reader(SystemReader):
             message = "the last rule lacks the ending of the others: the file is cut off"
             self.findings.error("syntax", message, self.rules.pop())
 
-    def _check_count(self, word: Word, counted: int, what: str) -> bool:
+    def _check_count(self, word: TextPiece, counted: int, what: str) -> bool:
         """Compare a count with what the file has; return whether nothing is missing."""
         count = number(word.text)
         if count == counted:

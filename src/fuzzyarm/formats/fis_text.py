@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
 from fuzzyarm.formats.drafts import lines_of
-from fuzzyarm.formats.findings import FaultError, Findings, Word, numbers
+from fuzzyarm.formats.findings import FaultError, Findings, TextPiece, numbers
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.model.rulebase import Hedge, Shape
 from fuzzyarm.text.diagnostic import NOWHERE, Span
@@ -30,7 +30,7 @@ class Section:
     kind: str
     number: int = 0
     span: Span = NOWHERE
-    lines: list[Word] = field(default_factory=list)
+    lines: list[TextPiece] = field(default_factory=list)
 
 
 _GLUED = re.compile(r"\s*#\s*RuleBlock\s+(?=\d)")
@@ -107,11 +107,11 @@ def _without_comment(raw: str) -> str:
     return raw
 
 
-def unquoted(word: Word) -> Word:
+def unquoted(word: TextPiece) -> TextPiece:
     """Return a word without the quotes around it."""
     text = word.text
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
-        return Word(text[1:-1], word.span)
+        return TextPiece(text[1:-1], word.span)
     return word
 
 
@@ -137,7 +137,7 @@ _MEMBERSHIP = re.compile(
 )
 
 
-def membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
+def membership_parts(value: TextPiece) -> tuple[TextPiece, TextPiece, TextPiece] | None:
     """Split ``'name':'kind',[numbers]``; None where it does not look like that."""
     match = _MEMBERSHIP.match(value.text)
     if match is None:
@@ -182,13 +182,13 @@ def detect(text: str) -> str:
 
 
 def read_shape(
-    kind: Word, rest: Word, inputs: int, dialect: Dialect, findings: Findings
+    kind: TextPiece, rest: TextPiece, inputs: int, dialect: Dialect, findings: Findings
 ) -> Shape | None:
     """Return the shape of ``'kind',[numbers]``."""
     name = kind.text.lower()
     if name == "function":
         text = rest.text.strip().removeprefix("[").removesuffix("]")
-        return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
+        return formula_shape(TextPiece(text, rest.span), FIS["fuzzylite"].formula, findings)
     # fuzzylite writes the class of a term where it has no word in a FIS.
     spellings = all_spellings(SHAPES, *ALL_NAMES, "fll")
     spelling = spellings.get(name) or spellings.get(kind.text)
@@ -209,7 +209,7 @@ _LISTS = re.compile(r"\[[^\]]*\]")
 
 
 def read_shapes(
-    kind: Word, rest: Word, inputs: int, dialect: Dialect, findings: Findings
+    kind: TextPiece, rest: TextPiece, inputs: int, dialect: Dialect, findings: Findings
 ) -> tuple[Shape, Shape | None] | None:
     """Return a shape, and the lower one of ``[upper],[scale],[lag]``, as MATLAB has it.
 
@@ -254,7 +254,7 @@ def _lagging(shape: Shape, left: float, right: float) -> Shape | None:
     return None
 
 
-def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:
+def _unknown(kind: TextPiece, known: Mapping[str, Spelling], findings: Findings) -> None:
     if not kind.text:
         findings.error("syntax", "the kind of the membership function is missing", kind)
         return

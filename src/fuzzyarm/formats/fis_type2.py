@@ -11,9 +11,9 @@ from collections.abc import Mapping
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.formats.dialects import words
-from fuzzyarm.formats.findings import Findings, Word, numbers
+from fuzzyarm.formats.findings import Findings, TextPiece, numbers
 from fuzzyarm.formats.fis_text import BRACKETED
-from fuzzyarm.formats.meaning import Block
+from fuzzyarm.formats.meaning import BlockDraft
 from fuzzyarm.formats.sentences import NOT
 from fuzzyarm.formats.shapes import make_shape
 from fuzzyarm.model.rulebase import Shape, propositions
@@ -47,7 +47,7 @@ def is_of_toolbox(text: str) -> bool:
 
 
 def interval_shapes(
-    kind: Word, rest: Word, inputs: int, findings: Findings
+    kind: TextPiece, rest: TextPiece, inputs: int, findings: Findings
 ) -> tuple[Shape, Shape | None] | None:
     """Return a constant ``[a b]`` or a linear term with two rows as its larger and smaller value.
 
@@ -74,7 +74,7 @@ def interval_shapes(
     return (second, first) if first.parameters < second.parameters else (first, second)
 
 
-def note_toolbox(block: Block, settings: Mapping[str, Word], findings: Findings) -> None:
+def note_toolbox(block: BlockDraft, settings: Mapping[str, TextPiece], findings: Findings) -> None:
     """Take the product for *and*, as the toolbox does whatever the file says; refuse a *not*."""
     word = settings.get("andmethod")
     if block.conjunction != "product" and word is not None:

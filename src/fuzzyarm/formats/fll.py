@@ -9,18 +9,18 @@ from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import SHAPES, TNORMS
 from fuzzyarm.formats.dialects import FLL, Dialect, all_spellings, words
-from fuzzyarm.formats.drafts import Draft, imported, lines_of, note_rounding
+from fuzzyarm.formats.drafts import VariableDraft, imported, lines_of, note_rounding
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     Exported,
     Findings,
     Imported,
-    Word,
+    TextPiece,
     number,
     numbers,
     written,
 )
-from fuzzyarm.formats.meaning import Block
+from fuzzyarm.formats.meaning import BlockDraft
 from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
@@ -38,23 +38,23 @@ _WORD = re.compile(r"[(),]|[^\s(),]+")
 
 
 @dataclass(frozen=True, slots=True)
-class _Line:
+class _SettingLine:
     """One setting: what stands left and right of the colon, without space around."""
 
-    key: Word
-    value: Word
+    key: TextPiece
+    value: TextPiece
 
-    def words(self) -> list[Word]:
+    def words(self) -> list[TextPiece]:
         return self.value.parts(_PLAIN_WORD)
 
 
-def _lines(text: str, findings: Findings) -> Iterator[_Line]:
+def _lines(text: str, findings: Findings) -> Iterator[_SettingLine]:
     for line in lines_of(text, lambda raw: raw.partition("#")[0]):
         parts = line.around(":")
         if parts is None:
             findings.error("syntax", f"'{line.text[:40]}' is not of the form 'key: value'", line)
         else:
-            yield _Line(*parts)
+            yield _SettingLine(*parts)
 
 
 # --- The parts of a file ---
@@ -68,7 +68,7 @@ _OUTPUT_KEYS = (*_INPUT_KEYS, "aggregation", "defuzzifier", "default", "lock-pre
 MAX_RESOLUTION = 10_000_000
 
 
-def _flag(line: _Line, findings: Findings, *, default: bool = False) -> bool:
+def _flag(line: _SettingLine, findings: Findings, *, default: bool = False) -> bool:
     value = {"true": True, "false": False}.get(line.value.text.lower())
     if value is None:
         message = f"'{line.value.text[:40]}' is neither true nor false"
@@ -77,7 +77,7 @@ def _flag(line: _Line, findings: Findings, *, default: bool = False) -> bool:
     return value
 
 
-def _threshold(words: list[Word]) -> float | None:
+def _threshold(words: list[TextPiece]) -> float | None:
     """Return the firing strength below which a rule is left out; None for other methods.
 
     ``Threshold >= t`` is the next number below t: strengths are numbers of the machine.
@@ -96,7 +96,7 @@ def _threshold(words: list[Word]) -> float | None:
     return max(below, 0.0)
 
 
-def _resolution(words: list[Word], findings: Findings) -> int:
+def _resolution(words: list[TextPiece], findings: Findings) -> int:
     usual, _ = FLL.samples
     if len(words) < 2:
         return usual
@@ -109,7 +109,11 @@ def _resolution(words: list[Word], findings: Findings) -> int:
 
 
 def _shape(
-    name: Word, parameters: list[Word], formula: Word, inputs: int, findings: Findings
+    name: TextPiece,
+    parameters: list[TextPiece],
+    formula: TextPiece,
+    inputs: int,
+    findings: Findings,
 ) -> Shape | None:
     """Return the shape of a class and its numbers; `formula` is the same for ``Function``."""
     if name.text == "Function":
@@ -164,9 +168,9 @@ class _Reader(SystemReader):
         self.text = text
         self.name = ""
         self.description = ""
-        self.terms: list[tuple[Draft, _Line]] = []
-        self.rules: list[list[_Line]] = []  # of each block
-        self.draft: Draft | None = None
+        self.terms: list[tuple[VariableDraft, _SettingLine]] = []
+        self.rules: list[list[_SettingLine]] = []  # of each block
+        self.draft: VariableDraft | None = None
         self.section = ""
 
     def read(self) -> RuleBase:
@@ -184,13 +188,13 @@ class _Reader(SystemReader):
         note_rounding(self.text, self.findings)
         return self.rulebase(self.name, blocks, self.description)
 
-    def _open(self, line: _Line) -> None:
+    def _open(self, line: _SettingLine) -> None:
         self.section = line.key.text
         self.draft = None
         if self.section == "Engine":
             self.name = line.value.text
         elif self.section == "RuleBlock":
-            self.blocks.append(Block(line.value.text, line.key.span, always_concludes=True))
+            self.blocks.append(BlockDraft(line.value.text, line.key.span, always_concludes=True))
             self.rules.append([])
         else:
             word = self._identifier(
@@ -199,15 +203,15 @@ class _Reader(SystemReader):
             self.draft = self.variable(word, is_output=self.section == "OutputVariable")
             self.draft.aggregates = False  # until a line says so
 
-    def _identifier(self, what: str, word: Word, at: Word) -> Word:
+    def _identifier(self, what: str, word: TextPiece, at: TextPiece) -> TextPiece:
         """Return a name as fuzzylite spells it; say where that is another one."""
         name = _identifier(word.text)
         if name != word.text:
             message = f"fuzzylite calls the {what} '{word.text[:60]}' {name}"
             self.findings.info("renamed", message, at)
-        return Word(name, at.span)
+        return TextPiece(name, at.span)
 
-    def _setting(self, line: _Line) -> None:
+    def _setting(self, line: _SettingLine) -> None:
         key = line.key.text
         if not self.section:
             self.findings.error("syntax", f"'{key[:40]}' is before any section", line.key)
@@ -221,7 +225,7 @@ class _Reader(SystemReader):
         else:
             self._block_setting(self.blocks[-1], line)
 
-    def _variable_setting(self, draft: Draft, line: _Line) -> None:
+    def _variable_setting(self, draft: VariableDraft, line: _SettingLine) -> None:
         match line.key.text:
             case "description":
                 draft.description = line.value.text
@@ -239,7 +243,7 @@ class _Reader(SystemReader):
             case _:
                 self.findings.unknown("unknown-key", "the key", line.key, _INPUT_KEYS)
 
-    def _output_setting(self, draft: Draft, line: _Line) -> None:
+    def _output_setting(self, draft: VariableDraft, line: _SettingLine) -> None:
         match line.key.text:
             case "aggregation" | "accumulation":
                 norm = self.snorm(line.value)
@@ -259,25 +263,25 @@ class _Reader(SystemReader):
             case _:
                 self.findings.unknown("unknown-key", "the key", line.key, _OUTPUT_KEYS)
 
-    def _held_default(self, at: Word) -> None:
+    def _held_default(self, at: TextPiece) -> None:
         message = "the value is held; the default counts only before the first value"
         hint = "pass it as the held value"
         self.findings.loss("default-with-hold", message, at, hint, slight=True)
 
-    def _defuzzifier(self, draft: Draft, line: _Line) -> None:
+    def _defuzzifier(self, draft: VariableDraft, line: _SettingLine) -> None:
         """Take method and resolution, or method and what becomes of values."""
         words = line.words()
         if not words or words[0].text == "none":
-            draft.method = Word("", line.key.span)
+            draft.method = TextPiece("", line.key.span)
             return
         # A finding stands at the whole value, a misspelt method at its word.
         is_known = words[0].text in (*FLL.integral, *FLL.weighted)
-        draft.method = Word(words[0].text, line.value.span if is_known else words[0].span)
+        draft.method = TextPiece(words[0].text, line.value.span if is_known else words[0].span)
         if words[0].text in FLL.integral:
             draft.resolution = _resolution(words, self.findings)
         draft.inference = words[1] if len(words) > 1 else None
 
-    def _term(self, draft: Draft, line: _Line) -> None:
+    def _term(self, draft: VariableDraft, line: _SettingLine) -> None:
         words = line.words()
         if len(words) < 2:
             message = "a term is 'name Class numbers'"
@@ -286,13 +290,15 @@ class _Reader(SystemReader):
         name, kind, parameters = words[0], words[1], words[2:]
         offset = kind.span.end_column - line.value.span.column
         rest = line.value.text[offset:].strip()
-        formula = Word(rest, parameters[0].span.to(line.value.span) if parameters else kind.span)
+        formula = TextPiece(
+            rest, parameters[0].span.to(line.value.span) if parameters else kind.span
+        )
         word = self._identifier("term", name, name)
         self.term(draft, word, _shape(kind, parameters, formula, len(self.inputs), self.findings))
 
     # --- Rule blocks ---
 
-    def _block_setting(self, block: Block, line: _Line) -> None:
+    def _block_setting(self, block: BlockDraft, line: _SettingLine) -> None:
         match line.key.text:
             case "description":
                 if line.value.text:
@@ -315,7 +321,7 @@ class _Reader(SystemReader):
             case _:
                 self.findings.unknown("unknown-key", "the key", line.key, _BLOCK_KEYS)
 
-    def _activation(self, block: Block, line: _Line) -> None:
+    def _activation(self, block: BlockDraft, line: _SettingLine) -> None:
         parts = line.words()
         method = parts[0].text if parts else "none"
         tnorms = words(TNORMS, FLL.kinds)
@@ -332,7 +338,7 @@ class _Reader(SystemReader):
         elif method != "none":
             self.findings.unknown("unknown-activation", "the method", parts[0], _ACTIVATIONS)
 
-    def _blocks(self) -> Iterator[Block]:
+    def _blocks(self) -> Iterator[BlockDraft]:
         """Yield the blocks that are on, with their rules."""
         for block, lines in zip(self.blocks, self.rules, strict=True):
             if not self.is_on(block):

@@ -17,16 +17,16 @@ from xml.parsers import expat
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.formats.composed import POINTS, Degree, composed, norm_of
 from fuzzyarm.formats.dialects import FML, Dialect, all_spellings, words
-from fuzzyarm.formats.drafts import Draft, all_invertible, imported
+from fuzzyarm.formats.drafts import VariableDraft, all_invertible, imported
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     FaultError,
     Findings,
     Imported,
-    Word,
+    TextPiece,
     number,
 )
-from fuzzyarm.formats.meaning import Block, around, hedged_weight
+from fuzzyarm.formats.meaning import BlockDraft, around, hedged_weight
 from fuzzyarm.formats.sentences import NOT, RuleText
 from fuzzyarm.formats.shapes import make_shape, range_of_values, spelled_shape
 from fuzzyarm.formats.system_reader import SystemReader
@@ -61,7 +61,7 @@ def is_fml(text: str) -> bool:
 class _Element:
     """An element: its tag without a namespace, and its text without that of its children."""
 
-    tag: Word
+    tag: TextPiece
     attributes: dict[str, str]
     children: list[_Element] = field(default_factory=list)
     pieces: list[str] = field(default_factory=list)
@@ -71,9 +71,9 @@ class _Element:
         """The text, without space around."""
         return "".join(self.pieces).strip()
 
-    def get(self, key: str, default: str = "") -> Word:
+    def get(self, key: str, default: str = "") -> TextPiece:
         """Return an attribute, placed at the element."""
-        return Word(self.attributes.get(key, default).strip(), self.tag.span)
+        return TextPiece(self.attributes.get(key, default).strip(), self.tag.span)
 
     def all(self, *tags: str) -> Iterator[_Element]:
         """Yield the children with one of some tags."""
@@ -86,10 +86,10 @@ class _Element:
             raise FaultError(f"<{self.tag.text}> has no <{tag}>", self.tag)
         return element
 
-    def word(self, tag: str) -> Word:
+    def word(self, tag: str) -> TextPiece:
         """Return the text of the one child with a tag."""
         element = self.child(tag)
-        return Word(element.text, element.tag.span)
+        return TextPiece(element.text, element.tag.span)
 
 
 def _parsed(text: str) -> _Element:
@@ -98,7 +98,7 @@ def _parsed(text: str) -> _Element:
     A document type, which could define entities, is refused: no FML file has one.
     """
     parser = expat.ParserCreate("utf-8", "}")
-    root = _Element(Word(""), {})
+    root = _Element(TextPiece(""), {})
     stack = [root]
 
     def here(length: int) -> Span:
@@ -109,8 +109,8 @@ def _parsed(text: str) -> _Element:
         name = tag.rpartition("}")[2]
         if len(stack) > MAX_NESTING:
             message = f"elements may nest at most {MAX_NESTING} deep"
-            raise FaultError(message, Word(name, here(len(name) + 1)), "too-deep")
-        element = _Element(Word(name, here(len(name) + 1)), attributes)
+            raise FaultError(message, TextPiece(name, here(len(name) + 1)), "too-deep")
+        element = _Element(TextPiece(name, here(len(name) + 1)), attributes)
         stack[-1].children.append(element)
         stack.append(element)
 
@@ -119,7 +119,7 @@ def _parsed(text: str) -> _Element:
 
     def refuse(*_: object) -> None:
         message = "a document type (<!DOCTYPE …>) is not supported"
-        raise FaultError(message, Word("", here(9)), "unsupported-type")
+        raise FaultError(message, TextPiece("", here(9)), "unsupported-type")
 
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda _: stack.pop()
@@ -132,7 +132,7 @@ def _parsed(text: str) -> _Element:
         line = min(error.lineno, text.count("\n") + 1)
         span = Span(line, error.offset + 1, line, error.offset + 2)
         message = f"not well-formed XML: {expat.ErrorString(error.code)}"
-        raise FaultError(message, Word("", span)) from None
+        raise FaultError(message, TextPiece("", span)) from None
     return root.children[0]
 
 
@@ -252,7 +252,7 @@ class _Reader(SystemReader):
                 self._refuse(element.tag, "unsupported-type")
                 self.refused.add(element.get("name").text)
 
-    def _refuse(self, tag: Word, name: str) -> None:
+    def _refuse(self, tag: TextPiece, name: str) -> None:
         """Say, once for each tag, that an element is not supported."""
         if tag.text not in self.refused:
             self.refused.add(tag.text)
@@ -271,7 +271,7 @@ class _Reader(SystemReader):
         self.elements[word.text] = element
         if element.tag.text != "tskVariable":
             ends = [element.get("domainleft"), element.get("domainright")]
-            text = Word(" ".join(end.text for end in ends), element.tag.span)
+            text = TextPiece(" ".join(end.text for end in ends), element.tag.span)
             draft.set_range(ends, text, self.findings, "two numbers, domainleft and domainright")
         draft.settle_range(self.findings)
         for term in self._by_dependence(list(element.all(VARIABLES[element.tag.text]))):
@@ -297,7 +297,7 @@ class _Reader(SystemReader):
             depth = {name: int(bool(parts[name])) for name in parts}
         return sorted(terms, key=lambda term: (depth[name := term.get("name").text], places[name]))
 
-    def _shape(self, term: _Element, draft: Draft, inputs: int) -> Shape | None:
+    def _shape(self, term: _Element, draft: VariableDraft, inputs: int) -> Shape | None:
         if term.tag.text == "tskTerm":
             return self._value(term, inputs)
         if not term.children:
@@ -312,7 +312,7 @@ class _Reader(SystemReader):
         values = self._numbers(element, [f"param{index}" for index in range(1, 5)])
         return None if values is None else self._of_numbers(element.tag, values, draft, inputs)
 
-    def _circular(self, element: _Element, draft: Draft) -> Shape | None:
+    def _circular(self, element: _Element, draft: VariableDraft) -> Shape | None:
         """Return a set that is made of other terms by norms."""
         if not draft.bounded:
             if not self.findings.failed:
@@ -333,7 +333,7 @@ class _Reader(SystemReader):
         raise FaultError(f"<{_CIRCULAR}> has no <and> or <or>", element.tag)
 
     def _joined(
-        self, element: _Element, draft: Draft, parts: list[Shape], norms: list[str]
+        self, element: _Element, draft: VariableDraft, parts: list[Shape], norms: list[str]
     ) -> Degree | None:
         """Return the degree of the terms below an *and* or an *or*; None where one is at fault."""
         if element.tag.text == "and":
@@ -352,8 +352,10 @@ class _Reader(SystemReader):
             raise FaultError(f"<{element.tag.text}> joins two terms", element.tag)
         return norm_of(norm, degrees) if len(degrees) == len(degrees_) else None
 
-    def _named_degree(self, element: _Element, draft: Draft, parts: list[Shape]) -> Degree | None:
-        word = Word(element.text, element.tag.span)
+    def _named_degree(
+        self, element: _Element, draft: VariableDraft, parts: list[Shape]
+    ) -> Degree | None:
+        word = TextPiece(element.text, element.tag.span)
         term = draft.term(word.text)
         if term is None:
             if word.text not in draft.refused:
@@ -367,7 +369,7 @@ class _Reader(SystemReader):
         return degree
 
     def _of_numbers(
-        self, kind: Word, values: list[float], draft: Draft, inputs: int
+        self, kind: TextPiece, values: list[float], draft: VariableDraft, inputs: int
     ) -> Shape | None:
         if len(values) == 2 and kind.text in ("leftGaussianShape", "rightGaussianShape"):
             return self._one_sided(kind, values, draft)
@@ -384,7 +386,9 @@ class _Reader(SystemReader):
             return None
         return spelled_shape(spellings[kind.text], values, inputs, kind, self.findings, FML)
 
-    def _one_sided(self, kind: Word, values: list[float], draft: Draft) -> Shape | None:
+    def _one_sided(
+        self, kind: TextPiece, values: list[float], draft: VariableDraft
+    ) -> Shape | None:
         """Return a gaussian flank that stays at 1 up to the end of the range."""
         mean, deviation = values
         ends = (draft.low, mean) if kind.text == "leftGaussianShape" else (mean, draft.high)
@@ -448,7 +452,7 @@ class _Reader(SystemReader):
             values.append(value)
         return values
 
-    def method_name(self, draft: Draft) -> str:
+    def method_name(self, draft: VariableDraft) -> str:
         """Return the method of an output, in the letters in which the standard has it."""
         element = self.elements[draft.name]
         is_set = element.tag.text == "fuzzyVariable"
@@ -456,7 +460,7 @@ class _Reader(SystemReader):
         draft.method = element.get(key, usual)
         return draft.method.text
 
-    def finish_output(self, draft: Draft, name: str) -> None:
+    def finish_output(self, draft: VariableDraft, name: str) -> None:
         """Set the value without rules, and the defuzzifier that the kind of variable has."""
         element = self.elements[draft.name]
         default = number(element.get("defaultValue", "0").text)
@@ -480,7 +484,7 @@ class _Reader(SystemReader):
             message = f"'{draft.name}' has terms that cannot be inverted"
             self.findings.error("not-monotonic", message, element.tag)
 
-    def _finish_singletons(self, draft: Draft, method: Word) -> None:
+    def _finish_singletons(self, draft: VariableDraft, method: TextPiece) -> None:
         """Let the average of singletons be their centre of gravity, the highest one the winner."""
         draft.defuzzifier = Defuzzifier(FML.integral[method.text])
         if draft.defuzzifier.record.of == "top":
@@ -490,18 +494,18 @@ class _Reader(SystemReader):
             message = f"{method.text} of singletons is not supported; their average is taken"
             self.findings.loss("unsupported-defuzzifier", message, method)
 
-    def _is_known(self, method: Word, table: Mapping[str, str]) -> bool:
+    def _is_known(self, method: TextPiece, table: Mapping[str, str]) -> bool:
         if method.text not in table:
             self.findings.unknown("unknown-defuzzifier", "the method", method, table)
         return method.text in table
 
     # --- Rules ---
 
-    def _blocks(self, element: _Element, tags: tuple[str, ...]) -> list[Block]:
+    def _blocks(self, element: _Element, tags: tuple[str, ...]) -> list[BlockDraft]:
         """Return a block for each pair of norms that the rules of a rule base name."""
         implication = element.get("activationMethod", "MIN")
         tnorm = "min" if tags[0] == "tskRule" else self.tnorm(implication)
-        blocks: dict[tuple[str, str], Block] = {}
+        blocks: dict[tuple[str, str], BlockDraft] = {}
         for index, rule in enumerate(element.all(tags[0])):
             if not self.findings.room(index, MAX_RULES, "rules", rule.tag):
                 break
@@ -514,14 +518,14 @@ class _Reader(SystemReader):
             )
             if norms not in blocks:
                 name = element.get("name").text if not blocks else ""
-                blocks[norms] = Block(name, rule.tag.span, True, *norms, implication=tnorm)
+                blocks[norms] = BlockDraft(name, rule.tag.span, True, *norms, implication=tnorm)
             try:
                 blocks[norms].rules += self._rules(rule, tags, is_or=is_or)
             except FaultError as fault:
                 self.findings.fault(fault)
         return list(blocks.values())
 
-    def tnorm(self, word: Word, what: str = "the T-norm") -> str | None:
+    def tnorm(self, word: TextPiece, what: str = "the T-norm") -> str | None:
         """Return the T-norm of a word, which the schema of the standard may misspell."""
         return _TNORMS_OF_SCHEMA.get(word.text.upper()) or super().tnorm(word, what)
 
@@ -571,7 +575,7 @@ class _Reader(SystemReader):
 
     def _clauses(
         self, element: _Element, tag: str
-    ) -> Iterator[tuple[Word, str, tuple[Hedge, ...]]]:
+    ) -> Iterator[tuple[TextPiece, str, tuple[Hedge, ...]]]:
         """Yield variable, term and hedges of the clauses."""
         for clause in element.all(tag):
             variable, term = clause.word("variable"), clause.word("term")
@@ -590,7 +594,7 @@ class _Reader(SystemReader):
                 hedges = (*hedges, NOT)
             yield variable, term.text, hedges
 
-    def _hedges(self, word: Word) -> tuple[Hedge, ...]:
+    def _hedges(self, word: TextPiece) -> tuple[Hedge, ...]:
         if not word.text:
             return ()
         plain_hedges = {key: (Hedge(name),) for key, name in words(HEDGES, FML.kinds).items()}

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import MACHINE_EPSILON, Dialect
-from fuzzyarm.formats.drafts import VALUES, Draft, same_value
+from fuzzyarm.formats.drafts import VALUES, VariableDraft, same_value
 from fuzzyarm.formats.findings import Findings
 from fuzzyarm.formats.sentences import NOT, RuleText, hedged
 from fuzzyarm.model.rulebase import (
@@ -47,7 +47,7 @@ _SLIGHT_SHARE = 0.01
 
 
 @dataclass(slots=True)
-class Block:
+class BlockDraft:
     """A rule block while its file is read; a norm is None where the file names none.
 
     Rules fire where their strength is above `threshold`; with `always_concludes` they are carried
@@ -79,7 +79,10 @@ class Block:
 
 
 def blocks_in_model(
-    blocks: list[Block], variables: dict[str, Draft], dialect: Dialect, findings: Findings
+    blocks: list[BlockDraft],
+    variables: dict[str, VariableDraft],
+    dialect: Dialect,
+    findings: Findings,
 ) -> tuple[RuleBlock, ...]:
     """Return the blocks of the model, with the meaning that the program gives to rules."""
     if dialect.activates:
@@ -106,13 +109,13 @@ def blocks_in_model(
     return tuple(rule_blocks)
 
 
-def _concluded(blocks: list[Block]) -> frozenset[str]:
+def _concluded(blocks: list[BlockDraft]) -> frozenset[str]:
     """Return the outputs that the rules of some blocks conclude."""
     texts = [text for block in blocks for text in block.rules]
     return frozenset(conclusion.variable for text in texts for conclusion in text.conclusions)
 
 
-def _note_outputs(text: RuleText, variables: dict[str, Draft], findings: Findings) -> None:
+def _note_outputs(text: RuleText, variables: dict[str, VariableDraft], findings: Findings) -> None:
     for variable in sorted({part.variable for part in propositions(text.antecedent)}):
         if variable in variables and variables[variable].is_output:
             message = (
@@ -127,7 +130,7 @@ FIRES = Hedge("power", 1e-20)
 
 
 def _rules_of_values(
-    rule: Rule, drafts: dict[str, Draft], dialect: Dialect, findings: Findings
+    rule: Rule, drafts: dict[str, VariableDraft], dialect: Dialect, findings: Findings
 ) -> list[Rule]:
     """Express two habits of Octave's toolkit.
 
@@ -176,16 +179,18 @@ def root(hedge: Hedge) -> Hedge:
 class _Activations:
     """Turns rule texts of fuzzylite into rules, in the order in which they are evaluated."""
 
-    def __init__(self, variables: dict[str, Draft], findings: Findings, dialect: Dialect) -> None:
+    def __init__(
+        self, variables: dict[str, VariableDraft], findings: Findings, dialect: Dialect
+    ) -> None:
         self.variables = variables
         self.findings = findings
         self.dialect = dialect
-        self._fired: dict[tuple[str, str], list[tuple[Rule, Block]]] = {}
+        self._fired: dict[tuple[str, str], list[tuple[Rule, BlockDraft]]] = {}
         self._own: frozenset[str] = frozenset()
         self._sizes: dict[tuple[str, str], int] = {}
         self._shares: dict[tuple[str, str, tuple[Hedge, ...], float], float] = {}
 
-    def block(self, block: Block, later: frozenset[str]) -> list[RuleBlock]:
+    def block(self, block: BlockDraft, later: frozenset[str]) -> list[RuleBlock]:
         """Return the block of the model; `later` blocks conclude other outputs.
 
         An output in an antecedent is replaced by the conditions that lead to it, where
@@ -220,7 +225,7 @@ class _Activations:
         names = {p.variable for rules in groups for r in rules for p in propositions(r.antecedent)}
         return any(self.variables[name].is_output for name in names & self.variables.keys())
 
-    def _need_norms(self, text: RuleText, block: Block) -> None:
+    def _need_norms(self, text: RuleText, block: BlockDraft) -> None:
         connectives = set(map(type, _parts(text.antecedent)))
         for kind, norm, key in ((And, block.conjunction, "and"), (Or, block.disjunction, "or")):
             if kind in connectives and norm is None:
@@ -237,7 +242,7 @@ class _Activations:
                 message = f"'{name}' is integrated, but there is no {missing}: fuzzylite fails here"
                 self.findings.error("missing-norm", message, text.span)
 
-    def _rules(self, text: RuleText, block: Block) -> list[tuple[Rule, float]]:
+    def _rules(self, text: RuleText, block: BlockDraft) -> list[tuple[Rule, float]]:
         """Return rules, each with the threshold of its block."""
         antecedent = self._expanded(text.antecedent, text.span, block)
         rules: list[tuple[Rule, float]] = []
@@ -265,7 +270,7 @@ class _Activations:
         hedges: tuple[Hedge, ...],
         consequents: list[Consequent],
         text: RuleText,
-        block: Block,
+        block: BlockDraft,
     ) -> tuple[Rule, float]:
         weight = hedged_weight(text.weight, hedges)
         if weight is None:
@@ -329,7 +334,7 @@ class _Activations:
         ]
         return sum(0.0 < membership <= threshold for membership in degrees) / _SAMPLES
 
-    def _expanded(self, expression: Expression, span: Span, block: Block) -> Expression:
+    def _expanded(self, expression: Expression, span: Span, block: BlockDraft) -> Expression:
         expanded = self._put_in(expression, block)
         if _size(expanded) > MAX_NODES:
             message = f"with its outputs put in, the rule has more than {MAX_NODES} propositions"
@@ -337,7 +342,7 @@ class _Activations:
             return expression
         return expanded
 
-    def _put_in(self, expression: Expression, block: Block) -> Expression:
+    def _put_in(self, expression: Expression, block: BlockDraft) -> Expression:
         if isinstance(expression, Is):
             return self._proposition(expression, block)
         if isinstance(expression, Hedged):
@@ -345,7 +350,7 @@ class _Activations:
         operands = tuple(self._put_in(operand, block) for operand in expression.operands)
         return type(expression)(operands)
 
-    def _proposition(self, proposition: Is, block: Block) -> Expression:
+    def _proposition(self, proposition: Is, block: BlockDraft) -> Expression:
         draft = self.variables.get(proposition.variable)
         if draft is None or (draft.enabled and not draft.is_output):
             return proposition
@@ -366,7 +371,7 @@ class _Activations:
         self.findings.loss("chained-output", message, proposition.span)
         return proposition
 
-    def _activation(self, proposition: Is, output: Draft, block: Block) -> Expression:
+    def _activation(self, proposition: Is, output: VariableDraft, block: BlockDraft) -> Expression:
         fired = self._fired.get((proposition.variable, proposition.term), [])
         if not fired:
             message = f"no earlier rule concludes '{output.name} is {proposition.term}'"
@@ -394,7 +399,9 @@ class _Activations:
             self.findings.info("activation-put-in", message, proposition.span)
         return antecedents[0] if len(antecedents) == 1 else Or(antecedents)
 
-    def _why_not(self, fired: list[tuple[Rule, Block]], output: Draft, block: Block) -> str:
+    def _why_not(
+        self, fired: list[tuple[Rule, BlockDraft]], output: VariableDraft, block: BlockDraft
+    ) -> str:
         if any(other.threshold > block.threshold for _, other in fired):
             return "the block that leads to it has a threshold"
         if any(rule.weight != 1.0 for rule, _ in fired):

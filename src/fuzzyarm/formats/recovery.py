@@ -289,7 +289,7 @@ class _Samples(NamedTuple):
         return steep if len(steep) > 1 else inside
 
 
-class _Line(NamedTuple):
+class _FlankLine(NamedTuple):
     """t = slope (x − zero)."""
 
     zero: float
@@ -303,7 +303,7 @@ class _Line(NamedTuple):
 Straightened = Callable[[float], float]
 
 
-def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_Line]:
+def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_FlankLine]:
     """Return the lines that a flank may have: through all of it, or through its ends."""
     xs, ys = samples
     inside = samples.flank(side)
@@ -323,7 +323,7 @@ def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_Li
     return [line for line in lines if line is not None]
 
 
-def _fitted(points: list[tuple[float, float]]) -> _Line | None:
+def _fitted(points: list[tuple[float, float]]) -> _FlankLine | None:
     """Return the line of least squares."""
     if not all(math.isfinite(t) for _, t in points):
         return None
@@ -331,7 +331,7 @@ def _fitted(points: list[tuple[float, float]]) -> _Line | None:
     level = math.fsum(t for _, t in points) / len(points)
     spread = math.fsum((x - middle) ** 2 for x, _ in points)
     slope = math.fsum((x - middle) * (t - level) for x, t in points) / spread
-    return _Line(middle - level / slope, slope) if slope and math.isfinite(slope) else None
+    return _FlankLine(middle - level / slope, slope) if slope and math.isfinite(slope) else None
 
 
 # --- The shapes, from the plain to the rare ---
@@ -355,16 +355,18 @@ def _candidates(samples: _Samples) -> Iterator[Candidate]:
 def _two_flanks(
     samples: _Samples,
     straightened: Straightened,
-    shapes: Callable[[_Samples, _Line | None, _Line | None], Iterator[Candidate]],
+    shapes: Callable[[_Samples, _FlankLine | None, _FlankLine | None], Iterator[Candidate]],
 ) -> Iterator[Candidate]:
-    left: list[_Line | None] = [*_lines(samples, -1, straightened)] or [None]
-    right: list[_Line | None] = [*_lines(samples, 1, straightened)] or [None]
+    left: list[_FlankLine | None] = [*_lines(samples, -1, straightened)] or [None]
+    right: list[_FlankLine | None] = [*_lines(samples, 1, straightened)] or [None]
     for pair in product(left, right):
         if pair != (None, None):
             yield from shapes(samples, *pair)
 
 
-def _straight(samples: _Samples, left: _Line | None, right: _Line | None) -> Iterator[Candidate]:
+def _straight(
+    samples: _Samples, left: _FlankLine | None, right: _FlankLine | None
+) -> Iterator[Candidate]:
     xs = samples.xs
     start = (left.zero, left.at(1.0)) if left else (xs[0], xs[0])
     end = (right.at(1.0), right.zero) if right else (xs[-1], xs[-1])
@@ -377,7 +379,9 @@ def _gauss(y: float) -> float:
     return math.sqrt(-2.0 * math.log(y)) if y > 0.0 else math.inf
 
 
-def _gaussians(samples: _Samples, left: _Line | None, right: _Line | None) -> Iterator[Candidate]:
+def _gaussians(
+    samples: _Samples, left: _FlankLine | None, right: _FlankLine | None
+) -> Iterator[Candidate]:
     lines = [(line.zero, abs(1.0 / line.slope)) for line in (left, right) if line]
     yield "gaussian", tuple(sum(numbers) / len(lines) for numbers in zip(*lines, strict=True))
     first = lines[0] if left else (samples.xs[0], lines[0][1])
@@ -389,7 +393,9 @@ def _parabola(y: float) -> float:
     return math.sqrt(0.5 * y) if y <= 0.5 else 1.0 - math.sqrt(0.5 * (1.0 - y))
 
 
-def _parabolas(samples: _Samples, left: _Line | None, right: _Line | None) -> Iterator[Candidate]:
+def _parabolas(
+    samples: _Samples, left: _FlankLine | None, right: _FlankLine | None
+) -> Iterator[Candidate]:
     if left and right:
         yield "pi", (left.zero, left.at(1.0), right.at(1.0), right.zero)
     elif left:
@@ -402,7 +408,7 @@ def _wave(y: float) -> float:
     return math.acos(2.0 * y - 1.0)
 
 
-def _cosines(_: _Samples, left: _Line | None, right: _Line | None) -> Iterator[Candidate]:
+def _cosines(_: _Samples, left: _FlankLine | None, right: _FlankLine | None) -> Iterator[Candidate]:
     lines = [line for line in (left, right) if line]
     centre = sum(line.zero for line in lines) / len(lines)
     yield "cosine", (centre, sum(2.0 * math.pi / abs(line.slope) for line in lines) / len(lines))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.formats.dialects import Dialect, words
-from fuzzyarm.formats.drafts import Draft
-from fuzzyarm.formats.findings import FaultError, Findings, Word, number
+from fuzzyarm.formats.drafts import VariableDraft
+from fuzzyarm.formats.findings import FaultError, Findings, TextPiece, number
 from fuzzyarm.model.rulebase import And, Consequent, Expression, Hedge, Hedged, Is, Or
 from fuzzyarm.text.diagnostic import Span
 
@@ -49,8 +49,8 @@ def hedged(hedges: tuple[Hedge, ...], inner: Expression) -> Expression:
 
 
 def read_sentences(
-    rules: Iterable[list[Word]],
-    variables: dict[str, Draft],
+    rules: Iterable[list[TextPiece]],
+    variables: dict[str, VariableDraft],
     findings: Findings,
     dialect: Dialect,
     more_hedges: Mapping[str, Hedge] | None = None,
@@ -73,16 +73,18 @@ def read_sentences(
 class _Parser:
     """Recursive descent over the words of one rule; unknown names are reported and read on."""
 
-    def __init__(self, variables: dict[str, Draft], findings: Findings, dialect: Dialect) -> None:
+    def __init__(
+        self, variables: dict[str, VariableDraft], findings: Findings, dialect: Dialect
+    ) -> None:
         self.variables = variables
         self.findings = findings
         self.dialect = dialect
         hedge_words = words(HEDGES, dialect.hedges or dialect.kinds)
         self.hedges = {word: Hedge(name) for word, name in hedge_words.items()}
-        self.words: list[Word] = []
+        self.words: list[TextPiece] = []
         self.at = 0
 
-    def rule(self, sentence: list[Word]) -> RuleText:
+    def rule(self, sentence: list[TextPiece]) -> RuleText:
         self.words, self.at = sentence, 0
         self.expect("if")
         antecedent = self.condition(0)
@@ -101,7 +103,7 @@ class _Parser:
         text = self.words[self.at].text
         return text.lower() if self.dialect.any_case else text
 
-    def take(self) -> Word:
+    def take(self) -> TextPiece:
         if self.at >= len(self.words):
             raise FaultError("the rule ends too early", self.words[-1])
         self.at += 1
@@ -210,7 +212,7 @@ class _Parser:
             message = f"{message}: it is a term of {' and '.join(owners[:3])}"
         raise FaultError(message, word, "lone-word")
 
-    def _note_other_hedges(self, hedges: tuple[Hedge, ...], variable: Word) -> None:
+    def _note_other_hedges(self, hedges: tuple[Hedge, ...], variable: TextPiece) -> None:
         """Say where hedges are read that the program itself does not know."""
         if self.dialect.kinds != "jfl" or set(hedges) <= {NOT}:
             return
@@ -220,11 +222,11 @@ class _Parser:
         )
         self.findings.warn("guessed-hedge", message, variable)
 
-    def _variable(self, *, outputs_only: bool) -> tuple[Word, Draft | None]:
+    def _variable(self, *, outputs_only: bool) -> tuple[TextPiece, VariableDraft | None]:
         word = self.take()
         draft = self.variables.get(word.text)
         if draft is None and (near := self._same_but_case(word)) is not None:
-            word, draft = Word(near.name, word.span), near
+            word, draft = TextPiece(near.name, word.span), near
         if draft is None:
             names = [n for n, d in self.variables.items() if d.is_output or not outputs_only]
             self.findings.unknown("undefined-variable", "the variable", word, names)
@@ -233,7 +235,7 @@ class _Parser:
             self.findings.error("not-an-output", message, word)
         return word, draft
 
-    def _same_but_case(self, word: Word) -> Draft | None:
+    def _same_but_case(self, word: TextPiece) -> VariableDraft | None:
         if not self.dialect.any_case:
             return None
         lowered = word.text.lower()
@@ -245,7 +247,7 @@ class _Parser:
         return same[0]
 
     def _hedges_and_term(
-        self, draft: Draft | None, variable: Word
+        self, draft: VariableDraft | None, variable: TextPiece
     ) -> tuple[tuple[Hedge, ...], str]:
         hedges: list[Hedge] = []
         while True:
@@ -263,14 +265,14 @@ class _Parser:
             return tuple(hedges), word.text
         return tuple(hedges), self._term(draft, word)
 
-    def _next_is_term(self, draft: Draft) -> bool:
+    def _next_is_term(self, draft: VariableDraft) -> bool:
         return self.at < len(self.words) and draft.term(self.words[self.at].text) is not None
 
     def _more_follows(self) -> bool:
         following = self.words[self.at + 1].text.lower() if self.at + 1 < len(self.words) else ""
         return bool(following) and following not in _ENDS
 
-    def _any_term(self, draft: Draft | None, variable: Word) -> str:
+    def _any_term(self, draft: VariableDraft | None, variable: TextPiece) -> str:
         if draft is None:
             return ""
         if not draft.terms:
@@ -278,7 +280,7 @@ class _Parser:
             raise FaultError(message, variable, "undefined-term")
         return draft.terms[0].name
 
-    def _term(self, draft: Draft, word: Word) -> str:
+    def _term(self, draft: VariableDraft, word: TextPiece) -> str:
         if draft.term(word.text) is not None or word.text in draft.refused:
             return word.text
         same = [t.name for t in draft.terms if t.name.lower() == word.text.lower()]

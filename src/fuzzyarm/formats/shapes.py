@@ -12,7 +12,7 @@ from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formu
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import replace as put_in
 from fuzzyarm.formats.dialects import Dialect, Spelling, spellings
-from fuzzyarm.formats.findings import Findings, Word, written
+from fuzzyarm.formats.findings import Findings, TextPiece, written
 from fuzzyarm.model.rulebase import Shape
 
 # --- From words and numbers to a shape ---
@@ -25,7 +25,7 @@ def spelled_shape(
     spelling: Spelling,
     values: list[float],
     inputs: int,
-    at: Word,
+    at: TextPiece,
     findings: Findings,
     dialect: Dialect,
 ) -> Shape | None:
@@ -55,7 +55,9 @@ def spelled_shape(
     return make_shape(kind, parameters, at, findings, height=height, ties=dialect.ties)
 
 
-def _without_padding(values: list[float], count: int, at: Word, findings: Findings) -> list[float]:
+def _without_padding(
+    values: list[float], count: int, at: TextPiece, findings: Findings
+) -> list[float]:
     """Drop the zeros with which old files fill up the numbers of a shape to a common length."""
     if len(values) <= count or any(values[count:]):
         return values
@@ -104,7 +106,9 @@ def _after(x: float) -> float:
     return math.nextafter(x, math.inf)
 
 
-def _linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
+def _linear_shape(
+    values: list[float], inputs: int, at: TextPiece, findings: Findings
+) -> Shape | None:
     """Return a linear consequent; a missing constant is 0."""
     values = _without_padding(values, inputs + 1, at, findings)
     if len(values) == inputs:
@@ -119,7 +123,9 @@ def _linear_shape(values: list[float], inputs: int, at: Word, findings: Findings
     return make_shape("linear", values, at, findings)
 
 
-def formula_shape(formula: Word, dialect: formulas.Dialect, findings: Findings) -> Shape | None:
+def formula_shape(
+    formula: TextPiece, dialect: formulas.FormulaDialect, findings: Findings
+) -> Shape | None:
     """Return a formula, rewritten so that every reader takes it alike."""
     try:
         # fuzzylite's pi is not a variable, whatever the variables are called.
@@ -135,7 +141,7 @@ def formula_shape(formula: Word, dialect: formulas.Dialect, findings: Findings) 
 def make_shape(
     kind: str,
     parameters: list[float],
-    at: Word,
+    at: TextPiece,
     findings: Findings,
     *,
     height: float = 1.0,
@@ -169,7 +175,7 @@ def make_shape(
 
 
 def _checked(
-    kind: str, parameters: list[float], at: Word, findings: Findings, height: float
+    kind: str, parameters: list[float], at: TextPiece, findings: Findings, height: float
 ) -> Shape | None:
     shape = SHAPES[kind]
     if kind in _EITHER_WAY:
@@ -216,7 +222,7 @@ def _without_inside(kind: str, parameters: list[float]) -> bool:
 
 
 def _points(
-    parameters: list[float], at: Word, findings: Findings, height: float, ties: str
+    parameters: list[float], at: TextPiece, findings: Findings, height: float, ties: str
 ) -> Shape | None:
     xs, ys = parameters[0::2], parameters[1::2]
     if len(xs) != len(ys) or not xs:

@@ -13,9 +13,15 @@ from collections.abc import Iterable, Mapping
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 from fuzzyarm.expression.records import Norm
 from fuzzyarm.formats.dialects import Dialect, words
-from fuzzyarm.formats.drafts import INFERENCES, VALUES, Draft, all_invertible, maximum_of_nothing
-from fuzzyarm.formats.findings import MAX_VARIABLES, Findings, Word, number
-from fuzzyarm.formats.meaning import Block, blocks_in_model
+from fuzzyarm.formats.drafts import (
+    INFERENCES,
+    VALUES,
+    VariableDraft,
+    all_invertible,
+    maximum_of_nothing,
+)
+from fuzzyarm.formats.findings import MAX_VARIABLES, Findings, TextPiece, number
+from fuzzyarm.formats.meaning import BlockDraft, blocks_in_model
 from fuzzyarm.formats.shapes import estimated_range
 from fuzzyarm.formats.values import formulas_of_input, values_as_sets
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, RuleBlock, Shape, Term
@@ -38,14 +44,14 @@ class SystemReader:
     def __init__(self, dialect: Dialect, findings: Findings) -> None:
         self.dialect = dialect
         self.findings = findings
-        self.variables: dict[str, Draft] = {}
-        self.blocks: list[Block] = []
+        self.variables: dict[str, VariableDraft] = {}
+        self.blocks: list[BlockDraft] = []
 
     # --- Variables, their terms and norms, word by word ---
 
-    def variable(self, word: Word, *, is_output: bool) -> Draft:
+    def variable(self, word: TextPiece, *, is_output: bool) -> VariableDraft:
         """Return a new variable; one that has no room, or a name that is taken, counts nowhere."""
-        draft = Draft(word, is_output)
+        draft = VariableDraft(word, is_output)
         if not is_output:
             draft.outside = self.dialect.outside
         if word.text in self.variables:
@@ -56,16 +62,16 @@ class SystemReader:
         return draft
 
     @property
-    def outputs(self) -> list[Draft]:
+    def outputs(self) -> list[VariableDraft]:
         """The outputs so far."""
         return [draft for draft in self.variables.values() if draft.is_output]
 
     @property
-    def inputs(self) -> list[Draft]:
+    def inputs(self) -> list[VariableDraft]:
         """The inputs so far."""
         return [draft for draft in self.variables.values() if not draft.is_output]
 
-    def term(self, draft: Draft, word: Word, shape: Shape | None) -> None:
+    def term(self, draft: VariableDraft, word: TextPiece, shape: Shape | None) -> None:
         """Add a term; of two with one name the first or the last counts, as the dialect says.
 
         Without a shape, which has its finding, the rules know the name all the same.
@@ -87,7 +93,7 @@ class SystemReader:
         if which == "last":
             draft.put(draft.terms.index(earlier), term)
 
-    def default(self, draft: Draft, word: Word) -> None:
+    def default(self, draft: VariableDraft, word: TextPiece) -> None:
         """Take the value of an output where no rule fires; one that is held stays held."""
         value = number(word.text)
         if value is None:
@@ -95,15 +101,15 @@ class SystemReader:
         elif draft.no_rule != "hold":
             draft.no_rule = value
 
-    def tnorm(self, word: Word, what: str = "the T-norm") -> str | None:
+    def tnorm(self, word: TextPiece, what: str = "the T-norm") -> str | None:
         """Return the T-norm that a word names; None where it names none or is not known."""
         return self._norm(TNORMS, word, what)
 
-    def snorm(self, word: Word, what: str = "the S-norm") -> str | None:
+    def snorm(self, word: TextPiece, what: str = "the S-norm") -> str | None:
         """Return the S-norm that a word names; None where it names none or is not known."""
         return self._norm(SNORMS, word, what)
 
-    def _norm(self, kinds: Mapping[str, Norm], word: Word, what: str) -> str | None:
+    def _norm(self, kinds: Mapping[str, Norm], word: TextPiece, what: str) -> str | None:
         text = word.text.strip()
         table = words(kinds, *(self.dialect.norms or (self.dialect.kinds,)))
         if text not in table:
@@ -117,7 +123,7 @@ class SystemReader:
         for draft in self.variables.values():
             self.settle_variable(draft)
 
-    def settle_variable(self, draft: Draft) -> None:
+    def settle_variable(self, draft: VariableDraft) -> None:
         """Settle one variable."""
         name = self.method_name(draft) if draft.is_output else ""
         if self.dialect.estimates and math.isinf(draft.low) and math.isinf(draft.high):
@@ -128,7 +134,7 @@ class SystemReader:
         else:
             formulas_of_input(draft, self.findings)
 
-    def _estimate(self, draft: Draft, *, integrated: bool) -> None:
+    def _estimate(self, draft: VariableDraft, *, integrated: bool) -> None:
         """Take the range from the terms where the file has none."""
         estimate = estimated_range([term.shape for term in draft.terms])
         if estimate is not None and all(map(math.isfinite, estimate)):
@@ -147,7 +153,7 @@ class SystemReader:
 
     # --- The defuzzifier of an output ---
 
-    def finish_output(self, draft: Draft, name: str) -> None:
+    def finish_output(self, draft: VariableDraft, name: str) -> None:
         """Set the defuzzifier that a word names, and the value without rules."""
         dialect = self.dialect
         at = draft.method or draft.word
@@ -165,7 +171,7 @@ class SystemReader:
             methods = (*dialect.integral, *dialect.weighted)
             self.findings.unknown("unknown-defuzzifier", "the method", at, methods)
 
-    def method_name(self, draft: Draft) -> str:
+    def method_name(self, draft: VariableDraft) -> str:
         """Return the word for the method of an output, for that of another program one it has."""
         dialect = self.dialect
         if draft.method is None:
@@ -178,12 +184,12 @@ class SystemReader:
         self.findings.warn("guessed-defuzzifier", message, draft.method)
         return other
 
-    def note_method(self, draft: Draft, name: str, at: Word) -> None:
+    def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
         """Say in what a method of the program differs from that of the model."""
         if self.dialect.has_ties and draft.defuzzifier.record.of == "top":
             self.note_ties(draft, at)
 
-    def note_ties(self, draft: Draft, at: Word) -> None:
+    def note_ties(self, draft: VariableDraft, at: TextPiece) -> None:
         """Say that the last bit of a product may decide among samples that are all the highest."""
         message = (
             f"'{draft.name}' takes a maximum: of samples that are equally high the last bit "
@@ -191,7 +197,7 @@ class SystemReader:
         )
         self.findings.loss("ties-of-maxima", message, at, slight=True)
 
-    def _weigh(self, draft: Draft, name: str, at: Word) -> None:
+    def _weigh(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
         """Set a defuzzifier of values."""
         method, dialect = self.dialect.weighted[name], self.dialect
         invertible = bool(draft.kinds) and all_invertible(draft.kinds)
@@ -211,7 +217,7 @@ class SystemReader:
             self._refuse_sets(draft, name, at)
         draft.defuzzifier = Defuzzifier(method)
 
-    def _refuse_sets(self, draft: Draft, name: str, at: Word) -> None:
+    def _refuse_sets(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
         """Report sets where a method needs values; fuzzylite goes on with them."""
         if self.dialect.activates:
             message = (
@@ -223,7 +229,7 @@ class SystemReader:
             message = f"'{draft.name}' has sets where {name} needs values"
             self.findings.error("set-as-value", message, at)
 
-    def _integrate(self, draft: Draft, name: str, at: Word) -> None:
+    def _integrate(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
         """Set a defuzzifier of sets."""
         resolution, sampling = self.dialect.samples
         sampling = self.dialect.samplings.get(name, sampling)
@@ -245,13 +251,13 @@ class SystemReader:
             message = f"the output '{draft.name}' needs a range to be integrated over"
             self.findings.error("bad-range", message, draft.word)
 
-    def _refuse_values(self, draft: Draft, at: Word) -> None:
+    def _refuse_values(self, draft: VariableDraft, at: TextPiece) -> None:
         for term in draft.terms:
             if term.shape.kind in VALUES:
                 message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
                 self.findings.loss("value-as-set", message, at, self.dialect.values_hint)
 
-    def _take_maximum_of_nothing(self, draft: Draft, at: Word) -> None:
+    def _take_maximum_of_nothing(self, draft: VariableDraft, at: TextPiece) -> None:
         """Set what the C++ program of fuzzylite takes for an output that no rule concludes.
 
         A maximum is then that of nothing, which is a number, so that neither a default nor the
@@ -276,14 +282,14 @@ class SystemReader:
 
     # --- Rules, and the whole ---
 
-    def is_on(self, block: Block) -> bool:
+    def is_on(self, block: BlockDraft) -> bool:
         """Whether a block is not switched off; say so where it is."""
         if not block.enabled:
             message = f"the block '{block.name}' is switched off; its rules are left out"
             self.findings.warn("disabled-block", message, block.span)
         return block.enabled
 
-    def in_model(self, blocks: Iterable[Block]) -> tuple[RuleBlock, ...]:
+    def in_model(self, blocks: Iterable[BlockDraft]) -> tuple[RuleBlock, ...]:
         """Return blocks with the meaning that the program gives to their rules."""
         return blocks_in_model(list(blocks), self.variables, self.dialect, self.findings)
 

@@ -18,7 +18,7 @@ from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing, 
 from fuzzyarm.formats.findings import Exported, Findings
 from fuzzyarm.formats.meaning import hedges_of_conclusion
 from fuzzyarm.formats.shapes import class_and_numbers, fuzzylite_shape
-from fuzzyarm.formats.writing import Names
+from fuzzyarm.formats.writing import WrittenNames
 from fuzzyarm.model.rulebase import (
     Input,
     Output,
@@ -55,7 +55,7 @@ class SystemWriter:
         self.dialect = dialect
         self.program = dialect.program
         self.findings = Findings(lossy=lossy, strict=strict)
-        self.names = Names()
+        self.names = WrittenNames()
 
     def lines(self) -> list[str]:
         """Return the lines of the file, and report what they leave out."""

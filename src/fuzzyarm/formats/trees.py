@@ -14,7 +14,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple, TypeVar
 
 from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
-from fuzzyarm.formats.findings import Findings, Imported, Word, unique_name
+from fuzzyarm.formats.findings import Findings, Imported, TextPiece, unique_name
 from fuzzyarm.model.rulebase import (
     And,
     AnyRuleBase,
@@ -135,7 +135,7 @@ def _is_known(connection: Connection, parts: Mapping[str, RuleBase], findings: F
     for end in connection:
         part = parts.get(end[0])
         if part is None:
-            findings.unknown("unknown-rulebase", "the rule base", Word(end[0]), parts)
+            findings.unknown("unknown-rulebase", "the rule base", TextPiece(end[0]), parts)
             return False
         inputs = [variable.name for variable in part.inputs]
         names = inputs + [output.name for output in part.outputs]
@@ -147,7 +147,7 @@ def _is_known(connection: Connection, parts: Mapping[str, RuleBase], findings: F
         if end[1] not in choices:
             what = "input" if end is connection.target else "variable"
             message = f"the rule base '{end[0]}' has no {what}"
-            findings.unknown("undefined-variable", message, Word(end[1]), choices, ending="")
+            findings.unknown("undefined-variable", message, TextPiece(end[1]), choices, ending="")
             return False
     return True
 

@@ -11,15 +11,15 @@ import math
 from fuzzyarm.expression.formulas import Formula, FormulaError, read_formula, write_formula
 from fuzzyarm.expression.nodes import replace as put_in
 from fuzzyarm.expression.nodes import symbol
-from fuzzyarm.formats.drafts import VALUES, Draft
-from fuzzyarm.formats.findings import Findings, Word
+from fuzzyarm.formats.drafts import VALUES, VariableDraft
+from fuzzyarm.formats.findings import Findings, TextPiece
 from fuzzyarm.formats.recovery import joined, shape_of
 from fuzzyarm.model.rulebase import POSITION, Shape, Term
 
 __all__ = ["formulas_of_input", "values_as_sets"]
 
 
-def formulas_of_input(draft: Draft, findings: Findings) -> None:
+def formulas_of_input(draft: VariableDraft, findings: Findings) -> None:
     """Put the shapes that the formulas of an input draw in their place.
 
     A formula may ask for the input by its name. One that draws none of the shapes stays, of x.
@@ -42,7 +42,7 @@ def formulas_of_input(draft: Draft, findings: Findings) -> None:
         draft.put(index, Term(term.name, recovered or shape, term.span))
 
 
-def _drawn(formula: Formula, draft: Draft) -> Shape | None:
+def _drawn(formula: Formula, draft: VariableDraft) -> Shape | None:
     """Return the shape that a formula in x is, also beyond the range, or None."""
     if set(formula.names) != {POSITION} or not draft.bounded:
         return None
@@ -59,16 +59,18 @@ def _drawn(formula: Formula, draft: Draft) -> Shape | None:
         return None
 
 
-def values_as_sets(draft: Draft, implication: str | None, at: Word, findings: Findings) -> None:
+def values_as_sets(
+    draft: VariableDraft, implication: str | None, at: TextPiece, findings: Findings
+) -> None:
     """Put sets instead of an output's values, as fuzzylite has them; report the others.
 
     Parameters
     ----------
-    draft : Draft
+    draft : VariableDraft
         An output that is integrated, with its range and its samples.
     implication : str or None
         What cuts a constant above 1.
-    at : Word
+    at : TextPiece
         The defuzzifier.
     findings : Findings
         What cannot be carried.
@@ -89,7 +91,7 @@ def values_as_sets(draft: Draft, implication: str | None, at: Word, findings: Fi
 
 
 def _constant(
-    draft: Draft, term: Term, implication: str | None, findings: Findings
+    draft: VariableDraft, term: Term, implication: str | None, findings: Findings
 ) -> Shape | None:
     (value,) = term.shape.parameters
     # A higher set is cut at the firing strength all the same, but only by min.
@@ -104,7 +106,9 @@ def _constant(
     return Shape("rectangle", (draft.low, draft.high), height)
 
 
-def _formula(draft: Draft, term: Term, implication: str | None, findings: Findings) -> Shape | None:
+def _formula(
+    draft: VariableDraft, term: Term, implication: str | None, findings: Findings
+) -> Shape | None:
     """Return the set that a formula in x is: its shape, or its degrees at the samples."""
     formula = read_formula(term.shape.formula)
     if set(formula.names) - {POSITION}:

@@ -47,7 +47,7 @@ FUZZYLITE_WORDS = frozenset(
 
 
 @dataclass(slots=True)
-class Names:
+class WrittenNames:
     """What variables, and terms by (variable, term), are called in the written file."""
 
     variables: dict[str, str] = field(default_factory=dict)
@@ -82,7 +82,7 @@ def identifiers(
     reserved: frozenset[str],
     *,
     ignore_case: bool = False,
-) -> Names:
+) -> WrittenNames:
     """Return names that are identifiers and not reserved; report every change."""
 
     def fitted(name: str, taken: set[str], what: str) -> str:
@@ -92,7 +92,7 @@ def identifiers(
             findings.warn("renamed", f"the {what} '{name}' is written as {name_}")
         return name_
 
-    names = Names()
+    names = WrittenNames()
     variables: set[str] = set()
     for variable in (*rulebase.inputs, *rulebase.outputs):
         names.variables[variable.name] = fitted(variable.name, variables, "variable")
@@ -201,7 +201,7 @@ def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
 
 
 def written_sentences(
-    block: RuleBlock, dialect: Dialect, names: Names, findings: Findings
+    block: RuleBlock, dialect: Dialect, names: WrittenNames, findings: Findings
 ) -> list[str]:
     """Return the rules of a block as ``if … then …``; report what cannot be said so."""
     as_they_stand = map(plain_sentence, block.rules)
@@ -220,7 +220,7 @@ class _SentenceWriter:
 
     block: RuleBlock
     dialect: Dialect
-    names: Names
+    names: WrittenNames
     findings: Findings
 
     def key(self, word: str) -> str:

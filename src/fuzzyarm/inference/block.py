@@ -132,7 +132,7 @@ class Layout(NamedTuple):
         How many cells of all inputs together there are.
     rows, samples : int
         How many rows the kernel works in, and how long the row of samples has to be.
-    marks : tuple of Mark
+    marks : tuple of TermNumbers
         Of a loose layout: where the numbers of each term stand.
     """
 
@@ -141,10 +141,10 @@ class Layout(NamedTuple):
     programs: int
     rows: int
     samples: int
-    marks: tuple[Mark, ...] = ()
+    marks: tuple[TermNumbers, ...] = ()
 
 
-class Mark(NamedTuple):
+class TermNumbers(NamedTuple):
     """Where the numbers of a term stand in a loose layout.
 
     Attributes
@@ -172,7 +172,7 @@ class Mark(NamedTuple):
     scaled: bool = False
 
 
-class Block(NamedTuple):
+class PointBlock(NamedTuple):
     """The numbers with room for some points.
 
     Attributes
@@ -196,7 +196,7 @@ GAP = 24
 the cache, and a program works in more rows at once than a line has places."""
 
 
-def make_block(layout: Layout, points: int) -> Block:
+def make_block(layout: Layout, points: int) -> PointBlock:
     """Give the numbers of a rule base room for so many points."""
     inputs, outputs = layout.whole[INPUTS], layout.whole[OUTPUTS]
     width = points if points == 1 else points + GAP
@@ -223,7 +223,7 @@ def make_block(layout: Layout, points: int) -> Block:
     numbers[ones : ones + points] = 1.0
     columns = numbers[ends[COLUMNS] : ends[RESULTS]].reshape(inputs, width)
     results = numbers[ends[RESULTS] : ends[ORDERED]].reshape(outputs, width)
-    return Block(numbers, columns[:, :points], results[:, :points], whole[POINTS : POINTS + 1])
+    return PointBlock(numbers, columns[:, :points], results[:, :points], whole[POINTS : POINTS + 1])
 
 
 @kernel

@@ -15,14 +15,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzyarm.expression.lines import Line, Lines
+from fuzzyarm.expression.lines import StraightLine, StraightShape
 from fuzzyarm.inference.partition import cut_at_corners
 
 FINENESS = 8
 """Most buckets for each cell."""
 
 
-class Cells(NamedTuple):
+class InputCells(NamedTuple):
     """An input, cut up.
 
     Attributes
@@ -30,7 +30,7 @@ class Cells(NamedTuple):
     edges : tuple of float
         Ascending; cell i reaches from edge i up to, but not at, edge i + 1. The first and
         the last are infinite.
-    lines : tuple of dict of int to Line
+    lines : tuple of dict of int to StraightLine
         For each cell, the propositions that are not zero there, by their number.
     first, scale : float
         ``int((x − first) scale)`` is the bucket of x, brought into 0 … buckets − 1.
@@ -39,25 +39,27 @@ class Cells(NamedTuple):
     """
 
     edges: tuple[float, ...]
-    lines: tuple[dict[int, Line], ...]
+    lines: tuple[dict[int, StraightLine], ...]
     first: float
     scale: float
     starts: tuple[int, ...]
 
 
-def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: float) -> Cells:
+def cut_into_cells(
+    propositions: Sequence[tuple[int, StraightShape]], low: float, high: float
+) -> InputCells:
     """Cut an input at the corners of its straight propositions.
 
     Parameters
     ----------
-    propositions : sequence of (int, Lines)
+    propositions : sequence of (int, StraightShape)
         Number and lines of each.
     low, high : float
         Values that can occur.
 
     Returns
     -------
-    Cells
+    InputCells
         All cells that hold values from `low` to `high`.
     """
     cut = cut_at_corners(propositions)
@@ -65,7 +67,9 @@ def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: 
     for edge, degrees, cell in zip(cut.edges, cut.at, cut.cells[1:], strict=True):
         parts = [(edge, cell)]
         if edge in cut.apart:
-            constants = {number: Line(degree, 0.0, 0.0) for number, degree in degrees.items()}
+            constants = {
+                number: StraightLine(degree, 0.0, 0.0) for number, degree in degrees.items()
+            }
             parts = [(edge, constants), (math.nextafter(edge, math.inf), cell)]
         for start, lines_here in parts:
             # What lies in front of the range does not occur; a corner may stand on the float behind
@@ -77,10 +81,10 @@ def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: 
                 edges.append(start)
                 lines.append(lines_here)
     first, scale, buckets = _buckets([*edges, math.inf])
-    return Cells((*edges, math.inf), tuple(lines), first, scale, buckets)
+    return InputCells((*edges, math.inf), tuple(lines), first, scale, buckets)
 
 
-def _reaches(lines: dict[int, Line], degrees: dict[int, float], x: float) -> bool:
+def _reaches(lines: dict[int, StraightLine], degrees: dict[int, float], x: float) -> bool:
     """Tell whether lines have just these degrees at a position."""
     values = {number: degree for number, line in lines.items() if (degree := line.at(x)) != 0.0}
     return values == {number: degree for number, degree in degrees.items() if degree != 0.0}

@@ -20,9 +20,9 @@ from fuzzyarm.inference.block import (
     POINTS,
     RESULTS,
     WIDTH,
-    Block,
     Layout,
     NotCoveredError,
+    PointBlock,
     make_block,
 )
 from fuzzyarm.inference.errors import NotANumberError
@@ -227,11 +227,13 @@ class _Engine:
         self._compiled = compiled
         length = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, length)
-        self._free: list[tuple[Block, Callable[[], None]]] = []
+        self._free: list[tuple[PointBlock, Callable[[], None]]] = []
         self._sweeps: list[Callable[[tuple[Any, ...], int, int], int]] = []
         self.at, self.named = self._point_functions(make_block(layout, 1))
 
-    def _point_functions(self, block: Block) -> tuple[Callable[..., tuple[float, ...]], _ByName]:
+    def _point_functions(
+        self, block: PointBlock
+    ) -> tuple[Callable[..., tuple[float, ...]], _ByName]:
         """Make the functions of one point, by position and by name."""
         inputs = tuple(variable.name for variable in self.rulebase.inputs)
         outputs = tuple(output.name for output in self.rulebase.outputs)

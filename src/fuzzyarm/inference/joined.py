@@ -37,7 +37,7 @@ _AT_ONCE = 1 << 20
 """Vertices of many points that are worked on together."""
 
 
-class _Part(NamedTuple):
+class _AssertedSet(NamedTuple):
     """A set at the samples, and how strongly it is asserted."""
 
     degrees: Sequence[float]
@@ -103,13 +103,13 @@ def _vertices(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]
     return xs, ys
 
 
-def _part(plan: OutputPlan, index: int, strength: float, count: int) -> _Part:
+def _part(plan: OutputPlan, index: int, strength: float, count: int) -> _AssertedSet:
     output, member = plan.output, plan.members[index]
     sampled = sampled_set(
         member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
     )
     cut = TNORMS[member.implication].scalar
-    return _Part(sampled.over(count), strength, cut, member.implication == "min")
+    return _AssertedSet(sampled.over(count), strength, cut, member.implication == "min")
 
 
 def _half(xs: list[float], ys: list[float], areas: list[float], half: float) -> float:

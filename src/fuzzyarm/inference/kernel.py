@@ -105,7 +105,7 @@ from fuzzyarm.kernels import call, kernel
 # ── points ───────────────────────────────────────────────────────────────────────────
 
 
-class Form(NamedTuple):
+class KernelForm(NamedTuple):
     """What a rule base is made of.
 
     Attributes
@@ -125,15 +125,15 @@ class Form(NamedTuple):
 
 
 @kernel
-def form_of(k: Any) -> Form:
+def form_of(k: Any) -> KernelForm:
     """Read what a rule base is made of in its block."""
-    return Form(k[INPUTS], k[OUTPUTS], k[OPERANDS], False)
+    return KernelForm(k[INPUTS], k[OUTPUTS], k[OPERANDS], False)
 
 
 @kernel
-def form_of_grid(k: Any) -> Form:
+def form_of_grid(k: Any) -> KernelForm:
     """Give the form of a grid of two inputs and one output; see :func:`is_grid`."""
-    return Form(2, 1, 2, True)
+    return KernelForm(2, 1, 2, True)
 
 
 GRID: dict[str, Callable[..., Any]] = {"form_of": form_of_grid}

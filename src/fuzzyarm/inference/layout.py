@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
 from fuzzyarm.inference import block as at
-from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
-from fuzzyarm.inference.cells import Cells, cut_into_cells
+from fuzzyarm.inference.block import Layout, NotCoveredError, TermNumbers
+from fuzzyarm.inference.cells import InputCells, cut_into_cells
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter
 from fuzzyarm.inference.plan import Plan, PlannedRule
 from fuzzyarm.inference.plan import plan as plan_of
@@ -121,7 +121,7 @@ class _Writer:
         self.addresses = addresses
         self.loose = loose
         self.alone = alone
-        self.marks: list[Mark] = []
+        self.marks: list[TermNumbers] = []
         self._number_rules()
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
@@ -199,7 +199,7 @@ class _Writer:
 
     def _cut(self, uncut: set[str]) -> None:
         """Cut the inputs; all degrees of those in `uncut` are found by row functions."""
-        self.cells: list[Cells] = []
+        self.cells: list[InputCells] = []
         self.curves: list[list[tuple[int, Curve]]] = []
         for variable in self.plan.rulebase.inputs:
             straight = []
@@ -334,7 +334,7 @@ class _Writer:
             for writer in writers:
                 writer.write(active, rows)
 
-    def _write_input(self, i: int, cells: Cells, row: int, stride: int) -> None:
+    def _write_input(self, i: int, cells: InputCells, row: int, stride: int) -> None:
         variable = self.plan.rulebase.inputs[i]
         low, high, clamped = -sys.float_info.max, sys.float_info.max, False
         if variable.outside != "extend":
@@ -360,7 +360,7 @@ class _Writer:
             self.floats += curve.numbers
             if variable.name == self.loose and not hedges:
                 mark = ("curve", variable.name, term, row + most + j, begin, len(curve.numbers))
-                self.marks.append(Mark(*mark))
+                self.marks.append(TermNumbers(*mark))
         always = {part: row + most + j for j, (part, _) in enumerate(self.curves[i])}
         self.rows.append(
             [{part: row + j for j, part in enumerate(parts_here)} | always for parts_here in listed]
@@ -395,7 +395,7 @@ class _Writer:
         return rows_of_rule + [neutral] * (self.operands - len(rule.parts))
 
 
-def _homes(cells: Cells) -> dict[int, list[int]]:
+def _homes(cells: InputCells) -> dict[int, list[int]]:
     """Return of each straight proposition in which cells it is not zero."""
     homes: dict[int, list[int]] = {}
     for cell, lines in enumerate(cells.lines):

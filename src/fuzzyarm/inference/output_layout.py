@@ -15,7 +15,7 @@ from fuzzyarm.expression.nodes import Node, replace, symbol, trace
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import envelope, firing_intervals, integrated, positions, reduced
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
-from fuzzyarm.inference.block import Mark
+from fuzzyarm.inference.block import TermNumbers
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan
 from fuzzyarm.inference.programs import (
@@ -66,7 +66,7 @@ class Base(Protocol):
         Whether the address of the closed form is 0.
     whole, floats : list
         The numbers so far.
-    marks : list of Mark
+    marks : list of TermNumbers
         Where the numbers of terms stand.
     operands : int
         The most of a rule.
@@ -78,7 +78,7 @@ class Base(Protocol):
     alone: bool
     whole: list[int]
     floats: list[float]
-    marks: list[Mark]
+    marks: list[TermNumbers]
     operands: int
 
     @property
@@ -267,7 +267,7 @@ class OutputWriter:
         member_, output = self.plan.members[member], self.plan.output
         if self.loose and not member_.hedges:
             counted, scaled = self.consequents[member], member_.implication == "product"
-            mark = Mark(sort, output.name, member_.term.name, counted, begin, room, scaled)
+            mark = TermNumbers(sort, output.name, member_.term.name, counted, begin, room, scaled)
             self.base.marks.append(mark)
 
     def _write_pieces(self) -> int:

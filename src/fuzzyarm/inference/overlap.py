@@ -76,7 +76,7 @@ class ClosedForm(NamedTuple):
     overlaps: tuple[Overlap, ...]
 
 
-class _Line(NamedTuple):
+class _MembershipLine(NamedTuple):
     x0: float
     y0: float
     x1: float
@@ -116,11 +116,12 @@ def closed_form(
         return None
     centre = (low + high) / 2
     members_form = tuple(
-        _layers([_Line(*piece[:4]) for piece in pieces], centre, same_level) for pieces in profiles
+        _layers([_MembershipLine(*piece[:4]) for piece in pieces], centre, same_level)
+        for pieces in profiles
     )
     if not united:
         return ClosedForm(centre, members_form, ())
-    stretches: dict[tuple[int, tuple[int, ...]], list[_Line]] = {}
+    stretches: dict[tuple[int, tuple[int, ...]], list[_MembershipLine]] = {}
     for cell in _cells(profiles):
         if len(cell) > MOST_OVERLAPPING:
             return None
@@ -138,10 +139,10 @@ def closed_form(
     return ClosedForm(centre, members_form, overlaps)
 
 
-def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _Line]]]:
+def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _MembershipLine]]]:
     """Cut all sets at all corners; a cell lists the sets that are not zero there."""
     edges = sorted({x for pieces in profiles for piece in pieces for x in (piece.x0, piece.x1)})
-    cells: list[list[tuple[int, _Line]]] = [[] for _ in edges[1:]]
+    cells: list[list[tuple[int, _MembershipLine]]] = [[] for _ in edges[1:]]
     index_of = {x: i for i, x in enumerate(edges)}
     for member, pieces in enumerate(profiles):
         for piece in pieces:
@@ -152,14 +153,14 @@ def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _Line]]]
     return cells
 
 
-def _part(line: Piece | _Line, a: float, b: float) -> _Line:
+def _part(line: Piece | _MembershipLine, a: float, b: float) -> _MembershipLine:
     slope = (line.y1 - line.y0) / (line.x1 - line.x0)
     ya = line.y0 if a == line.x0 else line.y0 + slope * (a - line.x0)
     yb = line.y1 if b == line.x1 else line.y0 + slope * (b - line.x0)
-    return _Line(a, ya, b, yb)
+    return _MembershipLine(a, ya, b, yb)
 
 
-def _ordered(cell: list[tuple[int, _Line]]) -> list[list[tuple[int, _Line]]]:
+def _ordered(cell: list[tuple[int, _MembershipLine]]) -> list[list[tuple[int, _MembershipLine]]]:
     """Cut a cell where its lines cross; sort each part from the highest line down."""
     if len(cell) < 2:
         return []
@@ -180,7 +181,7 @@ def _ordered(cell: list[tuple[int, _Line]]) -> list[list[tuple[int, _Line]]]:
     return parts
 
 
-def _layers(lines: Sequence[_Line], centre: float, same_level: float) -> Layers:
+def _layers(lines: Sequence[_MembershipLine], centre: float, same_level: float) -> Layers:
     levels = _levels(lines, same_level)
     layers = []
     for start, end in pairwise(levels):
@@ -193,7 +194,7 @@ def _layers(lines: Sequence[_Line], centre: float, same_level: float) -> Layers:
     return tuple(layers)
 
 
-def _levels(lines: Sequence[_Line], same_level: float) -> list[float]:
+def _levels(lines: Sequence[_MembershipLine], same_level: float) -> list[float]:
     heights = sorted(y for line in lines for y in (line.y0, line.y1))
     levels = [0 * abs(heights[0])] if heights else [0.0]
     for y in heights:
@@ -203,7 +204,7 @@ def _levels(lines: Sequence[_Line], same_level: float) -> list[float]:
 
 
 def _share(
-    line: _Line, start: float, end: float, centre: float, same_level: float
+    line: _MembershipLine, start: float, end: float, centre: float, same_level: float
 ) -> tuple[float, float, float, float, float]:
     """Polynomials of one line between two levels: integrals over h of the part above h."""
     width = line.x1 - line.x0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fuzzyarm.expression.lines import Line, Lines
+from fuzzyarm.expression.lines import StraightLine, StraightShape
 from fuzzyarm.frozen import NamedTuple
 
 __all__ = ["Partition", "cut_at_corners"]
@@ -21,7 +21,7 @@ class Partition(NamedTuple):
     ----------
     edges : list of float
         The corners, ascending.
-    cells : list of dict of int to Line
+    cells : list of dict of int to StraightLine
         In front of the first edge, between two of them, behind the last: the lines that are not
         zero there.
     at : list of dict of int to float
@@ -32,22 +32,22 @@ class Partition(NamedTuple):
     """
 
     edges: list[float]
-    cells: list[dict[int, Line]]
+    cells: list[dict[int, StraightLine]]
     at: list[dict[int, float]]
     apart: set[float]
 
 
-def cut_at_corners(terms: Sequence[tuple[int, Lines]]) -> Partition:
+def cut_at_corners(terms: Sequence[tuple[int, StraightShape]]) -> Partition:
     """Cut a variable at the corners of some terms.
 
     Parameters
     ----------
-    terms : sequence of (int, Lines)
+    terms : sequence of (int, StraightShape)
         Number and lines of each.
     """
     edges = sorted({edge for _, lines in terms for edge in lines.edges})
     index_of = {edge: i for i, edge in enumerate(edges)}
-    cells: list[dict[int, Line]] = [{} for _ in range(len(edges) + 1)]
+    cells: list[dict[int, StraightLine]] = [{} for _ in range(len(edges) + 1)]
     at: list[dict[int, float]] = [{} for _ in edges]
     apart: set[float] = set()
     for number, lines in terms:

@@ -13,7 +13,7 @@ from itertools import product
 from typing import Any
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.expression.lines import Lines
+from fuzzyarm.expression.lines import StraightShape
 from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
@@ -49,11 +49,11 @@ from fuzzyarm.model.shapes import apply_hedges, straight_lines
 Degree = tuple[int, float]
 
 
-class Proposition(NamedTuple):
+class NumberedProposition(NamedTuple):
     """A term with its hedges, under the number that rules know it by."""
 
     number: int
-    lines: Lines | None
+    lines: StraightShape | None
     function: Callable[[float], float]
 
 
@@ -62,11 +62,11 @@ class Propositions:
 
     Parameters
     ----------
-    propositions : sequence of Proposition
+    propositions : sequence of NumberedProposition
         In any order.
     """
 
-    def __init__(self, propositions: Sequence[Proposition]) -> None:
+    def __init__(self, propositions: Sequence[NumberedProposition]) -> None:
         curved = [proposition for proposition in propositions if proposition.lines is None]
         self._curved = tuple((curve.number, curve.function) for curve in curved)
         cut = cut_at_corners(
@@ -197,11 +197,13 @@ class PointEngine:
         return self._numbers.setdefault(key, len(self._numbers))
 
     def _make_fuzzifiers(self) -> dict[str, Propositions]:
-        by_variable: dict[str, list[Proposition]] = {}
+        by_variable: dict[str, list[NumberedProposition]] = {}
         for (variable, term, hedges), number in self._numbers.items():
             shape = self.plan.rulebase.variable(variable).term(term).shape
             lines, function = straight_lines(shape, hedges), term_function(shape, hedges)
-            by_variable.setdefault(variable, []).append(Proposition(number, lines, function))
+            by_variable.setdefault(variable, []).append(
+                NumberedProposition(number, lines, function)
+            )
         return {name: Propositions(group) for name, group in by_variable.items()}
 
     def _compile_steps(self) -> list[_Action]:

@@ -1,8 +1,9 @@
 """The kernels that take a block: what evaluates one, and what a layout names in it by number.
 
-A defuzzifier of the kernel is a record, :class:`Program`: what it does at one point, what it reads,
-what it gives. What a record of :mod:`fuzzyarm.expression.defuzzifiers` takes of an aggregate, and
-what that is made of (numbers, samples, straight lines, panels of curves), decide which one it is.
+A defuzzifier of the kernel is a record, :class:`DefuzzifierProgram`: what it does at one point,
+what it reads, what it gives. What a record of :mod:`fuzzyarm.expression.defuzzifiers` takes of an
+aggregate, and what that is made of (numbers, samples, straight lines, panels of curves), decide
+which one it is.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from fuzzyarm.inference.plan import Member, OutputPlan, has_envelope
 from fuzzyarm.inference.weighted import is_rising
 
 
-class Program(NamedTuple):
+class DefuzzifierProgram(NamedTuple):
     """A defuzzifier of the kernel.
 
     Attributes
@@ -63,40 +64,40 @@ class Program(NamedTuple):
         return self.reads == "panels"
 
 
-RUN = Program(kernel.run, "", whole=True)
+RUN = DefuzzifierProgram(kernel.run, "", whole=True)
 
-CLOSED = Program(closed_form.closed_centroid, "layers", "own", whole=True)
-WEIGHTED = Program(closed_form.weighted, "values", "zero", whole=True)
-WEIGHTED_NUMBERS = Program(positions.weighted_values, "numbers", "zero", whole=True)
-POSITION_OF_NUMBERS = Program(positions.position_of_values, "numbers", whole=True)
-ENDS_OF_PAIRS = Program(reduced.karnik_mendel_values, "pairs", whole=True)
+CLOSED = DefuzzifierProgram(closed_form.closed_centroid, "layers", "own", whole=True)
+WEIGHTED = DefuzzifierProgram(closed_form.weighted, "values", "zero", whole=True)
+WEIGHTED_NUMBERS = DefuzzifierProgram(positions.weighted_values, "numbers", "zero", whole=True)
+POSITION_OF_NUMBERS = DefuzzifierProgram(positions.position_of_values, "numbers", whole=True)
+ENDS_OF_PAIRS = DefuzzifierProgram(reduced.karnik_mendel_values, "pairs", whole=True)
 
-CHOICE_OF_ROWS = Program(positions.choice_of_values, "rows")
-ENDS_OF_ROWS = Program(reduced.ends_of_values, "rows")
+CHOICE_OF_ROWS = DefuzzifierProgram(positions.choice_of_values, "rows")
+ENDS_OF_ROWS = DefuzzifierProgram(reduced.ends_of_values, "rows")
 """For values that somebody else has found: exported programs alone have these two."""
 
 SAMPLES = {
-    "gravity": Program(enveloped.sampled_centroid, "samples", "zero", whole=True),
-    "area": Program(positions.position_of_samples, "samples"),
-    "top": Program(positions.position_of_samples, "samples"),
-    "ends": Program(reduced.ends_of_samples, "samples"),
+    "gravity": DefuzzifierProgram(enveloped.sampled_centroid, "samples", "zero", whole=True),
+    "area": DefuzzifierProgram(positions.position_of_samples, "samples"),
+    "top": DefuzzifierProgram(positions.position_of_samples, "samples"),
+    "ends": DefuzzifierProgram(reduced.ends_of_samples, "samples"),
 }
-JOINED = Program(positions.position_of_joined, "samples")
-LEVELS = Program(positions.position_of_maxima, "levels")
+JOINED = DefuzzifierProgram(positions.position_of_joined, "samples")
+LEVELS = DefuzzifierProgram(positions.position_of_maxima, "levels")
 LINES = {
-    "gravity": Program(enveloped.whole_envelope, "pieces", "zero"),
-    "ends": Program(reduced.ends_of_envelopes, "pieces"),
+    "gravity": DefuzzifierProgram(enveloped.whole_envelope, "pieces", "zero"),
+    "ends": DefuzzifierProgram(reduced.ends_of_envelopes, "pieces"),
 }
 PANELS = {
-    "gravity": Program(integrated.integral_of_point, "panels", "middle"),
-    "area": Program(integrated.bisector_of_point, "panels"),
-    "ends": Program(reduced.ends_of_integrals, "panels"),
+    "gravity": DefuzzifierProgram(integrated.integral_of_point, "panels", "middle"),
+    "area": DefuzzifierProgram(integrated.bisector_of_point, "panels"),
+    "ends": DefuzzifierProgram(reduced.ends_of_integrals, "panels"),
 }
 """By what is taken of an aggregate."""
 
-BOTH_SAMPLES = Program(reduced.nie_tan_samples, "samples", "zero", whole=True)
-BOTH_LINES = Program(reduced.sum_of_envelopes, "pieces", "middle")
-BOTH_PANELS = Program(reduced.sum_of_integrals, "panels", "middle")
+BOTH_SAMPLES = DefuzzifierProgram(reduced.nie_tan_samples, "samples", "zero", whole=True)
+BOTH_LINES = DefuzzifierProgram(reduced.sum_of_envelopes, "pieces", "middle")
+BOTH_PANELS = DefuzzifierProgram(reduced.sum_of_integrals, "panels", "middle")
 """Of the upper and the lower set of interval type 2 together."""
 
 PROGRAMS = (
@@ -115,7 +116,7 @@ EVALUATORS: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep)
 # ── which one an output has ──────────────────────────────────────────────────────────
 
 
-def program_of(plan: OutputPlan, *, loose: bool = False) -> Program:
+def program_of(plan: OutputPlan, *, loose: bool = False) -> DefuzzifierProgram:
     """Return the defuzzifier of an output; of a `loose` one without a closed form."""
     record, way = plan.record, plan.output.defuzzifier
     if plan.discrete:
@@ -127,7 +128,7 @@ def program_of(plan: OutputPlan, *, loose: bool = False) -> Program:
     return LEVELS if record.of == "top" else _of_areas(plan, loose=loose)
 
 
-def _of_areas(plan: OutputPlan, *, loose: bool) -> Program:
+def _of_areas(plan: OutputPlan, *, loose: bool) -> DefuzzifierProgram:
     """Return what makes a number of the area of a set."""
     record = plan.record
     if not plan.members:
@@ -141,7 +142,7 @@ def _of_areas(plan: OutputPlan, *, loose: bool) -> Program:
     return LINES[record.of] if straight and record.of in LINES else PANELS[record.of]
 
 
-def _of_numbers(plan: OutputPlan) -> Program:
+def _of_numbers(plan: OutputPlan) -> DefuzzifierProgram:
     """Return what makes a number of values, or of sets that stand for one each."""
     record = plan.record
     if record.of == "ends":

@@ -20,7 +20,7 @@ from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import block as at
-from fuzzyarm.inference.programs import Program
+from fuzzyarm.inference.programs import DefuzzifierProgram
 from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import (
@@ -196,7 +196,7 @@ class Addresses(Protocol):
     def expression(self, root: Node, numbers: Sequence[str]) -> int:
         """Return the number of a row function of an expression of ``x`` and of some numbers."""
 
-    def program(self, program: Program) -> int:
+    def program(self, program: DefuzzifierProgram) -> int:
         """Return the number of a kernel that takes the block."""
 
 
@@ -228,6 +228,6 @@ class InMemory(NamedTuple):
         function = expression_row(root, numbers)
         return address_of(function, 3, compiled=self.compiled)
 
-    def program(self, program: Program) -> int:
+    def program(self, program: DefuzzifierProgram) -> int:
         """See :class:`Addresses`."""
         return address_of(program.block, 1, program.bindings, compiled=self.compiled)

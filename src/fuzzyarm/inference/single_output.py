@@ -11,10 +11,15 @@ from typing import NamedTuple
 
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import reduced
-from fuzzyarm.inference.block import Mark
+from fuzzyarm.inference.block import TermNumbers
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter, made_by, wanted
 from fuzzyarm.inference.plan import OutputPlan, Plan
-from fuzzyarm.inference.programs import CHOICE_OF_ROWS, ENDS_OF_ROWS, Program, demand_covered
+from fuzzyarm.inference.programs import (
+    CHOICE_OF_ROWS,
+    ENDS_OF_ROWS,
+    DefuzzifierProgram,
+    demand_covered,
+)
 from fuzzyarm.inference.row_functions import Addresses
 
 
@@ -26,7 +31,7 @@ class OutputLayout(NamedTuple):
     whole, floats : list
         What the defuzzifier reads. Behind the head and the output stand the groups, which list no
         rules.
-    program : Program
+    program : DefuzzifierProgram
         The defuzzifier.
     groups : tuple of int
         Indices of what asserts each group: members where strengths are folded, else contributions.
@@ -38,7 +43,7 @@ class OutputLayout(NamedTuple):
 
     whole: list[int]
     floats: list[float]
-    program: Program
+    program: DefuzzifierProgram
     groups: tuple[int, ...]
     rows: int
     samples: int
@@ -70,7 +75,7 @@ class _OneOutput:
     def __init__(self, plan: Plan, output: OutputPlan, addresses: Addresses) -> None:
         self.plan, self.output, self.addresses = plan, output, addresses
         self.loose, self.alone = "", False
-        self.marks: list[Mark] = []
+        self.marks: list[TermNumbers] = []
         self.rules: Sequence[LaidRule] = ()
         self.operands = 0
         self.whole = [0] * (at.HEAD + at.OUTPUT_HEAD)

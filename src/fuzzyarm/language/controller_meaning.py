@@ -55,10 +55,10 @@ def elaborate_controller(
     rulebase : RuleBase or None
         The one that stands in the same file.
     """
-    return _Reader(nodes, rulebase).controller()
+    return _Scope(nodes, rulebase).controller()
 
 
-class _Reader:
+class _Scope:
     """Names in scope, and the findings so far."""
 
     def __init__(self, nodes: Sequence[StatementNode], rulebase: RuleBase | None) -> None:

@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
 from fuzzyarm.language.parts import (
     Column,
+    FixedText,
     Flag,
     Forgiving,
-    Interval,
+    IntervalPart,
     Keyword,
-    Mark,
     Maybe,
     Name,
     Number,
-    Options,
+    OptionParts,
     Part,
     Phrase,
     Several,
@@ -30,8 +30,8 @@ from fuzzyarm.language.parts import (
     declares,
     refers,
 )
-from fuzzyarm.language.phrases import Kind, Occurrence
-from fuzzyarm.language.rows import Inside, Row, StatementKind
+from fuzzyarm.language.phrases import NameKind, Occurrence
+from fuzzyarm.language.rows import Inside, StatementKind, StatementRow
 from fuzzyarm.language.signals import (
     amount_text,
     inputs_text,
@@ -190,11 +190,11 @@ LEARN_OPTIONS = {
 SIGNAL = "signal"
 """What stands for the word of a line that begins with a name: ``NAME = …``."""
 
-_TUNE = Row(
+_TUNE = StatementRow(
     Tune,
-    Mark("tune", "after the comma", "between what it may move when it is tuned"),
+    FixedText("tune", "after the comma", "between what it may move when it is tuned"),
     Number("low", "the lowest value", "LOW"),
-    Mark("..", "between the ends of the range"),
+    FixedText("..", "between the ends of the range"),
     Number("high", "the highest value", "HIGH"),
     Flag("log", "log"),
 )
@@ -206,13 +206,13 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "use",
             "a rule base or a table, for all axes or one for each",
-            Row(
+            StatementRow(
                 Use,
                 Keyword("use"),
-                Name("name", "a name for the rule base or table", declares(Kind.USE)),
+                Name("name", "a name for the rule base or table", declares(NameKind.USE)),
                 Forgiving(
                     Column(),
-                    Mark("from", "before the file"),
+                    FixedText("from", "before the file"),
                     Several(
                         Text("files", "the file in double quotes", '"FILE"'),
                         label='"FILE"[, "FILE"]',
@@ -226,7 +226,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "period",
             "how often the controller runs",
-            Row(
+            StatementRow(
                 PeriodNode,
                 Keyword("period"),
                 Phrase(
@@ -241,30 +241,30 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "set-point",
             "how many periods a set point lasts",
-            Row(
+            StatementRow(
                 SetPointNode,
                 Keyword("set-point"),
-                Mark("every", "after set-point"),
+                FixedText("every", "after set-point"),
                 Number("every", "the periods from one set point to the next"),
             ),
         ),
         StatementKind(
             "gain",
             "a number by name, one for all axes or one for each",
-            Row(
+            StatementRow(
                 GainModel,
                 Keyword("gain"),
-                Name("name", "the name of the gain", declares(Kind.SIGNAL)),
+                Name("name", "the name of the gain", declares(NameKind.SIGNAL)),
                 Forgiving(
                     Column(),
-                    Mark("=", "after '{name}'"),
+                    FixedText("=", "after '{name}'"),
                     Several(
                         Phrase("values", read_amount, "VALUE", amount_text, words={"pi": "π"}),
                         # The comma before `tune` does not announce another value.
                         stop="tune",
                     ),
                     Phrase("unit", _read_unit, '"UNIT"', _unit_text, empty=""),
-                    Maybe(Mark(","), Inside("tune", _TUNE)),
+                    Maybe(FixedText(","), Inside("tune", _TUNE)),
                     finish=True,
                 ),
                 gap=" ",
@@ -274,12 +274,12 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "partner",
             "a law of the catalogue, its torque an addend",
-            Row(
+            StatementRow(
                 Partner,
                 Keyword("partner"),
-                Name("name", "the name of the partner", declares(Kind.SIGNAL)),
+                Name("name", "the name of the partner", declares(NameKind.SIGNAL)),
                 Forgiving(
-                    Mark("=", "after '{name}'"),
+                    FixedText("=", "after '{name}'"),
                     Name("law", "a law of the catalogue", label="LAW", empty=Word("")),
                     Phrase(
                         "gains",
@@ -297,11 +297,12 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "axis",
             "what follows is done for each axis",
-            Row(
+            StatementRow(
                 Axes,
                 Keyword("axis"),
                 Several(
-                    Name("names", "the name of an axis", declares(Kind.AXIS)), label="NAME, NAME"
+                    Name("names", "the name of an axis", declares(NameKind.AXIS)),
+                    label="NAME, NAME",
                 ),
             ),
             outline="axis",
@@ -309,12 +310,12 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             SIGNAL,
             "one signal, from a source or as a sum of products",
-            Row(
+            StatementRow(
                 Signal,
-                Several(Name("names", "the name of a signal", declares(Kind.SIGNAL))),
+                Several(Name("names", "the name of a signal", declares(NameKind.SIGNAL))),
                 Forgiving(
                     Column(),
-                    Mark("=", "after the name of the signal"),
+                    FixedText("=", "after the name of the signal"),
                     _Body(),
                     finish=True,
                 ),
@@ -325,7 +326,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "zoom",
             "signals magnified while all of them are small",
-            Row(
+            StatementRow(
                 Zoom,
                 Keyword("zoom"),
                 Phrase(
@@ -335,14 +336,14 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     lambda signals: ", ".join(map(name_text, signals)),
                     lambda signals: map(of_signal, signals),
                 ),
-                Mark("by", "after the signals"),
+                FixedText("by", "after the signals"),
                 _amount("by", "how much they are magnified", "FACTOR"),
-                Mark("inside", "after that"),
+                FixedText("inside", "after that"),
                 _amount("inside", "the window", "WINDOW"),
                 Maybe(
-                    Mark(","),
-                    Mark("edge", "after the comma"),
-                    Mark("wait", "after edge", "stay at the edge of the window"),
+                    FixedText(","),
+                    FixedText("edge", "after the comma"),
+                    FixedText("wait", "after edge", "stay at the edge of the window"),
                     flag="wait",
                 ),
                 indent="  ",
@@ -351,12 +352,12 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "learn",
             "a table that a performance table corrects",
-            Row(
+            StatementRow(
                 Learn,
                 Keyword("learn"),
-                Name("table", "the table that learns", refers(Kind.USE), "TABLE", "sheets"),
-                Mark("by", "before the performance table"),
-                Name("judge", "the performance table", refers(Kind.USE), "TABLE", "sheets"),
+                Name("table", "the table that learns", refers(NameKind.USE), "TABLE", "sheets"),
+                FixedText("by", "before the performance table"),
+                Name("judge", "the performance table", refers(NameKind.USE), "TABLE", "sheets"),
                 Phrase(
                     "inputs",
                     read_inputs,
@@ -380,21 +381,21 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "drive",
             "what goes to the plant; drives of one port add up",
-            Row(
+            StatementRow(
                 Drive,
                 Keyword("drive"),
-                Name("port", "a port of the plant", refers(Kind.PORT), "PORT", "ports"),
-                Mark("=", "after '{port}'"),
+                Name("port", "a port of the plant", refers(NameKind.PORT), "PORT", "ports"),
+                FixedText("=", "after '{port}'"),
                 Phrase("products", read_sum, "SUM", sum_text, names_in_sum),
-                Options(
+                OptionParts(
                     Maybe(
-                        Mark("within", "", "limits"),
-                        Interval(
+                        FixedText("within", "", "limits"),
+                        IntervalPart(
                             "within", "the lower limit", "the upper limit", "between the limits"
                         ),
                     ),
                     Maybe(
-                        Mark(
+                        FixedText(
                             # The last option reports a word that fits neither: it names both.
                             "slew",
                             "or 'within' after the comma",

@@ -24,7 +24,15 @@ from fuzzyarm.language.statements import (
     Broken,
     StatementNode,
 )
-from fuzzyarm.language.tokens import BlockLine, Cursor, Fault, Line, Token, Trivia, tokenize_line
+from fuzzyarm.language.tokens import (
+    BlockLine,
+    Cursor,
+    Fault,
+    SourceLine,
+    Token,
+    Trivia,
+    tokenize_line,
+)
 from fuzzyarm.model.rulebase import Rule
 from fuzzyarm.text.diagnostic import (
     MAX_CHARACTERS,
@@ -99,7 +107,7 @@ def _signals() -> StatementKind:
     return CONTROLLER_STATEMENTS[SIGNAL]
 
 
-def section_at(lines: Sequence[Line], number: int) -> str:
+def section_at(lines: Sequence[SourceLine], number: int) -> str:
     """Return the heading, one of :data:`HEADINGS`, that a line stands below."""
     for line in reversed(lines[: number - 1]):
         word = line.tokens[0].text if line.tokens and line.tokens[0].kind == "name" else ""
@@ -108,7 +116,7 @@ def section_at(lines: Sequence[Line], number: int) -> str:
     return "rulebase"
 
 
-class _Group:
+class _StatementTokens:
     """The tokens of one statement and the lines below it, if it takes any."""
 
     def __init__(
@@ -121,7 +129,7 @@ class _Group:
         self.lines: list[BlockLine] = []
         self.takes_lines = record.takes_lines
 
-    def takes(self, line: Line) -> bool:
+    def takes(self, line: SourceLine) -> bool:
         """Whether `line` belongs here: if indented, or below a grid if it looks like a row."""
         if line.indented:
             return True
@@ -129,7 +137,7 @@ class _Group:
             return False
         return self._is_grid_line(line) or not near_hint(line.tokens[0].text, STATEMENTS)[0]
 
-    def _is_grid_line(self, line: Line) -> bool:
+    def _is_grid_line(self, line: SourceLine) -> bool:
         """Whether a line looks like the header of a grid, or like a row below it."""
         if self.record.word != "rules":
             return False
@@ -142,7 +150,7 @@ class _Group:
         corner = 2 if any(token.text == "\\" for token in header) else 0
         return names and len(line.tokens) == len(header) - corner
 
-    def extend(self, line: Line, waiting: list[str]) -> None:
+    def extend(self, line: SourceLine, waiting: list[str]) -> None:
         """Add a line; `waiting` are the comments and blank lines before it."""
         if self.takes_lines:
             self.lines.append(BlockLine(line.tokens, Trivia(tuple(waiting), line.comment)))
@@ -153,14 +161,14 @@ class _Group:
 
 
 def _group_lines(
-    lines: list[Line], diagnostics: list[Diagnostic]
-) -> tuple[list[_Group], tuple[str, ...]]:
+    lines: list[SourceLine], diagnostics: list[Diagnostic]
+) -> tuple[list[_StatementTokens], tuple[str, ...]]:
     """Return the statements of `lines` and the comments after the last one.
 
     A line that starts with a statement's word starts a statement. Any other line belongs to
     the statement above it if that takes it; else it is an ``unknown-statement``.
     """
-    groups: list[_Group] = []
+    groups: list[_StatementTokens] = []
     waiting: list[str] = []
     heading = "rulebase"
     in_axis = False  # a line with an equals sign is a signal there
@@ -174,7 +182,7 @@ def _group_lines(
         first = line.tokens[0]
         record = _record_of(line, heading, groups, in_axis=in_axis)
         if record is not None:
-            groups.append(_Group(record, line.tokens, tuple(waiting), line.comment))
+            groups.append(_StatementTokens(record, line.tokens, tuple(waiting), line.comment))
             heading = record.word if record.word in HEADINGS else heading
             in_axis = record.word == "axis" or (in_axis and record.word not in HEADINGS)
         elif groups and groups[-1].takes(line):
@@ -196,7 +204,9 @@ def _group_lines(
             # Read on as what was probably meant, so that one slip does not look like many.
             name_token = first._replace(kind="name", text=replacement)
             tokens = (name_token, *line.tokens[1:])
-            groups.append(_Group(records[replacement], tokens, tuple(waiting), line.comment))
+            groups.append(
+                _StatementTokens(records[replacement], tokens, tuple(waiting), line.comment)
+            )
             heading = replacement if replacement in HEADINGS else heading
             in_axis = replacement == "axis" or (in_axis and replacement not in HEADINGS)
         waiting = []
@@ -214,7 +224,7 @@ def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
 
 
 def _record_of(
-    line: Line, heading: str, groups: Sequence[_Group], *, in_axis: bool
+    line: SourceLine, heading: str, groups: Sequence[_StatementTokens], *, in_axis: bool
 ) -> StatementKind | None:
     """Return the statement that a line starts, None where it starts none."""
     first = line.tokens[0]
@@ -226,19 +236,19 @@ def _record_of(
     return record
 
 
-def _is_signal(line: Line, *, known: bool) -> bool:
+def _is_signal(line: SourceLine, *, known: bool) -> bool:
     """Whether a line below ``axis`` defines signals; `known` if it begins like another line."""
     marks = [token.text for token in line.tokens if token.kind == "mark"]
     return "=" in marks and (not known or line.tokens[1].text in ("=", ","))
 
 
-def _is_stray(line: Line, groups: Sequence[_Group]) -> bool:
+def _is_stray(line: SourceLine, groups: Sequence[_StatementTokens]) -> bool:
     """Whether a line defines a signal although no axis stands above it."""
     defines = len(line.tokens) > 1 and line.tokens[1].text == "="
     return defines and line.indented and bool(groups) and groups[-1].tokens[-1].text != ","
 
 
-def _allowances(lines: list[Line]) -> dict[int, frozenset[str]]:
+def _allowances(lines: list[SourceLine]) -> dict[int, frozenset[str]]:
     """Return the names that ``# allow NAME, NAME`` silences, by line."""
     allowed: dict[int, frozenset[str]] = {}
     for line in lines:
@@ -260,19 +270,19 @@ class ParseMemory:
     """The lines, statements and rules of one text as they were read last."""
 
     def __init__(self) -> None:
-        self._lines: list[tuple[str, Line, Found]] = []
-        self._statements: dict[int, tuple[_Group, StatementNode, Found]] = {}
-        self._fresh: dict[int, tuple[_Group, StatementNode, Found]] = {}
+        self._lines: list[tuple[str, SourceLine, Found]] = []
+        self._statements: dict[int, tuple[_StatementTokens, StatementNode, Found]] = {}
+        self._fresh: dict[int, tuple[_StatementTokens, StatementNode, Found]] = {}
         self._scope: Hashable = None
         self._rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
         self._fresh_rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
 
     @property
-    def lines(self) -> list[Line]:
+    def lines(self) -> list[SourceLine]:
         """The lines of the last text as tokens."""
         return [line for _, line, _ in self._lines]
 
-    def tokenize(self, text: str, diagnostics: list[Diagnostic]) -> list[Line]:
+    def tokenize(self, text: str, diagnostics: list[Diagnostic]) -> list[SourceLine]:
         """Return what :func:`fuzzyarm.language.tokens.tokenize` returns."""
         before = self._lines
         self._lines = []
@@ -287,7 +297,7 @@ class ParseMemory:
                 break  # this is not a rule base; reading all of it would take forever
         return self.lines
 
-    def read(self, group: _Group) -> tuple[StatementNode, Found]:
+    def read(self, group: _StatementTokens) -> tuple[StatementNode, Found]:
         """Return a statement and its diagnostics; it is read where it is not as it was."""
         line = group.tokens[0].line
         earlier = self._statements.get(line)
@@ -357,9 +367,9 @@ def parse_statements(text: str, line: int) -> Document:
 
 
 def _read_lines(
-    lines: list[Line],
+    lines: list[SourceLine],
     diagnostics: list[Diagnostic],
-    read: Callable[[_Group], tuple[StatementNode, Found]],
+    read: Callable[[_StatementTokens], tuple[StatementNode, Found]],
 ) -> Document:
     """Return the statements in `lines`; `diagnostics` are those of the lexer."""
     groups, ending = _group_lines(lines, diagnostics)
@@ -380,7 +390,7 @@ def _read_lines(
     return Document(tuple(statements), ending, _allowances(lines), ordered)
 
 
-def _read_group(group: _Group) -> tuple[StatementNode, Found]:
+def _read_group(group: _StatementTokens) -> tuple[StatementNode, Found]:
     # A token that the lexer has already complained of needs no second complaint: it is read as the
     # name that was probably meant.
     is_reported = any(token.kind == "bad" for token in group.tokens)

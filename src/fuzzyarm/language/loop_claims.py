@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from fuzzyarm.language.parts import (
+    FixedText,
     Flag,
     Keyword,
-    Mark,
     Maybe,
     Name,
     Part,
@@ -18,8 +18,8 @@ from fuzzyarm.language.parts import (
     Values,
     refers,
 )
-from fuzzyarm.language.phrases import Kind, Occurrence
-from fuzzyarm.language.rows import Row
+from fuzzyarm.language.phrases import NameKind, Occurrence
+from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.signals import read_time, time_text
 from fuzzyarm.language.tokens import Cursor, name_text
 from fuzzyarm.model.claims import LoopClaim
@@ -121,7 +121,7 @@ def _set_points_text(found: Iterable[tuple[str, float]]) -> str:
     return ", ".join(f"{name_text(port)} = {number_text(value)}" for port, value in found)
 
 
-def _stretches(field: str, kind: Kind, what: str, label: str) -> Phrase:
+def _stretches(field: str, kind: NameKind, what: str, label: str) -> Phrase:
     """Return intervals with commas between them; their names are the plant's."""
     offered = f"{kind}s"
 
@@ -140,7 +140,7 @@ def _stretches(field: str, kind: Kind, what: str, label: str) -> Phrase:
     return Phrase(field, read, label, show, mentions, empty=())
 
 
-def _occurrence(kind: Kind, word: Word) -> Occurrence:
+def _occurrence(kind: NameKind, word: Word) -> Occurrence:
     return Occurrence(kind, word, word.span)
 
 
@@ -178,7 +178,7 @@ class _Claim(Part):
 
     def mentions(self, node: LoopClaimNode) -> Iterator[Occurrence]:
         if node.output is not None:
-            yield _occurrence(Kind.PORT, node.output.name)
+            yield _occurrence(NameKind.PORT, node.output.name)
 
     def words(self) -> Iterator[tuple[str, str]]:
         yield "in", ""
@@ -187,7 +187,7 @@ class _Claim(Part):
         yield "always", "from the start on"
 
 
-LOOP_CLAIM_ROW = Row(
+LOOP_CLAIM_ROW = StatementRow(
     LoopClaimNode,
     Keyword("prove"),
     Flag(
@@ -195,24 +195,29 @@ LOOP_CLAIM_ROW = Row(
         "stable",
         "the loop goes to rest from wherever it starts in a region that the proof says",
     ),
-    Mark("on", "before the plant"),
-    Name("plant", "a plant", refers(Kind.PLANT), "PLANT", "plants"),
+    FixedText("on", "before the plant"),
+    Name("plant", "a plant", refers(NameKind.PLANT), "PLANT", "plants"),
     Maybe(
-        Mark("at", "", "constant set points; 0 for other ports"),
+        FixedText("at", "", "constant set points; 0 for other ports"),
         Phrase(
             "at",
             _read_set_points,
             "PORT = X",
             _set_points_text,
-            lambda found: (_occurrence(Kind.PORT, port) for port, _ in found),
+            lambda found: (_occurrence(NameKind.PORT, port) for port, _ in found),
             empty=(),
         ),
     ),
     Maybe(
-        Mark("with", "", "parameters of the plant that may be anywhere in an interval"),
-        _stretches("parameters", Kind.PARAMETER, "a parameter of the plant", "PARAMETER in A .. B"),
+        FixedText("with", "", "parameters of the plant that may be anywhere in an interval"),
+        _stretches(
+            "parameters", NameKind.PARAMETER, "a parameter of the plant", "PARAMETER in A .. B"
+        ),
     ),
-    Maybe(Mark("from"), _stretches("start", Kind.STATE, "a state of the plant", "STATE in A .. B")),
+    Maybe(
+        FixedText("from"),
+        _stretches("start", NameKind.STATE, "a state of the plant", "STATE in A .. B"),
+    ),
     _Claim(),
 )
 

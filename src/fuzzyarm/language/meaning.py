@@ -28,7 +28,7 @@ from fuzzyarm.language.demands import (
     elaborate_tuning,
 )
 from fuzzyarm.language.document import Document, ParseMemory
-from fuzzyarm.language.phrases import Kind
+from fuzzyarm.language.phrases import NameKind
 from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.rule_meaning import elaborate_grid, elaborate_rule, report_too_many
 from fuzzyarm.language.statements import (
@@ -160,7 +160,9 @@ def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
             outputs.update(consequent.variable for consequent in node.consequents)
         else:
             continue
-        every.update(mention.name for mention in mentions(node) if mention.kind is Kind.VARIABLE)
+        every.update(
+            mention.name for mention in mentions(node) if mention.kind is NameKind.VARIABLE
+        )
     return frozenset(outputs if role == "output" else every - outputs)
 
 
@@ -318,7 +320,7 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
                 mention
                 for node in nodes
                 for mention in mentions(node)
-                if mention.kind is Kind.VARIABLE and mention.name in _presumed(nodes, what)
+                if mention.kind is NameKind.VARIABLE and mention.name in _presumed(nodes, what)
             ]
             first = min(uses, key=lambda mention: mention.span, default=None)
             scope.report(

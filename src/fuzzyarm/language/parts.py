@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from fuzzyarm.language.phrases import Kind, Occurrence, declared, of_variable
+from fuzzyarm.language.phrases import NameKind, Occurrence, declared, of_variable
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.text.names import quote
 from fuzzyarm.text.numbers import number_text
@@ -18,16 +18,16 @@ from fuzzyarm.text.placed import Word
 __all__ = [
     "Break",
     "Column",
+    "FixedText",
     "Flag",
     "Forgiving",
-    "Interval",
+    "IntervalPart",
     "Keyword",
-    "Mark",
     "Maybe",
     "Name",
     "Number",
     "OneOf",
-    "Options",
+    "OptionParts",
     "Part",
     "Phrase",
     "Printed",
@@ -35,7 +35,7 @@ __all__ = [
     "Suggest",
     "Text",
     "Values",
-    "Variable",
+    "VariableName",
     "declares",
     "refers",
 ]
@@ -130,7 +130,7 @@ class Keyword(Part):
         line.add(f"{getattr(node, self.field) if self.field else self.word:<{self.width}}")
 
 
-class Mark(Part):
+class FixedText(Part):
     """A word or a mark that must stand there; `where` completes *expected 'x' …*."""
 
     def __init__(self, text: str, where: str = "", doc: str = "") -> None:
@@ -262,7 +262,7 @@ def _of_variable(word: Word, node: Any) -> Occurrence:
     return of_variable(word)
 
 
-class Variable(Name):
+class VariableName(Name):
     """The name of a variable: of an ``input``, an ``output`` or either; see `Cursor.variable`."""
 
     def __init__(
@@ -309,7 +309,7 @@ class Number(Part):
         yield self.field, None
 
 
-class Interval(Part):
+class IntervalPart(Part):
     """``LOW .. HIGH``, two numbers in one field; `where` completes *expected '..' …*."""
 
     def __init__(
@@ -538,7 +538,7 @@ class Maybe(_Together):
 
     def __init__(self, *parts: Part, flag: str = "", likely: bool = False) -> None:
         self.parts, self.flag, self.likely = parts, flag, likely
-        assert isinstance(parts[0], Mark)
+        assert isinstance(parts[0], FixedText)
         self.first, self.where = parts[0].text, parts[0].where
 
     def read(self, cursor: Cursor, values: Values) -> None:
@@ -586,7 +586,7 @@ class Maybe(_Together):
         yield from super().fields()
 
 
-class Options(Part):
+class OptionParts(Part):
     """Options after commas, in any order; each begins with its word."""
 
     def __init__(self, *options: Maybe) -> None:
@@ -696,11 +696,11 @@ class OneOf(Part):
                 yield from part.words()
 
 
-def declares(kind: Kind) -> Mention:
+def declares(kind: NameKind) -> Mention:
     """Return what a name is that is declared where it stands."""
     return lambda word, node: declared(kind, word)
 
 
-def refers(kind: Kind) -> Mention:
+def refers(kind: NameKind) -> Mention:
     """Return what a name is that is declared elsewhere."""
     return lambda word, node: Occurrence(kind, word, word.span)

@@ -28,7 +28,7 @@ from fuzzyarm.text.placed import Figure, Word
 # --- What a text names ---
 
 
-class Kind(StrEnum):
+class NameKind(StrEnum):
     """What a name stands for."""
 
     RULEBASE = "rulebase"
@@ -50,7 +50,7 @@ class Occurrence(NamedTuple):
 
     Attributes
     ----------
-    kind : Kind
+    kind : NameKind
         What it stands for.
     name : str
         Without quotes.
@@ -62,7 +62,7 @@ class Occurrence(NamedTuple):
         Whether the name is declared here.
     """
 
-    kind: Kind
+    kind: NameKind
     name: str
     span: Span
     owners: tuple[str, ...] = ()
@@ -71,15 +71,15 @@ class Occurrence(NamedTuple):
 
 def of_variable(word: Word) -> Occurrence:
     """Return the mention of a variable."""
-    return Occurrence(Kind.VARIABLE, word, word.span)
+    return Occurrence(NameKind.VARIABLE, word, word.span)
 
 
 def of_term(variable: Word, word: Word) -> Occurrence:
     """Return the mention of a term of `variable`."""
-    return Occurrence(Kind.TERM, word, word.span, (variable,))
+    return Occurrence(NameKind.TERM, word, word.span, (variable,))
 
 
-def declared(kind: Kind, word: Word, owners: tuple[str, ...] = ()) -> Occurrence:
+def declared(kind: NameKind, word: Word, owners: tuple[str, ...] = ()) -> Occurrence:
     """Return the declaration of a name."""
     return Occurrence(kind, word, word.span, owners, is_definition=True)
 
@@ -438,7 +438,7 @@ def _formula_mentions(text: str, span: Span) -> Iterator[Occurrence]:
         quoted = text[position - 1 : position] == "'"
         start = span.column + 1 + position - quoted
         end = start + len(name) + 2 * quoted
-        yield Occurrence(Kind.VARIABLE, name, Span(span.line, start, span.line, end))
+        yield Occurrence(NameKind.VARIABLE, name, Span(span.line, start, span.line, end))
 
 
 # --- Settings: `key value` pairs of `inference` and `block` ---

@@ -1,6 +1,6 @@
 """A statement as a row of parts: what reads it, prints it, finds its names and shows its syntax.
 
-A :class:`Row` names a node, a plain record of fields, and the parts of its line in order
+A :class:`StatementRow` names a node, a plain record of fields, and the parts of its line in order
 (:mod:`fuzzyarm.language.parts`). What one asks of any node is at the end.
 """
 
@@ -20,8 +20,8 @@ __all__ = [
     "ByHand",
     "Inside",
     "Lines",
-    "Row",
     "StatementKind",
+    "StatementRow",
     "columns_of",
     "lines_below",
     "mentions",
@@ -35,7 +35,7 @@ __all__ = [
 class Inside(Part):
     """A separate node, which has a row."""
 
-    def __init__(self, field: str, row: Row) -> None:
+    def __init__(self, field: str, row: StatementRow) -> None:
         self.field, self.row = field, row
 
     def read(self, cursor: Cursor, values: Values) -> None:
@@ -69,7 +69,7 @@ class Inside(Part):
 class Lines(Part):
     """The lines below the statement, each a separate node; one that is at fault is left out."""
 
-    def __init__(self, field: str, row: Row) -> None:
+    def __init__(self, field: str, row: StatementRow) -> None:
         self.field, self.row = field, row
 
     def read(self, cursor: Cursor, values: Values) -> None:
@@ -101,11 +101,11 @@ class Lines(Part):
 
 # --- Rows ---
 
-ROWS: dict[type, Row] = {}
+ROWS: dict[type, StatementRow] = {}
 """The row of every node that has one."""
 
 
-class Row:
+class StatementRow:
     """A node and the parts of its line.
 
     Parameters
@@ -192,7 +192,7 @@ def _all_parts(parts: Sequence[Part]) -> Iterator[Part]:
         yield from _all_parts(getattr(part, "parts", ()))
 
 
-class ByHand(Row):
+class ByHand(StatementRow):
     """A node that is no line of parts: it has ``read``, ``__str__`` and ``mentions`` of its own."""
 
     def __init__(self, node: type[Any], syntax: str, words: Mapping[str, str]) -> None:
@@ -239,7 +239,7 @@ class StatementKind:
         At the start of the line.
     doc : str
         One line.
-    row : Row
+    row : StatementRow
         Its node and its parts.
     outline : str
         What the outline of a file calls it; empty where it has no part in the outline.
@@ -249,7 +249,7 @@ class StatementKind:
 
     word: str
     doc: str
-    row: Row
+    row: StatementRow
     outline: str = ""
     takes_lines: bool = False
 

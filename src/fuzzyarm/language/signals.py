@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from fuzzyarm.expression.sources import Setting
 from fuzzyarm.frozen import replace
-from fuzzyarm.language.phrases import Kind, Occurrence
+from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.model.controller import (
     SOURCES,
@@ -57,12 +57,12 @@ Body = tuple[Source | None, tuple[Product, ...]]
 
 def of_signal(word: str) -> Occurrence:
     """Return the mention of a signal, a gain or a partner."""
-    return Occurrence(Kind.SIGNAL, word, span_of(word))
+    return Occurrence(NameKind.SIGNAL, word, span_of(word))
 
 
 def of_sheet(word: str) -> Occurrence:
     """Return the mention of a rule base or a table that is used."""
-    return Occurrence(Kind.USE, word, span_of(word))
+    return Occurrence(NameKind.USE, word, span_of(word))
 
 
 # --- Times and numbers ---
@@ -375,7 +375,7 @@ def names_in_source(body: Body) -> Iterator[Occurrence]:
     source, products = body
     if source is not None:
         of = source.record.of
-        kind = {"call": Kind.USE, "signal": Kind.SIGNAL}.get(of, Kind.PORT)
+        kind = {"call": NameKind.USE, "signal": NameKind.SIGNAL}.get(of, NameKind.PORT)
         yield Occurrence(kind, source.name, span_of(source.name))
         yield from map(of_signal, source.inputs)
     yield from names_in_sum(products)

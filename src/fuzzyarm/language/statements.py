@@ -20,9 +20,9 @@ from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language.parts import (
     Break,
     Column,
+    FixedText,
     Forgiving,
     Keyword,
-    Mark,
     Maybe,
     Name,
     Number,
@@ -34,11 +34,11 @@ from fuzzyarm.language.parts import (
     Suggest,
     Text,
     Values,
-    Variable,
+    VariableName,
     declares,
 )
 from fuzzyarm.language.phrases import (
-    Kind,
+    NameKind,
     Occurrence,
     SettingNode,
     ShapeNode,
@@ -46,7 +46,7 @@ from fuzzyarm.language.phrases import (
     of_variable,
     read_expression,
 )
-from fuzzyarm.language.rows import ByHand, Lines, Row, StatementKind
+from fuzzyarm.language.rows import ByHand, Lines, StatementKind, StatementRow
 from fuzzyarm.language.rules import (
     WIDTH,
     CellNode,
@@ -410,7 +410,7 @@ class _Target(Part):
             yield of_variable(getattr(node, self.field))
 
 
-class _Samples(Part):
+class _SampleNumbers(Part):
     """Numbers of ``lookup``: one, several, ``mirrored`` ones, or ``LOW .. HIGH step N``."""
 
     def __init__(self, *forms: str) -> None:
@@ -478,11 +478,11 @@ def _read_names(cursor: Cursor) -> tuple[Word, ...]:
 
 
 def _terms_of_all(word: Word, node: EvenTermsNode) -> Occurrence:
-    return declared(Kind.TERM, word, node.variables)
+    return declared(NameKind.TERM, word, node.variables)
 
 
 def _term_of_one(word: Word, node: TermNode) -> Occurrence:
-    return declared(Kind.TERM, word, (node.variable,))
+    return declared(NameKind.TERM, word, (node.variable,))
 
 
 class _Names(Name):
@@ -530,22 +530,22 @@ def _values_text(values: tuple[tuple[Word, Figure], ...]) -> str:
 
 _JOINS = {"is": "", "and": "", "or": ""}
 
-_VARIABLE = Row(
+_VARIABLE = StatementRow(
     VariableNode,
     Keyword("input", "role", width=6),
-    Name("name", "the name of the {role}", declares(Kind.VARIABLE)),
+    Name("name", "the name of the {role}", declares(NameKind.VARIABLE)),
     Column(),
     Forgiving(
         Suggest("range"),
         Number("low", "the lower end of the range", "LOW", finite=False),
-        Mark("..", "between the ends of the range"),
+        FixedText("..", "between the ends of the range"),
         Number("high", "the upper end of the range", "HIGH", finite=False),
     ),
     Column(),
     Text("description"),
 )
 
-LOOKUP_ROW = Row(
+LOOKUP_ROW = StatementRow(
     LookupItem,
     OneOf(
         "key",
@@ -556,17 +556,17 @@ LOOKUP_ROW = Row(
             "levels": (
                 _Target("variable", "the name of an input", "input"),
                 Column(),
-                _Samples("several", "even"),
+                _SampleNumbers("several", "even"),
             ),
             "bins": (
                 _Target("variable", "the name of an input", "input"),
                 Column(),
-                _Samples("several", "mirrored"),
+                _SampleNumbers("several", "mirrored"),
             ),
             "round": (
                 _Target("variable", "the name of an input", "input", rare=True),
                 Column(),
-                _Samples(),
+                _SampleNumbers(),
             ),
         },
     ),
@@ -579,10 +579,10 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "rulebase",
             "the name of the rule base and what it is for",
-            Row(
+            StatementRow(
                 Heading,
                 Keyword("rulebase"),
-                Name("name", "the name of the rule base", declares(Kind.RULEBASE)),
+                Name("name", "the name of the rule base", declares(NameKind.RULEBASE)),
                 Text("description"),
             ),
             outline="rulebase",
@@ -592,13 +592,13 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "terms",
             "evenly spaced terms of one or more variables",
-            Row(
+            StatementRow(
                 EvenTermsNode,
                 Keyword("terms"),
                 Several(
-                    Variable("variables", "the name of a variable"), label="VARIABLE, VARIABLE"
+                    VariableName("variables", "the name of a variable"), label="VARIABLE, VARIABLE"
                 ),
-                Mark(":", "after the variables"),
+                FixedText(":", "after the variables"),
                 Phrase("family", _read_family, "FAMILY"),
                 _Names("names", "", label="NAME NAME …"),
             ),
@@ -606,13 +606,13 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "term",
             "one term with its shape; of interval type 2 with an upper one over a lower one",
-            Row(
+            StatementRow(
                 TermNode,
                 Keyword("term"),
-                Variable("variable", "the name of a variable"),
+                VariableName("variable", "the name of a variable"),
                 Name("name", "the name of the term", _term_of_one),
                 Forgiving(
-                    Mark(":", "after the name of the term"),
+                    FixedText(":", "after the name of the term"),
                     Column(),
                     Phrase(
                         "shape",
@@ -631,7 +631,7 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "inference",
             "how rules are evaluated",
-            Row(
+            StatementRow(
                 InferenceNode,
                 Keyword("inference"),
                 _Target("target", "the name of a variable"),
@@ -647,12 +647,12 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "block",
             "start of a further block of rules",
-            Row(
+            StatementRow(
                 BlockNode,
                 Keyword("block"),
-                Name("name", "the name of the block", declares(Kind.BLOCK)),
+                Name("name", "the name of the block", declares(NameKind.BLOCK)),
                 Maybe(
-                    Mark(":"),
+                    FixedText(":"),
                     Phrase(
                         "settings",
                         lambda cursor: SettingNode.read_all(cursor, "rules"),
@@ -679,19 +679,19 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "rule",
             "one rule: if … then …",
-            Row(
+            StatementRow(
                 RuleNode,
                 Keyword("rule"),
-                Mark("if", "after 'rule'"),
+                FixedText("if", "after 'rule'"),
                 Phrase("antecedent", read_expression, "CONDITION"),
                 Break(WIDTH, "     "),
-                Mark("then", "after the antecedent"),
+                FixedText("then", "after the antecedent"),
                 Several(
                     Phrase("consequents", read_conclusion, "OUTPUT is TERM", words=_JOINS),
                     between=("and", ","),
                 ),
                 Maybe(
-                    Mark("with", "", "the weight of the rule"),
+                    FixedText("with", "", "the weight of the rule"),
                     Number("weight", "the weight of the rule", "WEIGHT"),
                 ),
             ),
@@ -700,14 +700,14 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "lookup",
             "how the lookup table is sampled",
-            Row(LookupNode, Keyword("lookup"), Lines("items", LOOKUP_ROW)),
+            StatementRow(LookupNode, Keyword("lookup"), Lines("items", LOOKUP_ROW)),
             takes_lines=True,
             outline="lookup",
         ),
         StatementKind(
             "expect",
             "what must come out, checked by `fuzzyarm check`",
-            Row(
+            StatementRow(
                 ExpectNode,
                 Keyword("expect"),
                 Phrase(
@@ -717,7 +717,7 @@ STATEMENTS: dict[str, StatementKind] = {
                     _values_text,
                     lambda inputs: (of_variable(name) for name, _ in inputs),
                 ),
-                Mark("->", "after the inputs"),
+                FixedText("->", "after the inputs"),
                 Several(
                     Phrase(
                         "outcomes",
@@ -755,7 +755,7 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "tune",
             "what `fuzzyarm tune` may move; nothing else reads it",
-            Row(TuneNode, Keyword("tune"), Lines("items", TUNE_ROW)),
+            StatementRow(TuneNode, Keyword("tune"), Lines("items", TUNE_ROW)),
             takes_lines=True,
             outline="tune",
         ),
@@ -766,10 +766,10 @@ STATEMENTS: dict[str, StatementKind] = {
 CONTROLLER = StatementKind(
     "controller",
     "the name of the controller and what it is for",
-    Row(
+    StatementRow(
         ControllerHeading,
         Keyword("controller"),
-        Name("name", "the name of the controller", declares(Kind.CONTROLLER)),
+        Name("name", "the name of the controller", declares(NameKind.CONTROLLER)),
         Text("description"),
     ),
     outline="controller",

@@ -69,7 +69,7 @@ class Token(NamedTuple):
         return Span(self.line, self.column, self.line, self.end)
 
 
-class Line(NamedTuple):
+class SourceLine(NamedTuple):
     """One line of the text: `tokens` without white space, `comment` with its ``#`` or empty."""
 
     number: int
@@ -78,7 +78,7 @@ class Line(NamedTuple):
     indented: bool
 
 
-def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[Line]:
+def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[SourceLine]:
     """Return the lines of `text` as tokens; what is not a token goes to `diagnostics`."""
     return [
         tokenize_line(number, line, diagnostics)
@@ -86,7 +86,7 @@ def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[Line]:
     ]
 
 
-def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line:
+def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> SourceLine:
     """Return one line, the `number`-th from 1, as tokens."""
     tokens: list[Token] = []
     comment, stray = "", False
@@ -110,7 +110,7 @@ def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line
             diagnostics.append(_lexical_fault(kind, match.group(), number, column, end))
             if kind == "bad":
                 tokens.append(Token("bad", match.group(), number, column, end))
-    return Line(number, tuple(tokens), comment, bool(tokens) and tokens[0].column > 1)
+    return SourceLine(number, tuple(tokens), comment, bool(tokens) and tokens[0].column > 1)
 
 
 def _lexical_fault(kind: str, text: str, line: int, column: int, end: int) -> Diagnostic:

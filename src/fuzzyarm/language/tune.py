@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.parts import (
     Column,
-    Mark,
+    FixedText,
     Name,
     Number,
     OneOf,
@@ -18,10 +18,10 @@ from fuzzyarm.language.parts import (
     Printed,
     Several,
     Values,
-    Variable,
+    VariableName,
 )
 from fuzzyarm.language.phrases import Occurrence, of_term, of_variable
-from fuzzyarm.language.rows import Row
+from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.tokens import Cursor, Trivia, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.numbers import number_text
@@ -152,7 +152,7 @@ class _Kept(Part):
         yield from (of_term(variable, word) for word in node.terms)
 
 
-TUNE_ROW = Row(
+TUNE_ROW = StatementRow(
     TuneItem,
     OneOf(
         "key",
@@ -161,7 +161,7 @@ TUNE_ROW = Row(
         TUNE_ITEMS,
         {
             "peaks": (
-                Several(Variable("names", "the name of a variable")),
+                Several(VariableName("names", "the name of a variable")),
                 Column(),
                 _PeakOptions(),
             ),
@@ -169,7 +169,7 @@ TUNE_ROW = Row(
                 Several(Name("names", "the name of a gain")),
                 Column(),
                 Number("low", "the lowest value"),
-                Mark("..", "between the ends of the range"),
+                FixedText("..", "between the ends of the range"),
                 Number("high", "the highest value"),
                 _Scale(),
             ),

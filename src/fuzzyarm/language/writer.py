@@ -73,7 +73,7 @@ _FEWEST = 4
 """Rules that make a grid worth its lines."""
 
 
-class _Order(dict[tuple[str, str], int]):
+class _TermOrder(dict[tuple[str, str], int]):
     """The position of each term in its variable, by their names."""
 
     def __init__(self, rulebase: RuleBase) -> None:
@@ -98,7 +98,7 @@ class _GridRun:
     in common beyond row and column (``when …``).
     """
 
-    def __init__(self, rule: Rule, cell: _Cell, order: _Order) -> None:
+    def __init__(self, rule: Rule, cell: _Cell, order: _TermOrder) -> None:
         row, column, self.rest = cell
         self.output = rule.consequents[0].variable
         self.row, self.column = row.variable, column.variable
@@ -149,7 +149,7 @@ _Cell = tuple[Is, Is, tuple[Expression, ...]]
 
 def _split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | GridNode]:
     """Return `rules` in order, with each run that reads back from a grid as a grid."""
-    order = _Order(rulebase)
+    order = _TermOrder(rulebase)
     pieces: list[Rule | GridNode] = []
     run: _GridRun | None = None
     for rule in rules:

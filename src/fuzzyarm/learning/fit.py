@@ -23,12 +23,12 @@ from fuzzyarm.language import parse
 from fuzzyarm.learning.asked import options_asked, samples_asked
 from fuzzyarm.learning.data import Samples, folds, read_samples
 from fuzzyarm.learning.fit_options import Options
-from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Clock
+from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Deadline
 from fuzzyarm.learning.starts import grid_premises, merged, pruned
 from fuzzyarm.learning.structure import (
     SHRINKAGES,
-    Candidate,
-    Judge,
+    CrossValidation,
+    StructureCandidate,
     clearly_worse,
     clustered,
     grid_words,
@@ -47,7 +47,7 @@ from fuzzyarm.learning.sugeno import (
 )
 from fuzzyarm.learning.wang_mendel import WordsError, wang_mendel
 from fuzzyarm.learning.written import (
-    Layout,
+    WritingStyle,
     commented,
     output_names,
     rule_comments,
@@ -191,7 +191,7 @@ def fit(
         raise wrong_argument("fit", "samples", "samples, their file or a FitRequest", samples)
     chosen = options or Options()
     _check(samples, chosen)
-    clock = Clock(chosen.seconds)
+    clock = Deadline(chosen.seconds)
     with one_thread():
         if chosen.method == "wang-mendel":
             return _fit_words(samples, chosen, on_step, clock)
@@ -271,14 +271,14 @@ def _searched(samples: Samples) -> Samples:
 class _Way(NamedTuple):
     """A structure that was found, with its terms as they are written, and how."""
 
-    best: Candidate
-    tried: list[Candidate]
-    judge: Judge
+    best: StructureCandidate
+    tried: list[StructureCandidate]
+    judge: CrossValidation
     finished: bool
 
 
 def _fit_sugeno(
-    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Clock
+    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Deadline
 ) -> Fit:
     way = _found(samples, options, on_step, clock)
     error = Error(way.best.error, "fixed" if _nothing_to_choose(options) else "by the choice")
@@ -303,7 +303,7 @@ def _found(
     samples: Samples,
     options: Options,
     on_step: Callable[[str], None],
-    clock: Clock,
+    clock: Deadline,
     *,
     judged: bool = False,
 ) -> _Way:
@@ -319,7 +319,7 @@ def _found(
         clock.begin_to_end(_share_of_search(samples, options))  # there is one candidate now
         on_step(words)
 
-    judge = Judge(few.inputs, few.outputs, parts, shrinkages, told, clock.check)
+    judge = CrossValidation(few.inputs, few.outputs, parts, shrinkages, told, clock.check)
     tried, finished = _tried(judge, samples, options)
     chosen = smallest_good(tried) if options.terms is None else tried[-1]
     if finished and options.move is not False and chosen.premises.terms:
@@ -373,7 +373,7 @@ def _nested(
     learned: Callable[[Samples], Callable[[Samples], Array]],
     error: Error,
     on_step: Callable[[str], None],
-    clock: Clock,
+    clock: Deadline,
 ) -> Error:
     """Return the error of the whole way, gone again without the samples of each part.
 
@@ -399,9 +399,11 @@ def _nested(
     return Error(rms(np.concatenate(off)), "nested")
 
 
-def _tried(judge: Judge, samples: Samples, options: Options) -> tuple[list[Candidate], bool]:
+def _tried(
+    judge: CrossValidation, samples: Samples, options: Options
+) -> tuple[list[StructureCandidate], bool]:
     """Return the structures that were tried, and whether the search came to its end."""
-    candidates: list[Candidate] = []
+    candidates: list[StructureCandidate] = []
     counts = options.terms or (1,) * len(samples.names)
     if options.terms is not None:
         grid = grid_premises(judge.inputs, counts)
@@ -420,13 +422,13 @@ def _tried(judge: Judge, samples: Samples, options: Options) -> tuple[list[Candi
 
 
 def _moved(
-    judge: Judge, chosen: Candidate, options: Options
-) -> tuple[Candidate, list[Candidate], bool]:
+    judge: CrossValidation, chosen: StructureCandidate, options: Options
+) -> tuple[StructureCandidate, list[StructureCandidate], bool]:
     """Return the structure with its terms moved, if that is better or wanted."""
     trials = [chosen]
     if options.shrinkage is None:  # terms that have moved may leave conclusions more freedom
         trials.append(replace(chosen, shrinkage=chosen.shrinkage / 30.0))
-    candidates: list[Candidate] = []
+    candidates: list[StructureCandidate] = []
     try:
         candidates += [judge.moved(trial) for trial in trials]
     except KeyboardInterrupt:
@@ -437,11 +439,11 @@ def _moved(
 
 
 def _optimised(
-    chosen: Candidate,
+    chosen: StructureCandidate,
     few: Samples,
     options: Options,
     on_step: Callable[[str], None],
-    clock: Clock,
+    clock: Deadline,
 ) -> tuple[Premises, bool]:
     width = float(few.outputs.std(axis=0).mean())
 
@@ -461,7 +463,7 @@ def _optimised(
     return move(fewer, options.evaluations // 2)
 
 
-def _written(samples: Samples, options: Options, way: _Way, error: Error, clock: Clock) -> Fit:
+def _written(samples: Samples, options: Options, way: _Way, error: Error, clock: Deadline) -> Fit:
     """Round, write, read back and score; take more digits where rounding shows."""
     best, premises, shrinkage = way.best, way.best.premises, way.best.shrinkage
     weights, scaling = consequents(premises, samples.inputs, samples.outputs, shrinkage)
@@ -474,7 +476,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
     wanted = rms(off)
     digits = options.digits
     while True:
-        layout = Layout(options.name, options.description, options.outside, digits)
+        layout = WritingStyle(options.name, options.description, options.outside, digits)
         rulebase = sugeno_rulebase(premises, samples, shrinkage, spread, layout)
         residual = samples.outputs - outputs_of(rulebase, samples)
         # A fit that is all but exact would ask for more and more digits.
@@ -508,7 +510,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
     return _with_text(fit, commented(rulebase, _head(samples, options, fit), comments))
 
 
-def _limits(finished: bool, error: Error, clock: Clock) -> Iterator[str]:
+def _limits(finished: bool, error: Error, clock: Deadline) -> Iterator[str]:
     if not finished:
         yield "search"
     if error.broken_off:
@@ -553,14 +555,14 @@ def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
 
 
 def _fit_words(
-    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Clock
+    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Deadline
 ) -> Fit:
     low, high = options.words
     if not low <= high:
         raise WordsError(f"words from {low} to {high}: the range is empty")
-    layout = Layout(options.name, options.description)
+    layout = WritingStyle(options.name, options.description)
     parts = list(folds(len(samples), options.parts, series=options.series, seed=options.seed))
-    judge = Judge(samples.inputs, samples.outputs, parts)
+    judge = CrossValidation(samples.inputs, samples.outputs, parts)
     errors, finished = _errors_of_words(samples, options, on_step, clock)
     chosen = min(errors, key=errors.__getitem__)
     judgement = Error(errors[chosen], "fixed" if low == high else "by the choice")
@@ -605,11 +607,11 @@ def _fit_words(
 
 
 def _errors_of_words(
-    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Clock
+    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Deadline
 ) -> tuple[dict[int, float], bool]:
     """Return the error of cross-validation by the number of words, and whether of all of them."""
     low, high = options.words
-    layout = Layout(options.name, options.description)
+    layout = WritingStyle(options.name, options.description)
     parts = list(folds(len(samples), options.parts, series=options.series, seed=options.seed))
     errors: dict[int, float] = {}
     try:
@@ -651,7 +653,7 @@ def linear_outputs(samples: Samples, asked: Samples | None = None) -> Array:
     return values
 
 
-class Fidelity(NamedTuple):
+class SurrogateFidelity(NamedTuple):
     """How far a surrogate is off, in the units of the output and as a share of its range."""
 
     worst: float
@@ -660,12 +662,12 @@ class Fidelity(NamedTuple):
     rms_share: float
 
 
-def fidelity(rulebase: RuleBase, samples: Samples) -> Fidelity:
+def fidelity(rulebase: RuleBase, samples: Samples) -> SurrogateFidelity:
     """Return how far a rule base is off at the samples that it stands for."""
     off = samples.outputs - outputs_of(rulebase, samples)
     width = float(np.ptp(samples.outputs)) or 1.0
     worst, mean = float(np.abs(off).max()), rms(off)
-    return Fidelity(worst, mean, worst / width, mean / width)
+    return SurrogateFidelity(worst, mean, worst / width, mean / width)
 
 
 def rms(errors: Array) -> float:

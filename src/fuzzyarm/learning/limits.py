@@ -14,7 +14,7 @@ class TimeIsUpError(KeyboardInterrupt):
     """The time is spent; a search ends as with Ctrl-C, and keeps what it has."""
 
 
-class Clock:
+class Deadline:
     """Says when it is time to end.
 
     Parameters

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.on_plant import (
-    Learned,
+    LearnedTables,
     controller_on,
     driven_by,
     learned,
@@ -23,8 +23,8 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, Motion, Options
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.program import (
-    Program,
-    Record,
+    LoopProgram,
+    RunRecord,
     error_taps,
     loop_for,
     shown_errors,
@@ -33,7 +33,7 @@ from fuzzyarm.loop.program import (
 from fuzzyarm.loop.run import require_timing
 from fuzzyarm.model.controller import Learn
 from fuzzyarm.plant.plant import Plant, is_compiled
-from fuzzyarm.plant.setting import PLAIN, Arithmetic, Conventions
+from fuzzyarm.plant.setting import PLAIN, Conventions, RunArithmetic
 from fuzzyarm.table import LookupTable
 from fuzzyarm.version import __version__
 
@@ -52,7 +52,7 @@ class Snapshot:
         In that pass, s.
     points : int
         Set points since the start of the training.
-    learned : Learned
+    learned : LearnedTables
         The tables, and the visits since the start of the training.
     errors : ndarray, shape (n, k)
         Of this pass so far, as they are shown.
@@ -67,7 +67,7 @@ class Snapshot:
     passage: int
     time: float
     points: int
-    learned: Learned
+    learned: LearnedTables
     errors: Vector
     complete: bool
     diverged: float | None
@@ -96,7 +96,7 @@ def trained(
     law = text_law_of(chosen)
     assert law is not None
     arithmetic = options.arithmetic(conventions)
-    program = Program(chosen, arithmetic)
+    program = LoopProgram(chosen, arithmetic)
     rings = law.program(arithmetic).rings
     compiled = program.compiled and is_compiled(motion.plants[0])
     driven = driven_by(chosen, site)
@@ -106,7 +106,7 @@ def trained(
     count = len(motion.time)
     step = every or count
     for passage in range(1, passes + 1):
-        record = Record(course, memory, error_taps(course))
+        record = RunRecord(course, memory, error_taps(course))
         loop = loop_for(program, course, record)
         for begin, end in rings:
             record.memory[begin:end] = program.memory[begin:end]  # no cell is responsible yet
@@ -160,7 +160,7 @@ class Trainee:
         The text.
     learner : Learn
         The line that teaches the table.
-    start : Learned
+    start : LearnedTables
         The tables before the training.
     like : LookupTable
         Range and words of the tables that are learned.
@@ -192,7 +192,7 @@ class Trainee:
         assert isinstance(sheet, LookupTable)
         bound = text_law_of(controller_on(controller, site_of(plant, connect)))
         assert bound is not None
-        self.start = learned(bound, Arithmetic())
+        self.start = learned(bound, RunArithmetic())
         self.like = replace(
             sheet,
             output="u",
@@ -228,7 +228,7 @@ class Trainee:
             yield replace(snapshot, learned=snapshot.learned.readable(single=conventions.single))
 
     def table(
-        self, learned: Learned, provenance: Mapping[str, str], axis: int | None = None
+        self, learned: LearnedTables, provenance: Mapping[str, str], axis: int | None = None
     ) -> LookupTable:
         """Return what is written: the table of an axis (from 1), or one over all of them."""
         if axis or len(self.axes) == 1:
@@ -274,7 +274,7 @@ class Trainee:
         }
 
 
-def state_of(snapshot: Snapshot, start: Learned) -> list[dict[str, int]]:
+def state_of(snapshot: Snapshot, start: LearnedTables) -> list[dict[str, int]]:
     """Return how many cells of each axis were visited, have changed, were never visited."""
     learned = snapshot.learned
     changed = learned.values != start.values

@@ -53,7 +53,7 @@ Parts = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
 
 
 @dataclass(frozen=True)
-class Candidate:
+class StructureCandidate:
     """A structure and how well it did.
 
     Attributes
@@ -87,7 +87,7 @@ class Candidate:
         return len(self.premises.rules)
 
 
-class Judge(NamedTuple):
+class CrossValidation(NamedTuple):
     """Samples with the parts by which candidates are judged.
 
     `shrinkages` are those that may be chosen; `on_step` is told what has been tried, and `check`
@@ -106,7 +106,7 @@ class Judge(NamedTuple):
         errors = [_linear_residual(self.inputs, self.outputs, *part)[1] for part in self.parts]
         return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
-    def judged(self, words: str, premises: Premises) -> Candidate:
+    def judged(self, words: str, premises: Premises) -> StructureCandidate:
         """Return a structure with its best shrinkage, its terms where they are."""
         squares = np.empty((len(self.shrinkages), len(self.inputs)))
         for train, test in self.parts:
@@ -116,7 +116,7 @@ class Judge(NamedTuple):
         least = squares[squares.mean(axis=1).argmin()]
         # The most linear that is not clearly worse: they are in that order.
         best = next(k for k, square in enumerate(squares) if not clearly_worse(square, least))
-        candidate = Candidate(words, premises, self.shrinkages[best], squares[best])
+        candidate = StructureCandidate(words, premises, self.shrinkages[best], squares[best])
         self.on_step(f"{words}: {candidate.error:.4g}")
         return candidate
 
@@ -148,7 +148,7 @@ class Judge(NamedTuple):
             residuals.append(test_residual - design @ step * scaling.range)
         return np.array(residuals)
 
-    def moved(self, candidate: Candidate, evaluations: int = 25) -> Candidate:
+    def moved(self, candidate: StructureCandidate, evaluations: int = 25) -> StructureCandidate:
         """Return a structure judged with its terms moved by variable projection."""
         squares = np.empty(len(self.inputs))
         for train, test in self.parts:
@@ -202,7 +202,7 @@ def clearly_worse(squares: Array, least: Array) -> bool:
     return mean > float(apart.std()) / math.sqrt(len(apart))
 
 
-def smallest_good(candidates: Iterable[Candidate]) -> Candidate:
+def smallest_good(candidates: Iterable[StructureCandidate]) -> StructureCandidate:
     """Return the smallest candidate, then the most linear, not clearly worse than the best."""
     candidates_ = list(candidates)
     best = min(candidates_, key=lambda each: each.error)
@@ -212,12 +212,14 @@ def smallest_good(candidates: Iterable[Candidate]) -> Candidate:
     return min(good, key=lambda each: (each.size, -each.shrinkage, each.error))
 
 
-def grown_grids(judge: Judge, most: int, names: Sequence[str]) -> Iterator[Candidate]:
+def grown_grids(
+    judge: CrossValidation, most: int, names: Sequence[str]
+) -> Iterator[StructureCandidate]:
     """Yield grids, each with one term more than the one before: the one that helps most.
 
     Parameters
     ----------
-    judge : Judge
+    judge : CrossValidation
         By which they are compared.
     most : int
         Rules.
@@ -255,12 +257,14 @@ def grid_words(counts: Sequence[int], names: Sequence[str]) -> str:
     return ", ".join([f"{first[0]} terms of {first[1]}", *(f"{c} of {n}" for c, n in others)])
 
 
-def clustered(judge: Judge, start: str, most: int, seed: int) -> Iterator[Candidate]:
+def clustered(
+    judge: CrossValidation, start: str, most: int, seed: int
+) -> Iterator[StructureCandidate]:
     """Yield clusters as rules, from few to many.
 
     Parameters
     ----------
-    judge : Judge
+    judge : CrossValidation
         By which they are compared.
     start : str
         ``fcm`` or ``subtractive``.
@@ -280,7 +284,9 @@ def clustered(judge: Judge, start: str, most: int, seed: int) -> Iterator[Candid
         yield judge.judged(f"{len(centres)} clusters", premises)
 
 
-def _clusterings(judge: Judge, start: str, most: int, seed: int) -> Iterator[tuple[Array, Array]]:
+def _clusterings(
+    judge: CrossValidation, start: str, most: int, seed: int
+) -> Iterator[tuple[Array, Array]]:
     different = len(np.unique(judge.inputs, axis=0))
     most = most_rules(most, judge.inputs.shape[1])
     if start == "subtractive":

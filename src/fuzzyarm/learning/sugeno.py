@@ -84,7 +84,7 @@ def _readings(shape: Shape) -> _Readings:
     )
 
 
-class _Group(NamedTuple):
+class _TermGroup(NamedTuple):
     """The terms of one kind: their columns, inputs, and parameters (parameters × terms)."""
 
     columns: NDArray[np.intp]
@@ -128,14 +128,14 @@ class Premises:
         return values
 
     @cached_property
-    def _groups(self) -> tuple[_Group, ...]:
+    def _groups(self) -> tuple[_TermGroup, ...]:
         kinds = dict.fromkeys(term.kind for term in self.terms)
         return tuple(self._group(kind) for kind in kinds)
 
-    def _group(self, kind: str) -> _Group:
+    def _group(self, kind: str) -> _TermGroup:
         columns = [k for k, term in enumerate(self.terms) if term.kind == kind]
         terms = [self.terms[k] for k in columns]
-        return _Group(
+        return _TermGroup(
             np.array(columns),
             np.array([term.input for term in terms]),
             np.array([[index for index, _ in term.numbers] for term in terms]).T,
@@ -147,7 +147,7 @@ class Premises:
         """Return the parameters of a term."""
         return tuple(sign * float(self.numbers[index]) for index, sign in term.numbers)
 
-    def _read(self, group: _Group, inputs: Array, reading: tuple[Node, Schedule]) -> Array:
+    def _read(self, group: _TermGroup, inputs: Array, reading: tuple[Node, Schedule]) -> Array:
         columns = group.signs * self.numbers[group.indices]
         symbols = group.readings.symbols
         values = dict(zip(symbols, (inputs[:, group.inputs], *columns), strict=True))

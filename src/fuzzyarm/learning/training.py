@@ -18,7 +18,7 @@ from fuzzyarm.learning.self_organizing import (
     trained,
     trajectory_words,
 )
-from fuzzyarm.loop.along import Schedule, Way, equipped, trajectory_motion, way_of
+from fuzzyarm.loop.along import FollowedPlant, Schedule, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.course import Motion, Options
 from fuzzyarm.loop.experiments import (
     control_tables,
@@ -95,7 +95,7 @@ def train(
     conventions, options = keywords.get("conventions", PLAIN), keywords.get("options")
     connect = keywords.get("connect")
     way = way_of(plant)
-    if isinstance(way, Way):
+    if isinstance(way, FollowedPlant):
         assert way.trajectory is not None
         way = trajectory_motion(
             equipped(way.plant, options or Options()),

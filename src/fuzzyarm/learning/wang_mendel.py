@@ -18,7 +18,7 @@ from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.sugeno import Array
 from fuzzyarm.learning.written import (
-    Layout,
+    WritingStyle,
     middle_of,
     outer_range,
     term_names,
@@ -91,7 +91,9 @@ def proposals(
     return Proposals(ordered[ends, :-1], ordered[ends, -1], support)
 
 
-def wang_mendel(samples: Samples, words: int, layout: Layout) -> tuple[RuleBase, NDArray[np.intp]]:
+def wang_mendel(
+    samples: Samples, words: int, layout: WritingStyle
+) -> tuple[RuleBase, NDArray[np.intp]]:
     """Return the rule base of Wang and Mendel, and the support of each rule.
 
     Parameters
@@ -100,7 +102,7 @@ def wang_mendel(samples: Samples, words: int, layout: Layout) -> tuple[RuleBase,
         With a target of numbers.
     words : int
         Of each variable.
-    layout : Layout
+    layout : WritingStyle
         Names.
 
     Raises

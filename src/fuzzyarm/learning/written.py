@@ -141,7 +141,7 @@ def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> A
 
 
 @dataclass(frozen=True)
-class Layout:
+class WritingStyle:
     """How a model is written, apart from what was learned.
 
     Attributes
@@ -161,7 +161,7 @@ class Layout:
 
 
 def sugeno_rulebase(
-    premises: Premises, samples: Samples, shrinkage: float, error: Array, layout: Layout
+    premises: Premises, samples: Samples, shrinkage: float, error: Array, layout: WritingStyle
 ) -> RuleBase:
     """Return a Takagi–Sugeno model as a rule base with rounded numbers.
 
@@ -175,7 +175,7 @@ def sugeno_rulebase(
         Of the consequents.
     error : ndarray, shape (outputs,)
         The error of each output, which says how far consequents may be rounded.
-    layout : Layout
+    layout : WritingStyle
         Names and digits.
     """
     rounded = rounded_premises(premises, layout.digits)
@@ -247,7 +247,7 @@ def _always() -> Term:
 
 
 def _input(
-    k: int, name: str, premises: Premises, names: list[str], samples: Samples, layout: Layout
+    k: int, name: str, premises: Premises, names: list[str], samples: Samples, layout: WritingStyle
 ) -> Input:
     low, high = _range(samples, k)
     terms = [
@@ -261,7 +261,7 @@ def _input(
 
 
 def _output(
-    name: str, k: int, values: Array, labels: Sequence[str], samples: Samples, layout: Layout
+    name: str, k: int, values: Array, labels: Sequence[str], samples: Samples, layout: WritingStyle
 ) -> Output:
     targets = samples.outputs[:, k]
     low, high = outer_range(float(targets.min()), float(targets.max()))

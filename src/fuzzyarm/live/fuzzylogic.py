@@ -117,7 +117,7 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
     return RuleBase(name, inputs, (output,), (RuleBlock(tuple(rules)),))
 
 
-class _Named(NamedTuple):
+class _NamedSet(NamedTuple):
     """A set as the rules call it; of one that is another term under hedges `set` is None."""
 
     term: str
@@ -125,9 +125,11 @@ class _Named(NamedTuple):
     set: Any
 
 
-def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[int, _Named]:
+def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[int, _NamedSet]:
     """Return by identity the sets of a domain, and those made of them on the way."""
-    names_of_sets = {id(set_): _Named(str(name), (), set_) for name, set_ in domain._sets.items()}
+    names_of_sets = {
+        id(set_): _NamedSet(str(name), (), set_) for name, set_ in domain._sets.items()
+    }
     own_sets = list(names_of_sets.values())
     names = {set_.term for set_ in own_sets}
     for set_ in used:
@@ -135,13 +137,13 @@ def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[in
             continue
         same = _under_hedges(set_, own_sets, domain) if hedged else None
         if same is None:
-            same = _Named(unique_name(str(set_.name or "derived"), names), (), set_)
+            same = _NamedSet(unique_name(str(set_.name or "derived"), names), (), set_)
             names.add(same.term)
         names_of_sets[id(set_)] = same
     return names_of_sets
 
 
-def _under_hedges(each: Any, own: list[_Named], domain: Any) -> _Named | None:
+def _under_hedges(each: Any, own: list[_NamedSet], domain: Any) -> _NamedSet | None:
     """Return the own term and the hedges that make a set, as ``~hot`` and ``very(hot)``."""
     low, width = float(domain._low), float(domain._high) - float(domain._low)
     # Also an eighth of the range beyond its ends, where a complement looks different.
@@ -152,7 +154,7 @@ def _under_hedges(each: Any, own: list[_Named], domain: Any) -> _Named | None:
         for hedges in (*_powers(before, degrees), (NOT,)):
             values = [apply_hedges(hedges, min(1.0, max(0.0, y))) for y in before]
             if all(abs(a - b) <= TOLERANCE for a, b in zip(values, degrees, strict=True)):
-                return _Named(term.term, hedges, None)
+                return _NamedSet(term.term, hedges, None)
     return None
 
 
@@ -168,7 +170,7 @@ def _powers(before: list[float], after: list[float]) -> list[tuple[Hedge, ...]]:
 _POWERS = {2.0: Hedge("very"), 0.5: Hedge("somewhat"), 3.0: Hedge("extremely")}
 
 
-def _input(label: str, domain: Any, sets: Iterable[_Named], findings: Findings) -> Input:
+def _input(label: str, domain: Any, sets: Iterable[_NamedSet], findings: Findings) -> Input:
     low, high = float(domain._low), float(domain._high)
     shapes = {}
     for name, _, set_ in sets:
@@ -184,7 +186,7 @@ def _degree_of(each: Any) -> Callable[[float], float]:
     return lambda x: float(each(x))
 
 
-def _output(label: str, target: Any, sets: Iterable[_Named]) -> Output:
+def _output(label: str, target: Any, sets: Iterable[_NamedSet]) -> Output:
     low, high = float(target._low), float(target._high)
     step = (high - low) / len(target.range)
     values = {name: low + step * float(set_.center_of_gravity) for name, _, set_ in sets}

@@ -150,7 +150,7 @@ def _evaluation(system: Any) -> dict[str, Any]:
     }
 
 
-class _Order(NamedTuple):
+class _InputOrder(NamedTuple):
     """The inputs that the functions of a ``T1TSK`` get; what speaks against that, if anything."""
 
     names: tuple[str, ...]
@@ -158,7 +158,7 @@ class _Order(NamedTuple):
     strange: str = ""  # an argument that is the value of no input
 
 
-def _order(system: Any) -> _Order:
+def _order(system: Any) -> _InputOrder:
     """Return the inputs in the order in which the functions of a ``T1TSK`` get them.
 
     Told from an evaluation where each argument is the value of one input; else as the functions
@@ -169,7 +169,7 @@ def _order(system: Any) -> _Order:
     settings = dict(zip(("inputs", "params"), positional, strict=False)) | dict(options)
     values, arguments = settings.get("inputs"), settings.get("params")
     if not values or arguments is None:
-        return _Order(_as_called(system, names) or names, len(names) > 1)
+        return _InputOrder(_as_called(system, names) or names, len(names) > 1)
     candidates = []
     for argument in arguments:
         here = [name for name in names if name in values]
@@ -177,18 +177,18 @@ def _order(system: Any) -> _Order:
         same = [name for name in here if values[name] is argument]
         candidates.append(same or [name for name in here if _equal(values[name], argument)])
         if not candidates[-1]:
-            return _Order(names, strange=str(argument)[:40])
+            return _InputOrder(names, strange=str(argument)[:40])
     if all(len(same) == 1 for same in candidates):
-        return _Order(tuple(same[0] for same in candidates))
+        return _InputOrder(tuple(same[0] for same in candidates))
     for order in (_as_called(system, names), names):
         # With fewer arguments than inputs the first of them are meant.
         prefix = (order or ())[: len(candidates)]
         if len(prefix) == len(candidates) and all(map(contains, candidates, prefix)):
-            return _Order(prefix, is_guess=True)
+            return _InputOrder(prefix, is_guess=True)
     matches: list[str] = []
     for same in candidates:
         matches.append(next((name for name in same if name not in matches), same[0]))
-    return _Order(tuple(matches), is_guess=True)
+    return _InputOrder(tuple(matches), is_guess=True)
 
 
 def _equal(one: Any, other: Any) -> bool:

@@ -15,7 +15,7 @@ from typing import Any
 
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.formats.drafts import blocks_by_norms
-from fuzzyarm.formats.findings import Findings, Imported, Word, reading, written
+from fuzzyarm.formats.findings import Findings, Imported, TextPiece, reading, written
 from fuzzyarm.formats.recovery import even_family, shape_of
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import estimated_range
@@ -171,18 +171,18 @@ class _Reader:
             names = [*self.system._crispvalues, *self.system._outputfunctions]
             if term not in names:
                 what = f"in rule {number}, the value"
-                self.findings.unknown("undefined-term", what, Word(term), names)
+                self.findings.unknown("undefined-term", what, TextPiece(term), names)
             return term in names
         return self._known(variable, term, number)
 
     def _known(self, variable: str, term: str, number: int) -> bool:
         if variable not in self.variables:
             what = f"in rule {number}, the variable"
-            self.findings.unknown("undefined-variable", what, Word(variable), self.variables)
+            self.findings.unknown("undefined-variable", what, TextPiece(variable), self.variables)
             return False
         terms = [set_._term for set_ in self.variables[variable]._FSlist]
         if term not in terms:
-            self.findings.no_term(variable, Word(term), terms, f"in rule {number}, ")
+            self.findings.no_term(variable, TextPiece(term), terms, f"in rule {number}, ")
         return term in terms
 
     def _expression(self, part: Any, used: set[str], number: int) -> Expression | None:

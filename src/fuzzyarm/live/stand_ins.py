@@ -198,7 +198,7 @@ class _Loader(importlib.abc.Loader):
         pass
 
 
-class Finder(importlib.abc.MetaPathFinder):
+class StandInFinder(importlib.abc.MetaPathFinder):
     """Finds a stand-in for what a script, and not a library, imports.
 
     Parameters
@@ -265,8 +265,8 @@ def prepare(home: str) -> Answers:
         The folder of the script.
     """
     # In front of all finders for what is replaced in any case, behind them for what is missing.
-    sys.meta_path.insert(0, Finder(home, replaced=True))
-    sys.meta_path.append(Finder(home, replaced=False))
+    sys.meta_path.insert(0, StandInFinder(home, replaced=True))
+    sys.meta_path.append(StandInFinder(home, replaced=False))
     answers = Answers()
     builtins.input = answers
     notebook = {"get_ipython": lambda: StandIn("notebook"), "display": lambda *_, **__: None}

@@ -1,6 +1,7 @@
 """Along a trajectory of a plant: its set points, and what the plant carries in each segment.
 
-What a run follows is a :class:`Way`: a plant, and one of its trajectories or else references.
+What a run follows is a :class:`FollowedPlant`: a plant, and one of its trajectories or else
+references.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ Schedule = Sequence[Mapping[str, float]]
 """For each segment of a trajectory the parameters of the plant that differ in it."""
 
 
-class Way(NamedTuple):
+class FollowedPlant(NamedTuple):
     """A plant, and the trajectory that it follows; references where there is none."""
 
     plant: Plant
@@ -37,7 +38,7 @@ class Way(NamedTuple):
 
 def way_of(
     on: AnyWay, along: Trajectory | str | None = None, *, referred: bool = False
-) -> Way | Motion:
+) -> FollowedPlant | Motion:
     """Return what is followed.
 
     Parameters
@@ -61,13 +62,15 @@ def way_of(
     if isinstance(on, Trajectory | Motion):
         if referred or along is not None:
             raise twice
-        return on if isinstance(on, Motion) else Way(follower_of(on), on)
+        return on if isinstance(on, Motion) else FollowedPlant(follower_of(on), on)
     plant = on if isinstance(on, Plant) else find_plant(on)
     if along is None and (referred or not plant.trajectories):
-        return Way(plant, None)
+        return FollowedPlant(plant, None)
     if referred:
         raise twice
-    return Way(plant, along if isinstance(along, Trajectory) else trajectory_of(plant, along or ""))
+    return FollowedPlant(
+        plant, along if isinstance(along, Trajectory) else trajectory_of(plant, along or "")
+    )
 
 
 def equipped(plant: Plant, options: Options) -> Plant:

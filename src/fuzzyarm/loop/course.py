@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import Site, site_of
 from fuzzyarm.kernels import has_machine_code
-from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
+from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, LoopConstants
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_number, as_seconds, as_signal
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
@@ -34,10 +34,10 @@ from fuzzyarm.plant.plant import (
 from fuzzyarm.plant.setting import (
     CLOCK,
     PLAIN,
-    Arithmetic,
     ArmError,
     Conventions,
     Pair,
+    RunArithmetic,
 )
 from fuzzyarm.text.keywords import demand_arguments
 
@@ -149,10 +149,10 @@ class Options:
             message = f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range"
             raise PlantError(message, name="runge_kutta", hint="0 to 1000")
 
-    def arithmetic(self, conventions: Conventions) -> Arithmetic:
+    def arithmetic(self, conventions: Conventions) -> RunArithmetic:
         """Return how the laws count under some conventions."""
         compiled = has_machine_code() if self.compiled is None else self.compiled
-        return Arithmetic(conventions.single, conventions.pi, compiled)
+        return RunArithmetic(conventions.single, conventions.pi, compiled)
 
 
 # --- The references of a run ---
@@ -400,7 +400,7 @@ class Course:
         cells, bounds = self._checks()
         path: Any = [] if motion.path is None else motion.path
         self._judged = (self._flat(cells, np.int64), self._flat(bounds), self._flat(path))
-        self._setting = Setting(
+        self._setting = LoopConstants(
             motion.step,
             conventions.single,
             motion.every,

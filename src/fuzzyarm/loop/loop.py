@@ -41,7 +41,7 @@ from fuzzyarm.plant.plant import (
 from fuzzyarm.plant.setting import CLOCK, stored, stored_double, stored_single
 
 
-class Setting(NamedTuple):
+class LoopConstants(NamedTuple):
     """What does not change during a run; the loop takes it as an array in this order.
 
     Attributes
@@ -119,7 +119,7 @@ def run_loop(
     plants : float
         Blocks of numbers of the plant.
     setting_numbers : float
-        A :class:`Setting`.
+        A :class:`LoopConstants`.
     links : int
         See above.
     sensors, noise
@@ -154,7 +154,7 @@ def run_loop(
     """
     # Read once: as scalars of a tuple they stay in registers over the whole run.
     s = setting_numbers
-    setting = Setting(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
+    setting = LoopConstants(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
     # Where all sensors are exact the plant measures into what a law is told.
     drives = board[frame.driven :]
@@ -294,7 +294,7 @@ def refer(
     references: list[float],
     point: int,
     iteration: int,
-    setting: Setting,
+    setting: LoopConstants,
 ) -> None:
     """Fill in the references of a set point, or what lies between it and the next."""
     at = point * frame.references
@@ -582,7 +582,7 @@ def drawn(random: int) -> int:
 
 
 @kernel
-def disturbed(state: list[float], setting: Setting, random: int) -> int:
+def disturbed(state: list[float], setting: LoopConstants, random: int) -> int:
     """Multiply each state by 1 + size times a random number in [-1, 1)."""
     # One draw for each state in turn: a seed says all, on any machine and with any number of
     # threads. 2³⁰ is the middle of the generator's range.

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.errors import FuzzyarmError, demand_extra
-from fuzzyarm.loop.along import AnyWay, Way, equipped, trajectory_motion, way_of
+from fuzzyarm.loop.along import AnyWay, FollowedPlant, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.blocks import (
     Block,
     Rows,
@@ -178,7 +178,7 @@ class Experiment:
     """What all runs share; see :func:`fuzzyarm.loop.simulate_many`. It travels as it is."""
 
     controller: Controller
-    on: Way | AnyWay
+    on: FollowedPlant | AnyWay
     segments: tuple[int, ...] | None = None
     shared: Changes = field(default_factory=dict)
     conventions: Conventions = PLAIN
@@ -188,9 +188,9 @@ class Experiment:
     connect: Mapping[str, str] | None = None
 
     @property
-    def way(self) -> Way | Motion:
+    def way(self) -> FollowedPlant | Motion:
         """What is followed."""
-        if isinstance(self.on, Way):
+        if isinstance(self.on, FollowedPlant):
             return self.on
         return way_of(self.on, referred=bool(self.references) or self.duration is not None)
 
@@ -213,7 +213,9 @@ class Bench:
 
     def __init__(self, experiment: Experiment, names: Sequence[str]) -> None:
         way = experiment.way
-        carrying = isinstance(way, Way) and way.trajectory is not None and carries(way.plant)
+        carrying = (
+            isinstance(way, FollowedPlant) and way.trajectory is not None and carries(way.plant)
+        )
         if "payload" in names and carrying:
             # A run that does not say its load has none, unless all are said to have one.
             shared = {"payload": 0.0, **experiment.shared}
@@ -221,7 +223,7 @@ class Bench:
         self.experiment = experiment
         controller = experiment.controller
         conventions, options = experiment.conventions, experiment.options
-        if isinstance(way, Way):
+        if isinstance(way, FollowedPlant):
             way = way._replace(plant=equipped(way.plant, options))
         self.way = way
         if isinstance(way, Motion):
@@ -346,7 +348,7 @@ class Bench:
             return None
         plants: Sequence[Plant] = self.motion.plants
         if self.loaded:
-            assert isinstance(self.way, Way)
+            assert isinstance(self.way, FollowedPlant)
             share, bare = float(changes.get("payload", 1.0)), self.way.plant
             plants = [with_load(bare, share) if loaded else bare for loaded in self.loaded]
         # What is given of the plant holds with its load, too.

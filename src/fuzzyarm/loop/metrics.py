@@ -114,7 +114,7 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
     return own_error if metric in ERRORS else units[metric]
 
 
-class Counted(NamedTuple):
+class PeriodFigures(NamedTuple):
     """What the loop counts in every control period: samples do not tell it."""
 
     chatter: float = 0.0
@@ -122,7 +122,7 @@ class Counted(NamedTuple):
     rms_path: float = math.nan
 
 
-_NOTHING = Counted()
+_NOTHING = PeriodFigures()
 
 
 def metrics_of(
@@ -133,7 +133,7 @@ def metrics_of(
     limits: list[tuple[float, float]],
     period: float,
     maximum: Literal["magnitude", "positive"] = "magnitude",
-    counted: Counted = _NOTHING,
+    counted: PeriodFigures = _NOTHING,
 ) -> Metrics:
     """Measure the run of an axis.
 
@@ -149,7 +149,7 @@ def metrics_of(
         Time from sample to sample, s.
     maximum : {"magnitude", "positive"}, optional
         See :func:`fuzzyarm.loop.loop.signed_maximum`.
-    counted : Counted, optional
+    counted : PeriodFigures, optional
         What the loop has counted.
     """
     if not len(errors):

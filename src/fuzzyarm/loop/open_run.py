@@ -17,7 +17,7 @@ from fuzzyarm.controller.on_plant import Site, controller_on
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import TICK
-from fuzzyarm.loop.program import Program, Record, loop_for
+from fuzzyarm.loop.program import LoopProgram, RunRecord, loop_for
 from fuzzyarm.plant.own import plain_errors
 from fuzzyarm.plant.plant import Address
 
@@ -33,7 +33,7 @@ class OpenRun:
     ----------
     site : Site
         Where the controller runs.
-    program : Program
+    program : LoopProgram
         Of the controller.
     course : Course
         The experiment.
@@ -48,9 +48,9 @@ class OpenRun:
 
     Attributes
     ----------
-    program : Program
+    program : LoopProgram
         That runs now.
-    record : Record
+    record : RunRecord
         What it has written so far.
     seconds : float
         Wall time of the loop.
@@ -59,7 +59,7 @@ class OpenRun:
     def __init__(
         self,
         site: Site,
-        program: Program,
+        program: LoopProgram,
         course: Course,
         taps: Any,
         seed: int | None = None,
@@ -69,7 +69,7 @@ class OpenRun:
     ) -> None:
         self.site, self.course = site, course
         self.seed = seed
-        self.record = Record(course, program.memory, taps, seed, between=between)
+        self.record = RunRecord(course, program.memory, taps, seed, between=between)
         self.seconds = 0.0
         self.count = len(course.motion.time)
         self._loads = course.loads() if loaded else None
@@ -149,11 +149,11 @@ class OpenRun:
         Raises
         ------
         StructureError
-            If its instructions are others, see :meth:`fuzzyarm.loop.program.Program.structure`.
+            If its instructions are others, see :meth:`fuzzyarm.loop.program.LoopProgram.structure`.
         SourceError
             If the plant does not have what it measures or drives.
         """
-        program = Program(controller_on(controller, self.site), self.program.arithmetic)
+        program = LoopProgram(controller_on(controller, self.site), self.program.arithmetic)
         if not program.compilable or program.structure() != self.program.structure():
             raise StructureError(f"{controller.name} has another structure")
         # Its cells lie elsewhere where a rule base has another layout; their order is the same.
@@ -162,7 +162,7 @@ class OpenRun:
         self.record.memory = flat(memory, as_array=self.course.as_array)
         self._use(program)
 
-    def _use(self, program: Program) -> None:
+    def _use(self, program: LoopProgram) -> None:
         self.program = program
         self._own = program.inputs(as_array=self.course.as_array)
         self._loop = loop_for(program, self.course, self.record)

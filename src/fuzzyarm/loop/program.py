@@ -43,8 +43,8 @@ from fuzzyarm.plant.plant import (
 )
 from fuzzyarm.plant.setting import (
     CLOCK,
-    Arithmetic,
     Clock,
+    RunArithmetic,
     State,
 )
 from fuzzyarm.plant.setting import Reference as ArmReference
@@ -54,7 +54,7 @@ from fuzzyarm.text.names import near_hint
 # --- A controller as the loop takes it ---
 
 
-def loop_of_laws(program: Program, course: Course) -> Callable[..., None]:
+def loop_of_laws(program: LoopProgram, course: Course) -> Callable[..., None]:
     """Return the loop around laws and plant, as machine code or as plain Python.
 
     Of several that do the same it is the one into which most is compiled: plant and controller, or
@@ -79,7 +79,7 @@ def _held(single: bool) -> dict[str, Callable[..., Any]]:
     return loop_bindings(None, single=single, of_text=False)
 
 
-class Program:
+class LoopProgram:
     """A controller as the loop takes it: laws, constants and memory.
 
     Attributes
@@ -90,7 +90,7 @@ class Program:
         Whether every addend is a compiled law.
     """
 
-    def __init__(self, controller: Controller, arithmetic: Arithmetic) -> None:
+    def __init__(self, controller: Controller, arithmetic: RunArithmetic) -> None:
         self.controller = controller
         self.arithmetic = arithmetic
         parts = list(controller.parts())
@@ -171,7 +171,7 @@ class Program:
         return values
 
 
-class Record:
+class RunRecord:
     """What the loop writes, and what it goes on from: all that a run is at some time.
 
     Parameters
@@ -307,8 +307,8 @@ def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.flo
     return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
 
 
-def shown_means(course: Course, record: Record, kind: int) -> NDArray[np.float64]:
-    """Return the RMS errors of all control periods, as errors are shown; see :class:`Record`."""
+def shown_means(course: Course, record: RunRecord, kind: int) -> NDArray[np.float64]:
+    """Return the RMS errors of all control periods, as errors are shown; see :class:`RunRecord`."""
     return np.asarray(np.sqrt(record.squares(kind)) * scales(course))
 
 
@@ -328,7 +328,7 @@ def shown_units(course: Course) -> tuple[str, ...]:
 # --- Loops in which something is plain Python ---
 
 
-def loop_for(program: Program, course: Course, record: Record) -> Callable[..., None]:
+def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Callable[..., None]:
     """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
     single = course.conventions.single
     if program.compilable and is_compiled(course.plant):
@@ -347,7 +347,7 @@ Asked = Callable[[Any], Iterable[tuple[int, float]]]
 """From what a controller is told to its drives: which input, and what is added there."""
 
 
-def plain_control(program: Program, course: Course) -> Callable[..., None]:
+def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
     """Return what asks a controller in plain Python, each addend in its own way."""
     parts = list(program.controller.parts())
     if not any(part.takes_ports for part in parts):
@@ -366,7 +366,7 @@ def plain_control(program: Program, course: Course) -> Callable[..., None]:
     return control
 
 
-def _asked(part: Controller, arithmetic: Arithmetic, course: Course) -> Asked:
+def _asked(part: Controller, arithmetic: RunArithmetic, course: Course) -> Asked:
     if part.takes_ports:
         return _asked_by_ports(part, course)
     law = on_plant.text_law_of(part)
@@ -389,7 +389,7 @@ def _asked_for_torques(part: Controller) -> Asked:
 
 
 def _asked_of_text(
-    part: Controller, law: on_plant.TextLaw, arithmetic: Arithmetic, course: Course
+    part: Controller, law: on_plant.TextLaw, arithmetic: RunArithmetic, course: Course
 ) -> Asked:
     """Return what runs a controller as text beside one in Python."""
     gains = {
@@ -438,8 +438,8 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
     def ask(told: Any) -> Iterable[tuple[int, float]]:
         with _named(part):
             drives = part.step(
-                _Named({name: float(told[cell]) for name, cell in measured.items()}),
-                _Named({name: float(told[cell]) for name, cell in references.items()}),
+                _NamedValues({name: float(told[cell]) for name, cell in measured.items()}),
+                _NamedValues({name: float(told[cell]) for name, cell in references.items()}),
             )
         if not isinstance(drives, Mapping):
             if not only:
@@ -456,7 +456,7 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
     return ask
 
 
-class _Named(dict[str, float]):
+class _NamedValues(dict[str, float]):
     """Values by name; one that is not there is said with those that are."""
 
     def __missing__(self, name: str) -> NoReturn:
@@ -487,7 +487,7 @@ def _named(part: Controller) -> Iterator[None]:
         raise SourceError(message) from error
 
 
-def compiled_law(program: Program, course: Course, record: Record) -> Callable[..., None]:
+def compiled_law(program: LoopProgram, course: Course, record: RunRecord) -> Callable[..., None]:
     """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
     laws, numbers = program.inputs(as_array=True)
     board = np.asarray(record.board)

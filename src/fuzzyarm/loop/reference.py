@@ -217,7 +217,7 @@ def _quintic(t: Vector, to: float, duration: float, start: float = 0.0) -> Deriv
 
 
 @dataclass(frozen=True)
-class Kind:
+class ReferenceKind:
     """A kind of reference: its numbers, how many of them are needed, its form."""
 
     words: tuple[str, ...]
@@ -226,11 +226,11 @@ class Kind:
 
 
 KINDS = {
-    "step": Kind(("TO", "AT", "FROM"), 1, _step),
-    "ramp": Kind(("RATE", "AT", "FROM"), 1, _ramp),
-    "sine": Kind(("AMPLITUDE", "HERTZ", "OFFSET"), 2, _sine),
-    "quintic": Kind(("TO", "SECONDS", "FROM"), 2, _quintic),
-    "file": Kind((), 0, _step),
+    "step": ReferenceKind(("TO", "AT", "FROM"), 1, _step),
+    "ramp": ReferenceKind(("RATE", "AT", "FROM"), 1, _ramp),
+    "sine": ReferenceKind(("AMPLITUDE", "HERTZ", "OFFSET"), 2, _sine),
+    "quintic": ReferenceKind(("TO", "SECONDS", "FROM"), 2, _quintic),
+    "file": ReferenceKind((), 0, _step),
 }
 """Every kind by its name; times in s, the rest in the unit of the port."""
 

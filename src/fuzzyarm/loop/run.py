@@ -37,11 +37,11 @@ from fuzzyarm.loop.course import (
     range_notes,
 )
 from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
-from fuzzyarm.loop.metrics import METRICS, Counted, Metrics, metric_unit, metrics_of
+from fuzzyarm.loop.metrics import METRICS, Metrics, PeriodFigures, metric_unit, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
-    Program,
-    Record,
+    LoopProgram,
+    RunRecord,
     error_taps,
     loop_of_laws,
     scales,
@@ -243,7 +243,7 @@ class Run(Plotted):
                 [self.limits[name] for name in names],
                 self.period,
                 self.conventions.maximum,
-                Counted(
+                PeriodFigures(
                     self.chatter.get(names[0], 0.0) if names else 0.0,
                     float(self.rms_periods[column]),
                     float(self.rms_path[column]),
@@ -428,7 +428,7 @@ class ClosedLoop:
     ----------
     controller : Controller
         For this plant.
-    program : Program
+    program : LoopProgram
         Of the controller.
     course : Course
         The experiment.
@@ -450,7 +450,7 @@ class ClosedLoop:
         require_timing(self.controller, followed)
         self.arithmetic = options.arithmetic(conventions)
         plant = followed.plants[0]
-        self.program = Program(self.controller, self.arithmetic)
+        self.program = LoopProgram(self.controller, self.arithmetic)
         self.compiled = self.program.compiled and is_compiled(plant)
         driven = driven_plainly(self.site)
         if self.program.compilable:
@@ -472,13 +472,13 @@ class ClosedLoop:
             *map(self.course.drive_cell, self.site.interface.inputs),
         ]
 
-    def program_with(self, gains: Mapping[str, Sequence[float]]) -> Program:
+    def program_with(self, gains: Mapping[str, Sequence[float]]) -> LoopProgram:
         """Return the program of the same controller with other gains."""
-        return Program(self.controller.with_gains(gains), self.arithmetic)
+        return LoopProgram(self.controller.with_gains(gains), self.arithmetic)
 
     def run(
         self,
-        program: Program | None = None,
+        program: LoopProgram | None = None,
         course: Course | None = None,
         seed: int | None = None,
     ) -> Run:
@@ -497,7 +497,7 @@ class ClosedLoop:
 
     def judged(
         self,
-        program: Program | None = None,
+        program: LoopProgram | None = None,
         course: Course | None = None,
         seed: int | None = None,
     ) -> Judged:
@@ -526,7 +526,7 @@ class ClosedLoop:
             dict(zip(labels, errors, strict=True)), dict(zip(labels, calm, strict=True)), stopped
         )
 
-    def _chatter(self, record: Record) -> dict[str, float]:
+    def _chatter(self, record: RunRecord) -> dict[str, float]:
         interface = self.site.interface
         changes = np.sqrt(record.changes(SQUARES)).tolist()
         every = dict(zip(map(interface.label, interface.inputs), changes, strict=True))
@@ -542,7 +542,7 @@ class ClosedLoop:
 
     def open(
         self,
-        program: Program | None = None,
+        program: LoopProgram | None = None,
         course: Course | None = None,
         seed: int | None = None,
         *,
@@ -600,7 +600,7 @@ class ClosedLoop:
             notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
         )
 
-    def _cause(self, record: Record) -> str:
+    def _cause(self, record: RunRecord) -> str:
         """Say what stopped a run that diverged, of the values when it did."""
         interface, board = self.site.interface, np.asarray(record.board, float)
         label = interface.label
@@ -637,7 +637,7 @@ class ClosedLoop:
         notes += [f"nothing drives {axis}" for axis in sorted(idle)]
         return tuple(notes)
 
-    def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
+    def _limits(self, program: LoopProgram) -> dict[str, tuple[float, float]]:
         """Return the limits of each drive: the actuator's, or the text's where narrower."""
         limits = {}
         own = drive_limits(program.controller, self.site)

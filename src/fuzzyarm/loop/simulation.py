@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.findings import site_for
-from fuzzyarm.loop.along import AnyWay, Schedule, Way, equipped, trajectory_motion, way_of
+from fuzzyarm.loop.along import AnyWay, FollowedPlant, Schedule, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.course import Motion, Options
 from fuzzyarm.loop.experiments import (
     controllers_of,
@@ -141,7 +141,7 @@ def simulate(
     conventions = keywords.get("conventions", PLAIN)
     law = as_controller(controller)
     way, reference = _followed(law, plant, keywords)
-    if isinstance(way, Way):
+    if isinstance(way, FollowedPlant):
         home = equipped(way.plant, options)
         if way.trajectory is None:
             way = plant_motion(law, home, reference, keywords.get("duration"), connect)
@@ -160,14 +160,14 @@ def simulate(
 
 def _followed(
     chosen: Controller, plant: AnyWay | None, keywords: RunKeywords | ManyKeywords
-) -> tuple[Way | Motion, Mapping[str, AnySignal] | None]:
+) -> tuple[FollowedPlant | Motion, Mapping[str, AnySignal] | None]:
     """Return what is followed, and the references of a plant that follows some."""
     connect = keywords.get("connect")
     reference, step = keywords.get("reference"), keywords.get("step")
     referred = bool(reference) or step is not None or keywords.get("duration") is not None
     place = site_for(chosen, connect).name if plant is None else plant
     way = way_of(place, keywords.get("trajectory"), referred=referred)
-    if step is not None and isinstance(way, Way):
+    if step is not None and isinstance(way, FollowedPlant):
         reference = stepped(chosen, way.plant, step, reference, connect)
     return way, reference
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.errors import UsageError
 from fuzzyarm.loop.many import SweepError, Vector, metric_names
-from fuzzyarm.requests.journal import Journal
+from fuzzyarm.requests.journal import WorkJournal
 
 # --- Ranges ---
 
@@ -190,7 +190,7 @@ class SweepFile:
         self.count = len(next(iter(columns.values())))
         names = ["run", *columns, "diverged", *metric_names(outputs)]
         head = {**question, "units": dict(units)} if units else question
-        self.journal = Journal(path, "sweep", head, names)
+        self.journal = WorkJournal(path, "sweep", head, names)
         self.path = self.journal.path
 
     def begin(self) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.text import files_of
 from fuzzyarm.errors import FuzzyarmError, UsageError, WordError, demand_extra, sentence_of
-from fuzzyarm.loop.along import Way
+from fuzzyarm.loop.along import FollowedPlant
 from fuzzyarm.loop.experiments import (
     controllers_of,
     files_named,
@@ -83,7 +83,7 @@ def sweep_of(asked: SweepRequest) -> Sweep:
         trajectory = trajectory_asked(asked, plant)
         if not asked.way_points:
             asked = asked.replaced(trajectory=asked.trajectory or next(iter(plant.trajectories)))
-        on = Way(plant, trajectory)
+        on = FollowedPlant(plant, trajectory)
         if asked.payload or asked.loaded:
             shared["payload"] = 1.0
     else:

@@ -7,10 +7,10 @@ named here know nothing of the protocol's library.
 from typing import TYPE_CHECKING
 
 from fuzzyarm.lazy import lazily
-from fuzzyarm.lsp.session import Kind, Session
+from fuzzyarm.lsp.session import FileKind, Session
 from fuzzyarm.lsp.tables import TableText
 
-__all__ = ["Kind", "Session", "TableText"]
+__all__ = ["FileKind", "Session", "TableText"]
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lsprotocol import types
 
-from fuzzyarm.language.queries import COLOURS, Candidate, Coloured, Edit, Symbol
+from fuzzyarm.language.queries import COLOURS, Coloured, Completion, Edit, OutlineSymbol
 from fuzzyarm.lsp.session import to_place, to_position
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 
@@ -100,7 +100,7 @@ class Converter:
         changes = [types.TextEdit(self.range(edit.span), edit.text) for edit in edits]
         return types.WorkspaceEdit(changes={self.uri: changes})
 
-    def completion(self, candidate: Candidate, rank: int) -> types.CompletionItem:
+    def completion(self, candidate: Completion, rank: int) -> types.CompletionItem:
         """Return a candidate; `rank` keeps the order."""
         snippet = candidate.snippet if self.snippets else ""
         text = snippet or candidate.insert
@@ -118,7 +118,7 @@ class Converter:
             ),
         )
 
-    def symbol(self, symbol: Symbol) -> types.DocumentSymbol:
+    def symbol(self, symbol: OutlineSymbol) -> types.DocumentSymbol:
         """Return a part of the outline."""
         return types.DocumentSymbol(
             name=symbol.name,

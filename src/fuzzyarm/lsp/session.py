@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.api import Judgement, Review, check_parsed, judge
 from fuzzyarm.language import Parsed, format_text
 from fuzzyarm.language.document import ParseMemory
-from fuzzyarm.language.phrases import Kind as Name
+from fuzzyarm.language.phrases import NameKind as Name
 from fuzzyarm.language.queries import (
-    Candidate,
     Coloured,
+    Completion,
     Edit,
     Facts,
     Fix,
     Fold,
     Hover,
+    OutlineSymbol,
     Reading,
-    Symbol,
     coloured,
     complete,
     fixes,
@@ -115,7 +115,7 @@ def _offset(text: str, starts: list[int], line: int, character: int, encoding: s
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class FileKind:
     """What an editor asks of a kind of files; everything but `read` takes what that returns.
 
     Attributes
@@ -139,12 +139,12 @@ class Kind:
     """
 
     read: Callable[[str, str, ParseMemory], Any]
-    complete: Callable[[Any, int, int], list[Candidate]]
+    complete: Callable[[Any, int, int], list[Completion]]
     hover: Callable[[Any, int, int], Hover | None]
     name_at: Callable[[Any, int, int], tuple[str, Span] | None]
     occurrences: Callable[[Any, int, int], list[tuple[Span, bool]]]
     rename: Callable[[Any, int, int, str], list[Edit]]
-    symbols: Callable[[Any], list[Symbol]]
+    symbols: Callable[[Any], list[OutlineSymbol]]
     folds: Callable[[Any], list[Fold]]
     coloured: Callable[[Any], Iterable[Coloured]]
     fixes: Callable[[Any, Diagnostic], list[Fix]]
@@ -200,7 +200,7 @@ def _facts(reading: Reading) -> Facts:
     return {**_ports(reading), **signals}
 
 
-def _complete(reading: Reading, line: int, column: int) -> list[Candidate]:
+def _complete(reading: Reading, line: int, column: int) -> list[Completion]:
     return complete(reading, line, column, _ports(reading))
 
 
@@ -208,11 +208,11 @@ def _hover(reading: Reading, line: int, column: int) -> Hover | None:
     return hover(reading, line, column, _facts(reading))
 
 
-RULE_BASE = Kind(
+RULE_BASE = FileKind(
     read, _complete, _hover, _name_at, _occurrences, rename, symbols, folds, coloured, _fixes,
     _formatted,
 )  # fmt: skip
-TABLE = Kind(
+TABLE = FileKind(
     lambda text, path, _memory: TableText(text, path),
     TableText.complete,
     TableText.hover,

@@ -5,7 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
+from fuzzyarm.language.queries import (
+    Coloured,
+    Completion,
+    Edit,
+    Fold,
+    Hover,
+    OutlineSymbol,
+    RenameError,
+)
 from fuzzyarm.language.queries.hover import plain
 from fuzzyarm.language.tokens import Token, name_text
 from fuzzyarm.table.header import KEYWORDS
@@ -89,7 +97,7 @@ class TableText:
             raise RenameError(f"'{name}' is taken already")
         return [Edit(span, name_text(name)) for span, _ in self._occurrences(name_and_span[0])]
 
-    def complete(self, line: int, column: int) -> list[Candidate]:
+    def complete(self, line: int, column: int) -> list[Completion]:
         """Return the words that could stand at a position of the header."""
         before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
         column = len(before) + 1
@@ -103,14 +111,14 @@ class TableText:
         first = _first(tokens)
         if not tokens:
             if self.grids and line > self.grids[0]:
-                return [Candidate("grid", "keyword", "grid", KEYWORDS["grid"], span=span)]
-            return [Candidate(w, "keyword", w, what, span=span) for w, what in KEYWORDS.items()]
+                return [Completion("grid", "keyword", "grid", KEYWORDS["grid"], span=span)]
+            return [Completion(w, "keyword", w, what, span=span) for w, what in KEYWORDS.items()]
         words = _CHOICES.get(first, ())
         if first == "index" and tokens[-1].text in words:
             words = tuple(n for n in self.names if n not in {t.text for t in tokens})
         elif first in ("levels", "bins") and len(tokens) == 1:
             words = tuple(f"{name_text(name)}:" for name in self.names[:-1])
-        return [Candidate(word, "value", word, span=span) for word in words]
+        return [Completion(word, "value", word, span=span) for word in words]
 
     def hover(self, line: int, column: int) -> Hover | None:
         """Return a cell in words, an input with its levels, or the help of a keyword."""
@@ -177,19 +185,21 @@ class TableText:
         text = self.lines[line - 1].partition("#")[0] if line <= len(self.lines) else ""
         return list(re.finditer(r"\S+", text))
 
-    def symbols(self) -> list[Symbol]:
+    def symbols(self) -> list[OutlineSymbol]:
         """Return the axes, the output and the grids."""
         outline = []
         for number, tokens in enumerate(self.tokens, start=1):
             first = _first(tokens)
             if first in ("input", "output") and len(tokens) > 1:
                 whole = tokens[0].span.to(tokens[-1].span)
-                outline.append(Symbol(tokens[1].text or "?", "", first, whole, tokens[1].span))
+                outline.append(
+                    OutlineSymbol(tokens[1].text or "?", "", first, whole, tokens[1].span)
+                )
             elif first == "grid":
                 end = self._end_of_grid(number)
                 whole = Span(number, 1, end, len(self.lines[end - 1]) + 1)
                 name = " ".join(self.lines[number - 1].split())
-                outline.append(Symbol(name, "", "grid", whole, tokens[0].span))
+                outline.append(OutlineSymbol(name, "", "grid", whole, tokens[0].span))
         return outline
 
     def folds(self) -> list[Fold]:

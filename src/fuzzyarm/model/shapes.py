@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.expression.lines import Line, Lines
+from fuzzyarm.expression.lines import StraightLine, StraightShape
 from fuzzyarm.expression.shapes import parameters_and_middles
 from fuzzyarm.model.rulebase import (
     Expression,
@@ -148,7 +148,7 @@ def polyline(shape: Shape) -> list[tuple[float, float]]:
     return [(x, shape.height * y) for x, y in corners_of(*shape.parameters)]
 
 
-def straight_lines(shape: Shape, hedges: Sequence[Hedge] = ()) -> Lines | None:
+def straight_lines(shape: Shape, hedges: Sequence[Hedge] = ()) -> StraightShape | None:
     """Return a term under hedges as lines that have its degrees to the bit; None where it has none.
 
     A level line stays level under any hedge. ``not`` turns a line that leaves its foot, for
@@ -170,15 +170,15 @@ def straight_lines(shape: Shape, hedges: Sequence[Hedge] = ()) -> Lines | None:
         if None in between:
             return None
         heights = tuple(apply_hedge(hedge, height) for height in lines.heights)
-        lines = Lines(lines.edges, heights, tuple(line for line in between if line))
+        lines = StraightShape(lines.edges, heights, tuple(line for line in between if line))
     return lines
 
 
-def _hedged_line(hedge: Hedge, line: Line) -> Line | None:
+def _hedged_line(hedge: Hedge, line: StraightLine) -> StraightLine | None:
     if hedge.name == "any" or line.slope == 0.0:
-        return Line(apply_hedge(hedge, line.height), 0.0, 0.0)
+        return StraightLine(apply_hedge(hedge, line.height), 0.0, 0.0)
     if hedge.name == "not" and line.height == 0.0:
-        return Line(1.0, line.x_0, -line.slope)
+        return StraightLine(1.0, line.x_0, -line.slope)
     return None
 
 

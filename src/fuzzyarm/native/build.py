@@ -227,7 +227,7 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
     return result
 
 
-class Job(NamedTuple):
+class Compilation(NamedTuple):
     """A file that is compiled: what of, what into, with which flags beside those of all."""
 
     source: Path
@@ -235,20 +235,20 @@ class Job(NamedTuple):
     flags: tuple[str, ...]
 
 
-def _jobs(work: Path, compiler: Compiler) -> Iterator[Job]:
+def _jobs(work: Path, compiler: Compiler) -> Iterator[Compilation]:
     """Write the files that are compiled; iterate over what is to be done with them."""
     for unit, text in kernels_in_c(roots()).items():
         source = work / f"{unit}.c"
         source.write_text(text, encoding="utf-8")
         for level, flags in compiler.levels.items():
             words = (f"-DTABLE={level}_{unit}", f"-DRUN_PROGRAM={level}_{unit}_program")
-            yield Job(source, work / f"{level}_{unit}.o", (*flags, *UNITS[unit], *words))
+            yield Compilation(source, work / f"{level}_{unit}.o", (*flags, *UNITS[unit], *words))
     module = work / "module.c"
     sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
     module_source = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
     module.write_text(module_source + sources, encoding="utf-8")
     v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
-    yield Job(module, work / "module.o", (f"-I{_headers(work, compiler)}", *v3))
+    yield Compilation(module, work / "module.o", (f"-I{_headers(work, compiler)}", *v3))
 
 
 def _headers(work: Path, compiler: Compiler) -> Path:

@@ -52,7 +52,7 @@ def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
     return {name: unit.text(filled) for name, unit in units.items()}
 
 
-class Entry(NamedTuple):
+class TranslatedKernel(NamedTuple):
     """A kernel that was translated: it is known by its key and takes arrays of some types."""
 
     key: str
@@ -66,13 +66,13 @@ class _Unit:
 
     def __init__(self) -> None:
         self.translation = Translation(C99)
-        self.entries: list[Entry] = []
+        self.entries: list[TranslatedKernel] = []
 
     def add(self, root: Root) -> None:
         """Translate a kernel."""
         types = tuple(ARRAYS[letter] for letter in root.types)
         function = self.translation.function(root.function, types, root.bindings)
-        self.entries.append(Entry(root.key, types, function, root.in_one))
+        self.entries.append(TranslatedKernel(root.key, types, function, root.in_one))
 
     def text(self, filled: dict[str, set[int]]) -> str:
         """Return the file."""
@@ -88,7 +88,7 @@ class _Unit:
         return "\n".join([*head, body, *entries, _ROW, *table, _WALK])
 
 
-def filled_arrays(entries: Sequence[Entry]) -> Iterator[tuple[str, set[int]]]:
+def filled_arrays(entries: Sequence[TranslatedKernel]) -> Iterator[tuple[str, set[int]]]:
     """Iterate over kernels by their keys, and which of their arrays they fill in."""
     # Where one calls another by address, all that takes such arrays may stand there, and a program
     # of operations, which fills in the last. What they fill in may be known in the next turn only.
@@ -103,7 +103,9 @@ def filled_arrays(entries: Sequence[Entry]) -> Iterator[tuple[str, set[int]]]:
         yield entry.key, set(_filled_by(entry, by_types))
 
 
-def _filled_by(entry: Entry, by_types: dict[tuple[Array, ...], set[int]]) -> Iterator[int]:
+def _filled_by(
+    entry: TranslatedKernel, by_types: dict[tuple[Array, ...], set[int]]
+) -> Iterator[int]:
     """Iterate over what a kernel fills in, by itself or by what it calls by address."""
     parameters = entry.function.parameters
     yield from map(parameters.index, entry.function.writes)

@@ -44,7 +44,7 @@ from fuzzyarm.model.rulebase import Hedge
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
 from fuzzyarm.plant.plant import BY_PROGRAM, dynamics_of, run_plant
-from fuzzyarm.plant.setting import Arithmetic, stored_double, stored_single
+from fuzzyarm.plant.setting import RunArithmetic, stored_double, stored_single
 from fuzzyarm.table import lookup
 
 __all__ = ["Root", "roots"]
@@ -145,7 +145,7 @@ def _loops() -> Iterator[Root]:
     it has its own loops.
     """
     plants = (kind.variants()[0] for kind in PLANTS.values())
-    every = [dynamics_of(plant, Arithmetic(), address=lambda *_, **__: 0) for plant in plants]
+    every = [dynamics_of(plant, RunArithmetic(), address=lambda *_, **__: 0) for plant in plants]
     for dynamics, of_text in product((None, *(d for d in every if d.actuates)), (False, True)):
         bindings = loop_bindings(dynamics, single=False, of_text=of_text)
         yield Root(run_loop, LOOP_ARRAYS, bindings, in_one=dynamics is not None)
@@ -161,7 +161,7 @@ def _plants() -> Iterator[Root]:
 
     plants = [plant for kind in PLANTS.values() for plant in kind.variants()]
     for single in (False, True):
-        arithmetic = Arithmetic(single)
+        arithmetic = RunArithmetic(single)
         for plant in plants:
             for finely in (False, True):
                 dynamics_of(plant, arithmetic, finely=finely, address=asked)

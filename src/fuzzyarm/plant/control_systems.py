@@ -21,7 +21,7 @@ from fuzzyarm.plant.plant import (
     interface_of,
     numbers_of,
 )
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.plant.tried import plain_motion, plain_outputs
 
 RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
@@ -285,7 +285,7 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
         raise PlantError(message, name="period", hint="a number of seconds")
     states, size = len(plant.states), len(interface.outputs)
     move, measure = plain_motion(plant, states), plain_outputs(plant, states)
-    numbers = numbers_of(plant, (), Arithmetic())
+    numbers = numbers_of(plant, (), RunArithmetic())
     parts = max(1, math.ceil(period / plant.longest_step - 1e-9))
     ports = list(interface.inputs.values())
     # The states of the system: those of the plant, then the last value of each of these.

@@ -20,13 +20,13 @@ from fuzzyarm.plant.plant import Plant, PlantError, parameter
 if TYPE_CHECKING:
     from fuzzyarm.plant.setting import Pair
 
-__all__ = ["Samples", "Scene", "drawing_of", "is_drawn"]
+__all__ = ["DrawnRun", "PlantScene", "drawing_of", "is_drawn"]
 
 
 # --- A sample of a run ---
 
 
-class Samples(Protocol):
+class DrawnRun(Protocol):
     """What is drawn of a run, whole or so far: see :class:`fuzzyarm.loop.run.Run`."""
 
     @property
@@ -47,18 +47,18 @@ class Samples(Protocol):
 
 
 @dataclass(frozen=True)
-class Scene:
+class PlantScene:
     """A sample of a run, to be drawn.
 
     Attributes
     ----------
-    run : Samples
+    run : DrawnRun
         The run, whole or so far.
     index : int
         Of the sample.
     """
 
-    run: Samples
+    run: DrawnRun
     index: int
 
     def output(self, name: str) -> float:
@@ -103,7 +103,7 @@ def is_drawn(plant: object) -> bool:
     return getattr(plant, "draw", None) is not None
 
 
-def drawing_of(plant: Plant, scene: Scene) -> Drawing | None:
+def drawing_of(plant: Plant, scene: PlantScene) -> Drawing | None:
     """Return what a plant looks like at a sample of a run; None where it has no drawing.
 
     Raises
@@ -135,7 +135,7 @@ LONGEST_TRAIL = 300
 """Points of the way of the arm's tip."""
 
 
-def draw_arm(plant: Plant, scene: Scene) -> Drawing:
+def draw_arm(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw both links, what is wanted in grey, and the way of the tip so far."""
     first = parameter(plant, "l_1").value
     second = 2.0 * parameter(plant, "x_2").value  # the centre of mass is in the middle
@@ -161,7 +161,7 @@ def draw_arm(plant: Plant, scene: Scene) -> Drawing:
     return Drawing((-reach, reach, -reach, reach), parts, (tip_x, tip_y))
 
 
-def draw_motor(plant: Plant, scene: Scene) -> Drawing:
+def draw_motor(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw the shaft as a dial, the set point as a mark."""
     around = [2.0 * math.pi * i / 90 for i in range(91)]
     parts: list[Part] = [Line([*map(math.cos, around)], [*map(math.sin, around)], "metal", 2.0)]
@@ -175,7 +175,7 @@ def draw_motor(plant: Plant, scene: Scene) -> Drawing:
     return Drawing((-1.3, 1.3, -1.3, 1.3), parts, (x, y))
 
 
-def draw_cartpole(plant: Plant, scene: Scene) -> Drawing:
+def draw_cartpole(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw the cart on its track and the pole."""
     length = 2.0 * parameter(plant, "l").value
     place, angle = scene.output("x"), scene.output("theta")
@@ -191,7 +191,7 @@ def draw_cartpole(plant: Plant, scene: Scene) -> Drawing:
     return Drawing((-2.6, 2.6, -0.6, 1.6), parts, (place, 0.13))
 
 
-def draw_tanks(plant: Plant, scene: Scene) -> Drawing:
+def draw_tanks(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw both tanks with their water, one below the other, levels wanted as marks."""
     height, below = 0.35, -0.45
     parts: list[Part] = []
@@ -209,7 +209,7 @@ def draw_tanks(plant: Plant, scene: Scene) -> Drawing:
     return Drawing((-0.3, 0.45, -0.55, 0.5), parts, (0.1, levels["level1"]))
 
 
-def draw_beam(plant: Plant, scene: Scene) -> Drawing:
+def draw_beam(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw the beam at its angle, downhill to positive positions, and the ball on it."""
     place, angle = scene.output("position"), scene.output("angle")
     along, up = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
@@ -236,7 +236,7 @@ SCALE = 5.0
 """A thermometer begins and ends at multiples of so many degrees."""
 
 
-def draw_room(plant: Plant, scene: Scene) -> Drawing:
+def draw_room(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw a thermometer and the heater's power."""
     set_point = scene.wanted("temperature")
     # Of all samples that there are: the scale of a run that is over never changes.

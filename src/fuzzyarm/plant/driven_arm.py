@@ -46,9 +46,9 @@ from fuzzyarm.plant.plant import (
 )
 from fuzzyarm.plant.setting import (
     STUDY_TIMING,
-    Arithmetic,
     Pair,
     Pose,
+    RunArithmetic,
     State,
     pose_of,
     stored,
@@ -177,14 +177,14 @@ class Arm(Plant):
         """Its parameters as the equations have them."""
         return ArmParameters(**{name: parameter(self, name).value for name in self.parameters})
 
-    def pack(self, driven: Collection[Address], arithmetic: Arithmetic) -> NDArray[np.float64]:
+    def pack(self, driven: Collection[Address], arithmetic: RunArithmetic) -> NDArray[np.float64]:
         """Return the numbers that the kernels read.
 
         Parameters
         ----------
         driven : collection of (str, str)
             Axes and ports that the controller drives.
-        arithmetic : Arithmetic
+        arithmetic : RunArithmetic
             Of the run.
         """
         powered = [float((joint, "voltage") in driven) for joint in JOINTS]
@@ -193,7 +193,7 @@ class Arm(Plant):
         return np.array([*constants(self.arm, single=arithmetic.single), *powered, *limits, *motor])
 
     def dynamics(
-        self, arithmetic: Arithmetic, address: Callable[..., int], *, finely: bool
+        self, arithmetic: RunArithmetic, address: Callable[..., int], *, finely: bool
     ) -> Dynamics:
         """Give the kernel an address; each precision has its own.
 

@@ -16,7 +16,7 @@ from fuzzyarm.plant.plant import Plant, PlantError, Port
 
 
 @dataclass(frozen=True)
-class Names:
+class SpaceNames:
     """What the numbers of an environment are called.
 
     Attributes
@@ -39,34 +39,34 @@ class Names:
 
 # The two poles are called as those of the plant `cartpole`, so that a controller runs on all.
 _POLE = {"v": "x", "omega": "theta"}
-ENVIRONMENTS: dict[str, Names] = {
-    "CartPole": Names(
+ENVIRONMENTS: dict[str, SpaceNames] = {
+    "CartPole": SpaceNames(
         {"x": "m", "v": "m/s", "theta": "rad", "omega": "rad/s"},
         {"f": Port("N", -10.0, 10.0)},
         _POLE,
     ),
-    "InvertedPendulum": Names(
+    "InvertedPendulum": SpaceNames(
         {"x": "m", "theta": "rad", "v": "m/s", "omega": "rad/s"},
         {"f": Port("100 N", -3.0, 3.0)},
         _POLE,
     ),
-    "Pendulum": Names(
+    "Pendulum": SpaceNames(
         {"cos": "1", "sin": "1", "omega": "rad/s"},
         {"torque": Port("N m", -2.0, 2.0)},
         {"omega": "theta"},
         {"theta": ("cos", "sin")},
     ),
-    "Acrobot": Names(
+    "Acrobot": SpaceNames(
         {"cos1": "1", "sin1": "1", "cos2": "1", "sin2": "1", "omega1": "rad/s", "omega2": "rad/s"},
         {"torque": Port("N m", -1.0, 1.0)},
         {"omega1": "theta1", "omega2": "theta2"},
         {"theta1": ("cos1", "sin1"), "theta2": ("cos2", "sin2")},
     ),
-    "MountainCar": Names(
+    "MountainCar": SpaceNames(
         {"position": "1", "velocity": "1"},
         {"force": Port("1", -1.0, 1.0)},
     ),
-    "MountainCarContinuous": Names(
+    "MountainCarContinuous": SpaceNames(
         {"position": "1", "velocity": "1"},
         {"force": Port("1", -1.0, 1.0)},
     ),
@@ -111,7 +111,7 @@ class EnvironmentPlant(Plant):
         self.name = spec.id if spec is not None else type(unwrapped).__name__
         self.axis = "environment"
         size = _size(self.environment.observation_space, self.name)
-        names = ENVIRONMENTS.get(self.name.rpartition("-v")[0]) or Names({}, {})
+        names = ENVIRONMENTS.get(self.name.rpartition("-v")[0]) or SpaceNames({}, {})
         observed = dict(names.outputs) or dict.fromkeys(_numbered("observation", size), "1")
         self._actions, self.inputs = _actions(self.environment.action_space, names, self.name)
         units = observed | dict.fromkeys(names.angles, "rad")
@@ -212,7 +212,7 @@ def _size(space: Any, name: str) -> int:
 
 
 def _actions(
-    space: Any, names: Names, name: str
+    space: Any, names: SpaceNames, name: str
 ) -> tuple[Callable[[Sequence[float]], Any], dict[str, Port]]:
     """Return what makes an action of the drives, and the ports that are driven."""
     import gymnasium

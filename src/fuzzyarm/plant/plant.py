@@ -22,7 +22,7 @@ from fuzzyarm.kernels import (
     kernel,
 )
 from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
 
@@ -231,7 +231,7 @@ class Plant:
 
     draw: Callable[..., Drawing] | None = None
     """``draw(scene)``: what it looks like at a sample of a run, see
-    :class:`fuzzyarm.plant.drawings.Scene`; by default it has curves alone."""
+    :class:`fuzzyarm.plant.drawings.PlantScene`; by default it has curves alone."""
 
     dynamics: Callable[..., Dynamics] | None = None
     """Of a plant that brings its own kernels, see :func:`dynamics_of`."""
@@ -272,7 +272,7 @@ Address = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceQuantity:
     """A quantity that a controller may ask a reference of.
 
     Attributes
@@ -304,7 +304,7 @@ class Interface:
     axes: tuple[str, ...]
     inputs: Mapping[Address, Port]
     outputs: Mapping[Address, Port]
-    references: Mapping[Address, Reference]
+    references: Mapping[Address, ReferenceQuantity]
 
     def port(self, name: str) -> Address:
         """Return axis and port of an output or input that a user names.
@@ -358,13 +358,13 @@ def interface_of(plant: Plant) -> Interface:
     inputs = {_address(plant, name): port for name, port in plant.inputs.items()}
     outputs = {_address(plant, name): port for name, port in plant.outputs.items()}
     axes = tuple(dict.fromkeys(axis for axis, _ in (*outputs, *inputs)))
-    references: dict[Address, Reference] = {}
+    references: dict[Address, ReferenceQuantity] = {}
     for address in outputs:
         references[address] = _reference(outputs, address)
     for (axis, name), port in outputs.items():
         third = (axis, "acceleration")
         if name == "velocity" and port.rate_of and third not in references:
-            references[third] = Reference((axis, port.rate_of), 2)
+            references[third] = ReferenceQuantity((axis, port.rate_of), 2)
     return Interface(axes, inputs, outputs, references)
 
 
@@ -373,7 +373,7 @@ def _address(plant: Plant, name: str) -> Address:
     return (axis or plant.axis or plant.name, port)
 
 
-def _reference(outputs: Mapping[Address, Port], address: Address) -> Reference:
+def _reference(outputs: Mapping[Address, Port], address: Address) -> ReferenceQuantity:
     axis, order = address[0], 0
     while outputs[address].rate_of:
         address = (axis, outputs[address].rate_of)
@@ -381,7 +381,7 @@ def _reference(outputs: Mapping[Address, Port], address: Address) -> Reference:
         if address not in outputs or order > 2:
             message = f"'{address[1]}' is not an output that has a rate"
             raise PlantError(message, name=address[1])
-    return Reference(address, order)
+    return ReferenceQuantity(address, order)
 
 
 def _require_complete(plant: Plant) -> None:
@@ -623,7 +623,7 @@ BY_PROGRAM: tuple[dict[str, Callable[..., Any]], ...] = (
 
 def dynamics_of(
     plant: Plant,
-    arithmetic: Arithmetic,
+    arithmetic: RunArithmetic,
     *,
     finely: bool = False,
     address: Callable[..., int] | None = None,
@@ -634,7 +634,7 @@ def dynamics_of(
     ----------
     plant : Plant
         Whose equations are kernels.
-    arithmetic : Arithmetic
+    arithmetic : RunArithmetic
         Of the run.
     finely : bool, optional
         Whether one with an integrator of its own is to move by Runge-Kutta steps, as all others.
@@ -657,7 +657,7 @@ def dynamics_of(
     return Dynamics(address(function, **bindings), kernel=function, bindings=bindings)
 
 
-def _address_in(arithmetic: Arithmetic) -> Callable[..., int]:
+def _address_in(arithmetic: RunArithmetic) -> Callable[..., int]:
     def address(function: Callable[..., None], **bindings: Any) -> int:
         return address_of(function, ARRAYS, bindings, compiled=arithmetic.compiled)
 
@@ -668,7 +668,7 @@ def _address_in(arithmetic: Arithmetic) -> Callable[..., int]:
 
 
 def numbers_of(
-    plant: Plant, driven: Collection[Address], arithmetic: Arithmetic
+    plant: Plant, driven: Collection[Address], arithmetic: RunArithmetic
 ) -> NDArray[np.float64]:
     """Return the numbers that the equations of a plant read.
 
@@ -678,7 +678,7 @@ def numbers_of(
         Any.
     driven : collection of (str, str)
         Axes and ports that the controller drives.
-    arithmetic : Arithmetic
+    arithmetic : RunArithmetic
         Of the run.
     """
     pack = getattr(plant, "pack", None)

@@ -101,7 +101,7 @@ STUDY = STUDY_TABLES
 """The same for all controllers: single precision, 3.142857 for π, the load on in the hold."""
 
 
-class Arithmetic(NamedTuple):
+class RunArithmetic(NamedTuple):
     """How the programs of a run count.
 
     Attributes

@@ -19,9 +19,9 @@ from fuzzyarm.proof.arithmetic import Array, Stop
 from fuzzyarm.proof.memberships import SLACK, Interval, hedged, joined, membership_bounder
 
 __all__ = [
+    "AggregateSamples",
     "JoinedPanels",
     "Panels",
-    "Samples",
     "Strengths",
     "folded",
     "folded_where_max",
@@ -93,7 +93,7 @@ def _aggregate(
 # ── samples ──────────────────────────────────────────────────────────────────────────
 
 
-class Samples:
+class AggregateSamples:
     """The aggregate at the samples of an output.
 
     Parameters
@@ -243,7 +243,7 @@ class JoinedPanels(Panels):
     """
 
     def __init__(self, output: OutputPlan, stop: Stop) -> None:
-        self.samples = Samples(output)
+        self.samples = AggregateSamples(output)
         super().__init__(output, stop)
 
     def _has_lines(self) -> bool:

@@ -27,8 +27,18 @@ from fuzzyarm.model.units import Unit, product, read_unit, unit_text
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import LIKE_EXPECT
-from fuzzyarm.proof.laws import NOTHING, ONE, Gains, Law, clipped, combined, constant, inside, plus
-from fuzzyarm.proof.walk import Asked, AxisLines, Walk, source_name
+from fuzzyarm.proof.laws import (
+    NOTHING,
+    ONE,
+    Gains,
+    SignalLaw,
+    clipped,
+    combined,
+    constant,
+    inside,
+    plus,
+)
+from fuzzyarm.proof.walk import Asked, AxisLines, LineWalk, source_name
 
 __all__ = ["DriveGain", "DriveProof", "DriveSector", "prove_drives", "sampled_drive"]
 
@@ -132,7 +142,7 @@ class DriveProof:
 # ── one axis on trial ─────────────────────────────────────────────────────────────────
 
 
-class _Trial:
+class _AxisCase:
     """One axis on trial."""
 
     def __init__(self, lines: AxisLines, site: Site | None) -> None:
@@ -143,7 +153,7 @@ class _Trial:
 
     def proofs(self) -> Iterator[DriveProof]:
         whole = {name: reach.at for name, reach in self.sources.items()}
-        first = Walk(self.lines, Asked(whole, {})).run()
+        first = LineWalk(self.lines, Asked(whole, {})).run()
         zones = {
             name: overlap(at, first.notes.zones.get(name, EVERYTHING)) for name, at in whole.items()
         }
@@ -153,8 +163,8 @@ class _Trial:
     def _proof(
         self,
         port: str,
-        drives: list[tuple[Drive, Law]],
-        first: Walk,
+        drives: list[tuple[Drive, SignalLaw]],
+        first: LineWalk,
         zones: Mapping[str, Interval],
     ) -> DriveProof:
         actuator, unit = self._actuator(port)
@@ -202,7 +212,7 @@ class _Trial:
         return (limits if finite else None), read_unit(input_port.unit)
 
     @staticmethod
-    def _limited(drives: Sequence[tuple[Drive, Law]], farthest: float) -> Law:
+    def _limited(drives: Sequence[tuple[Drive, SignalLaw]], farthest: float) -> SignalLaw:
         """Return what goes out: limits held, lines of a port added; σ goes to ± `farthest`."""
         total = constant(0.0)
         for line, law in drives:
@@ -210,7 +220,7 @@ class _Trial:
             total = plus(total, law if limits is None else _cut_off(law, limits, farthest))
         return total
 
-    def _by_ports(self, law: Law, unit: Unit | None) -> tuple[DriveGain, ...]:
+    def _by_ports(self, law: SignalLaw, unit: Unit | None) -> tuple[DriveGain, ...]:
         """Return gains by ports: those of rates and integrals through what they are made of."""
         by_port: dict[str, list[Any]] = {}
         assert isinstance(law.gains, dict)
@@ -257,8 +267,8 @@ class _Trial:
     def _sectors(
         self,
         port: str,
-        law: Law,
-        first: Walk,
+        law: SignalLaw,
+        first: LineWalk,
         zones: Mapping[str, Interval],
         open_: list[str],
     ) -> Iterator[DriveSector]:
@@ -290,7 +300,9 @@ class _Trial:
         open_: list[str],
     ) -> Iterator[DriveSector]:
         farthest = sum(abs(weights[name]) * largest(at) for name, at in where.items())
-        law = self._limited(Walk(self.lines, Asked(where, weights)).run().drives[port], farthest)
+        law = self._limited(
+            LineWalk(self.lines, Asked(where, weights)).run().drives[port], farthest
+        )
         if isinstance(law.along, str):
             what = " and ".join(weights)
             open_.append(f"sector along {what}: {law.along}")
@@ -306,7 +318,7 @@ class _Trial:
         port: str,
         free: Interval,
         limits: Interval | None,
-        first: Walk,
+        first: LineWalk,
         zones: Mapping[str, Interval],
     ) -> tuple[str, dict[str, float]]:
         """Tell whether a limit can be reached, and where."""
@@ -334,7 +346,7 @@ class _Trial:
         try:
             at = {name: Interval(x, x) for name, x in point.items()}
             total = 0.0
-            for line, law in Walk(self.lines, Asked(at, {})).run().drives[port]:
+            for line, law in LineWalk(self.lines, Asked(at, {})).run().drives[port]:
                 interval = law.at
                 if limited and line.within is not None:
                     interval = clipped(interval, Interval(*line.within))
@@ -344,7 +356,7 @@ class _Trial:
             self.lines.only_values = False
 
 
-def _cut_off(law: Law, limits: Interval, farthest: float) -> Law:
+def _cut_off(law: SignalLaw, limits: Interval, farthest: float) -> SignalLaw:
     """Return a law after limits; σ goes to ± `farthest`."""
     gains, around, along = law.gains, law.around, law.along
     is_known = isinstance(gains, dict)
@@ -397,7 +409,7 @@ def sampled_drive(
         Alike in shape.
     """
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
-    case = _Trial(AxisLines(text, site, found.axis, Stop(), {}), site)
+    case = _AxisCase(AxisLines(text, site, found.axis, Stop(), {}), site)
     ends = list(along.within.values())
     count = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
     grid = [np.linspace(low, high, count) for low, high in ends]
@@ -451,5 +463,5 @@ def prove_drives(
     proofs: list[DriveProof] = []
     for name in text.model.axis_names:
         watch = None if tell is None else (lambda count, gap, name=name: tell(name, count, gap))
-        proofs += _Trial(AxisLines(text, site, name, Stop(budget, watch), shared), site).proofs()
+        proofs += _AxisCase(AxisLines(text, site, name, Stop(budget, watch), shared), site).proofs()
     return proofs

@@ -35,13 +35,13 @@ from fuzzyarm.inference.place_bounds import (
 )
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.weighted import tsukamoto_at_point
-from fuzzyarm.proof.aggregates import JoinedPanels, Panels, Samples, Strengths, folded
+from fuzzyarm.proof.aggregates import AggregateSamples, JoinedPanels, Panels, Strengths, folded
 from fuzzyarm.proof.arithmetic import Array, Stop
 from fuzzyarm.proof.bounds import UnprovableError
 from fuzzyarm.proof.memberships import SLACK, Interval
 from fuzzyarm.proof.places import humps_of_numbers, places
 
-__all__ = ["WAYS", "Crisp", "Valued", "Way", "crisp", "value_bounds"]
+__all__ = ["WAYS", "BoundingMethod", "Crisp", "Valued", "crisp", "value_bounds"]
 
 Valued = tuple[Array, Array, Array]
 """Bounds of a value, NaN where there is none in a box, and where there may be none."""
@@ -53,7 +53,7 @@ Figures = dict[str, Interval]
 """Bounds of numbers that an aggregate has, by name; NaN where there are none."""
 
 
-class Way(NamedTuple):
+class BoundingMethod(NamedTuple):
     """How what a defuzzifier takes of an aggregate is bounded.
 
     Attributes
@@ -128,13 +128,15 @@ def _ends_of_numbers(
     return {"left": left, "right": right}
 
 
-WAYS: dict[str, Way] = {
-    "gravity": Way(_centroid, _centroid_of_numbers),
-    "area": Way(_half, _half_of_numbers, midpoints=nearest_half_bounds),
-    "top": Way(humps={"first": smallest_bounds, "last": largest_bounds, "mean": mean_bounds}),
-    "ends": Way(_ends, _ends_of_numbers),
-    "average": Way(sums=_average),
-    "sum": Way(sums=_weighted),
+WAYS: dict[str, BoundingMethod] = {
+    "gravity": BoundingMethod(_centroid, _centroid_of_numbers),
+    "area": BoundingMethod(_half, _half_of_numbers, midpoints=nearest_half_bounds),
+    "top": BoundingMethod(
+        humps={"first": smallest_bounds, "last": largest_bounds, "mean": mean_bounds}
+    ),
+    "ends": BoundingMethod(_ends, _ends_of_numbers),
+    "average": BoundingMethod(sums=_average),
+    "sum": BoundingMethod(sums=_weighted),
 }
 """By what is taken; for interval type 2 the first side is the upper set."""
 
@@ -174,7 +176,7 @@ class Crisp:
 
     width: int
 
-    def __init__(self, output: OutputPlan, way: Way) -> None:
+    def __init__(self, output: OutputPlan, way: BoundingMethod) -> None:
         self.output, self.way, self.jumps = output, way, output.record.aspect.jumps
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
@@ -234,7 +236,7 @@ def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
 class _OfCurves(Crisp):
     """Sets, as curves over panels."""
 
-    def __init__(self, output: OutputPlan, way: Way, panels: Panels) -> None:
+    def __init__(self, output: OutputPlan, way: BoundingMethod, panels: Panels) -> None:
         super().__init__(output, way)
         self.panels, self.width = panels, panels.width
 
@@ -248,9 +250,9 @@ class _OfCurves(Crisp):
 class _OfSamples(Crisp):
     """Sets at samples, as weights of their positions."""
 
-    def __init__(self, output: OutputPlan, way: Way) -> None:
+    def __init__(self, output: OutputPlan, way: BoundingMethod) -> None:
         super().__init__(output, way)
-        self.samples = Samples(output)
+        self.samples = AggregateSamples(output)
         self.width = self.samples.width
         self.nearest = output.output.defuzzifier.sampling == "midpoints" and way.midpoints
 
@@ -273,7 +275,7 @@ class _OfSamples(Crisp):
 class _OfPlaces(Crisp):
     """Sets of which the maxima count."""
 
-    def __init__(self, output: OutputPlan, way: Way, stop: Stop) -> None:
+    def __init__(self, output: OutputPlan, way: BoundingMethod, stop: Stop) -> None:
         super().__init__(output, way)
         self.places = places(output, stop)
         self.width = self.places.width
@@ -286,7 +288,7 @@ class _OfPlaces(Crisp):
 class _OfNumbers(Crisp):
     """Numbers: constants, linear forms, formulas, and sets that are inverted (Tsukamoto)."""
 
-    def __init__(self, output: OutputPlan, way: Way, names: Sequence[str]) -> None:
+    def __init__(self, output: OutputPlan, way: BoundingMethod, names: Sequence[str]) -> None:
         super().__init__(output, way)
         self.names, self.width = names, len(output.members)
         if output.record.inverts:

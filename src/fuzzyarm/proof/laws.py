@@ -1,7 +1,7 @@
 """What is known of a signal as a function of its sources: range, slopes, multiples of a sum.
 
-A :class:`Law` goes through sums, products and tables; ranges and multiples are rounded outward,
-slopes are the nearest floats.
+A :class:`SignalLaw` goes through sums, products and tables; ranges and multiples are rounded
+outward, slopes are the nearest floats.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = [
     "NOTHING",
     "ONE",
     "Gains",
-    "Law",
+    "SignalLaw",
     "clipped",
     "combined",
     "constant",
@@ -50,7 +50,7 @@ Gains = dict[str, Interval]
 
 
 @dataclass(frozen=True)
-class Law:
+class SignalLaw:
     """A signal as a function of the sources.
 
     Attributes
@@ -97,17 +97,17 @@ def combined(operation: str, a: Interval, b: Interval) -> Interval:
     return outward(combine(operation, a, b))
 
 
-def constant(value: float) -> Law:
+def constant(value: float) -> SignalLaw:
     """Return the law of a number."""
     at = Interval(value, value)
     along: Interval | str = "a constant adds to it" if value else NOTHING
-    return Law(at, at, {}, {}, {} if value == 0.0 else None, along)
+    return SignalLaw(at, at, {}, {}, {} if value == 0.0 else None, along)
 
 
-def scaled(law: Law, factor: float) -> Law:
+def scaled(law: SignalLaw, factor: float) -> SignalLaw:
     """Return a law times a number."""
     by = Interval(factor, factor)
-    return Law(
+    return SignalLaw(
         combined("multiply", law.at, by),
         combine("multiply", law.rest, by),
         _each(law.gains, by),
@@ -134,7 +134,7 @@ def _added(*parts: Gains | str) -> Gains | str:
     return total
 
 
-def plus(a: Law, b: Law) -> Law:
+def plus(a: SignalLaw, b: SignalLaw) -> SignalLaw:
     """Return the sum of two laws."""
     along: Interval | str
     if isinstance(a.along, Interval) and isinstance(b.along, Interval):
@@ -145,7 +145,7 @@ def plus(a: Law, b: Law) -> Law:
     if a.linear is not None and b.linear is not None:
         names = {**a.linear, **b.linear}
         linear = {name: a.linear.get(name, 0.0) + b.linear.get(name, 0.0) for name in names}
-    return Law(
+    return SignalLaw(
         combined("add", a.at, b.at),
         combine("add", a.rest, b.rest),
         _added(a.gains, b.gains),
@@ -156,7 +156,7 @@ def plus(a: Law, b: Law) -> Law:
     )
 
 
-def times(a: Law, b: Law) -> Law:
+def times(a: SignalLaw, b: SignalLaw) -> SignalLaw:
     """Return the product of two laws; where both are multiples of σ, the narrower one counts."""
     for one, other in ((a, b), (b, a)):
         if one.constant is not None:
@@ -170,7 +170,7 @@ def times(a: Law, b: Law) -> Law:
     slack = 0.0
     if ways:
         along, slack = min(ways, key=lambda way: way[0].high - way[0].low)
-    return Law(
+    return SignalLaw(
         combined("multiply", a.at, b.at),
         combine("multiply", a.rest, b.rest),
         # (a b)' = a' b + a b', at rest.
@@ -182,7 +182,7 @@ def times(a: Law, b: Law) -> Law:
     )
 
 
-def over(a: Law, b: Law) -> Law:
+def over(a: SignalLaw, b: SignalLaw) -> SignalLaw:
     """Return the quotient of two laws."""
     if b.constant:
         return scaled(a, 1.0 / b.constant)
@@ -190,12 +190,12 @@ def over(a: Law, b: Law) -> Law:
     along = combined("divide", a.along, b.at) if isinstance(a.along, Interval) else a.along
     slack = combine("divide", symmetric(a.slack), b.at).high if a.slack else 0.0
     at, rest = combined("divide", a.at, b.at), combine("divide", a.rest, b.rest)
-    return Law(at, rest, why, why, None, along, slack)
+    return SignalLaw(at, rest, why, why, None, along, slack)
 
 
-def unknown(at: Interval, why: str) -> Law:
+def unknown(at: Interval, why: str) -> SignalLaw:
     """Return a law of which only the range is known."""
-    return Law(at, at, why, why, None, why)
+    return SignalLaw(at, at, why, why, None, why)
 
 
 # ── curves ────────────────────────────────────────────────────────────────────────────
@@ -204,7 +204,7 @@ PARTS = 256
 """Of a range, on each of which the ratio of a curve to its input is bounded."""
 
 
-def curved(root: Node, law: Law, *, asked: bool) -> Law:
+def curved(root: Node, law: SignalLaw, *, asked: bool) -> SignalLaw:
     """Return a law applied after a curve, an expression over ``x``."""
     at, rest = outward(_values(root, law.at)), _values(root, law.rest)
     if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
@@ -219,7 +219,7 @@ def curved(root: Node, law: Law, *, asked: bool) -> Law:
         else:
             ratio = _ratio(root, slope, law.at)
             along, slack = combined("multiply", along, ratio), law.slack * largest(ratio)
-    return Law(at, rest, gains, around, None, along, slack)
+    return SignalLaw(at, rest, gains, around, None, along, slack)
 
 
 JUMPS = frozenset({"where", *(name for name, each in OPERATIONS.items() if each.partials is None)})
@@ -290,7 +290,9 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
 # ── tables ────────────────────────────────────────────────────────────────────────────
 
 
-def table_law(table: LookupTable, given: Mapping[str, Law], at: Interval, *, asked: bool) -> Law:
+def table_law(
+    table: LookupTable, given: Mapping[str, SignalLaw], at: Interval, *, asked: bool
+) -> SignalLaw:
     """Return a table as a function of its inputs, exact along each of them."""
     rest = [only_value(law.rest) for law in given.values()]
     value = float(table.lookup(*rest))
@@ -314,7 +316,7 @@ def table_law(table: LookupTable, given: Mapping[str, Law], at: Interval, *, ask
             along = (
                 sector if isinstance(sector, str) else combined("multiply", outward(sector), along)
             )
-    return Law(at, Interval(value, value), gains, gains, None, along)
+    return SignalLaw(at, Interval(value, value), gains, gains, None, along)
 
 
 def _table_slope(

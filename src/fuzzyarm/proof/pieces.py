@@ -36,9 +36,9 @@ from fuzzyarm.proof.arithmetic import (
     least_of_rows,
     sums_of_rows,
 )
-from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule, height_at
+from fuzzyarm.proof.straight import Corners, Straight, StraightAntecedent, StraightRule, height_at
 
-__all__ = ["Cell", "Cut", "Grid", "Pieces", "TooManyPiecesError", "cut"]
+__all__ = ["Cell", "Cut", "PieceGrid", "Pieces", "TooManyPiecesError", "cut"]
 
 MOST_PIECES = 2_000_000
 """Simplices that fit into memory with their heights."""
@@ -90,7 +90,7 @@ class Cut(NamedTuple):
 # ── one input ────────────────────────────────────────────────────────────────────────
 
 
-class Grid:
+class PieceGrid:
     """The cells of each input, and every membership at both ends of each.
 
     Attributes
@@ -214,7 +214,7 @@ class Pieces:
 
     Attributes
     ----------
-    grid : Grid
+    grid : PieceGrid
         The cells.
     corners : ndarray, shape (pieces, vertices, inputs)
         The vertices, in shares of the cell.
@@ -241,7 +241,7 @@ class Pieces:
         self.model = model
         self.stop = stop or Stop()
         self.arithmetic = arithmetic
-        self.grid = Grid(model, what, arithmetic)
+        self.grid = PieceGrid(model, what, arithmetic)
         self.systems = 2 if what.mirrored else 1
         dimension = len(what.box)
         numbers = [len(cells) for cells in self.grid.cells]
@@ -396,7 +396,7 @@ class Pieces:
             self.heights[which, :, first + column] = highest.values
             self.slopes[which, :, first + column] = highest.slopes
 
-    def may_fire(self, node: Node, shift: int) -> Array:
+    def may_fire(self, node: StraightAntecedent, shift: int) -> Array:
         """Tell the pieces in whose cells an antecedent may be above 0."""
         if node.kind == "is":
             number = node.proposition + shift
@@ -409,7 +409,9 @@ class Pieces:
         together = np.logical_or if node.kind in {"max", "bounded or"} else np.logical_and
         return np.asarray(together.reduce(parts))
 
-    def _truth(self, node: Node, which: Array, shift: int, undecided: list[Array]) -> _Affine:
+    def _truth(
+        self, node: StraightAntecedent, which: Array, shift: int, undecided: list[Array]
+    ) -> _Affine:
         """Return an antecedent on some pieces; note what has to be decided, innermost first."""
         dimension = self.corners.shape[2]
         if node.kind == "is":

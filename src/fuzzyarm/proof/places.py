@@ -21,8 +21,8 @@ from fuzzyarm.inference.quadrature import CLIPPING
 from fuzzyarm.inference.sets import Piece, peak
 from fuzzyarm.proof.aggregates import (
     LEVEL_PANELS,
+    AggregateSamples,
     Panels,
-    Samples,
     Strengths,
     folded_where_max,
     panel_edges,
@@ -51,9 +51,11 @@ def places(output: OutputPlan, stop: Stop) -> Places:
     """Return what finds the maxima of an output of sets."""
     sampled = output.output.defuzzifier.resolution is not None
     if output.output.aggregation == "max":
-        samples = Samples(output) if sampled else None
+        samples = AggregateSamples(output) if sampled else None
         return _OfHighest(output, samples, stop)
-    return _OfAll(Samples(output) if sampled else Panels(output, stop, level=True, peaks=True))
+    return _OfAll(
+        AggregateSamples(output) if sampled else Panels(output, stop, level=True, peaks=True)
+    )
 
 
 def humps_of_numbers(least: Array, greatest: Array, lower: Array, upper: Array) -> Humps:
@@ -68,9 +70,9 @@ def humps_of_numbers(least: Array, greatest: Array, lower: Array, upper: Array) 
 class _OfAll(Places):
     """Any aggregation: from the first place that may be the highest to the last one."""
 
-    def __init__(self, aggregate: Samples | Panels) -> None:
+    def __init__(self, aggregate: AggregateSamples | Panels) -> None:
         self.aggregate, self.width = aggregate, aggregate.width
-        if isinstance(aggregate, Samples):
+        if isinstance(aggregate, AggregateSamples):
             self.starts = self.ends = aggregate.positions
         else:
             self.starts, self.ends = aggregate.edges[:-1], aggregate.edges[1:]
@@ -113,7 +115,7 @@ class _Set:
 class _OfHighest(Places):
     """Aggregation max: the maxima of those sets which may be cut highest."""
 
-    def __init__(self, output: OutputPlan, samples: Samples | None, stop: Stop) -> None:
+    def __init__(self, output: OutputPlan, samples: AggregateSamples | None, stop: Stop) -> None:
         self.output = output
         self.sets: list[_Set] = []
         for number, member in enumerate(output.members):

@@ -48,13 +48,13 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.boxes import Boxes
     from fuzzyarm.table import LookupTable
 
-__all__ = ["Prover", "Question", "written"]
+__all__ = ["Prover", "QuotientProblem", "written"]
 
 Make = Callable[[Surface], Quotients]
 
 
 @dataclass(frozen=True)
-class Question:
+class QuotientProblem:
     """A quotient over a box: what is asked, and how the inputs are cut for it.
 
     `steep`: slopes are asked for, which floats do not know where they are in doubt which of
@@ -192,7 +192,9 @@ class Prover:
             return self._boxes(box).value(self.gap)
         no_rule = self.no_rule
         try:
-            bounds = self._clamped(self.bounds_of(Question(box, Surface.value), shifted=True))
+            bounds = self._clamped(
+                self.bounds_of(QuotientProblem(box, Surface.value), shifted=True)
+            )
         except NothingFiresError:
             if no_rule is None:
                 raise
@@ -216,14 +218,16 @@ class Prover:
         """Return bounds of the slope along an input, wherever the output has one."""
         self.demand_pieces("slopes")
         axis = self.names.index(name)
-        question = Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        question = QuotientProblem(
+            self.box(region), lambda surface: surface.slope(axis), steep=True
+        )
         self._demand_no_jumps(question, axis)
         return self.bounds_of(question)
 
     def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
         """Return bounds of the length of the gradient: the high one is a Lipschitz constant."""
         self.demand_pieces("slopes")
-        question = Question(self.box(region), Surface.gradient_squared, steep=True)
+        question = QuotientProblem(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
             self._demand_no_jumps(question, axis)
         # Squares: a gap g of the length ℓ is one of 2 ℓ g of its square.
@@ -276,7 +280,7 @@ class Prover:
         """Tell whether the output (or minus the output) is at most `bound`, below it if strict."""
         assert self.model is not None
         return self.at_most(
-            Question(self.box(region), Surface.value),
+            QuotientProblem(self.box(region), Surface.value),
             Fraction(bound),
             negated=negated,
             strict=strict,
@@ -294,7 +298,9 @@ class Prover:
         """Tell whether the slope (or minus the slope) is at most `bound`."""
         self.demand_pieces("slopes")
         axis = self.names.index(name)
-        question = Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        question = QuotientProblem(
+            self.box(region), lambda surface: surface.slope(axis), steep=True
+        )
         self._demand_no_jumps(question, axis)
         return self.at_most(question, bound, negated=negated)
 
@@ -303,7 +309,7 @@ class Prover:
         self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
         self.demand_inside_range("symmetry")
-        question = Question(self.box(region), Surface.odd, mirrored=True)
+        question = QuotientProblem(self.box(region), Surface.odd, mirrored=True)
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
@@ -335,7 +341,7 @@ class Prover:
         box = self.box(region)
         if self.model is None:
             return self._boxes(box).silent(valued=valued)
-        question = Question(box, Surface.value)
+        question = QuotientProblem(box, Surface.value)
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if not self.exact:
             open_ = surface.nearly_silent(valued=valued)
@@ -350,7 +356,7 @@ class Prover:
 
     def bounds_of(
         self,
-        question: Question,
+        question: QuotientProblem,
         *,
         shifted: bool = False,
         both: bool = True,
@@ -407,7 +413,7 @@ class Prover:
         return prover
 
     def _again(
-        self, question: Question, surface: Surface, left: Array
+        self, question: QuotientProblem, surface: Surface, left: Array
     ) -> tuple[Surface, Quotients] | None:
         """Return in rationals the cells that floats have left open; None when time is over."""
         if self.stop.now:
@@ -426,7 +432,7 @@ class Prover:
 
     def at_most(
         self,
-        question: Question,
+        question: QuotientProblem,
         bound: Fraction,
         *,
         negated: bool,
@@ -484,7 +490,7 @@ class Prover:
         return Claim(None, {}, count, False)
 
     @staticmethod
-    def _doubtful(question: Question, surface: Surface) -> Array:
+    def _doubtful(question: QuotientProblem, surface: Surface) -> Array:
         doubtful = surface.pieces.doubtful
         return doubtful if question.steep else np.zeros_like(doubtful)
 
@@ -511,7 +517,7 @@ class Prover:
     # ── surfaces, remembered ─────────────────────────────────────────────────────────
 
     def surface(
-        self, question: Question, arithmetic: Arithmetic, cells: Array | None = None
+        self, question: QuotientProblem, arithmetic: Arithmetic, cells: Array | None = None
     ) -> Surface:
         """Return the pieces that a question needs; whole cuts are remembered."""
         assert self.model is not None
@@ -533,13 +539,13 @@ class Prover:
 
     def _table_question(
         self, table: LookupTable, mode: str, box: tuple[tuple[Fraction, Fraction], ...]
-    ) -> Question:
+    ) -> QuotientProblem:
         names = self.names
 
         def make(surface: Surface) -> Quotients:
             return surface.difference(TableValues(table, mode, surface.pieces, names))
 
-        return Question(box, make, TableValues.positions(table, mode, names))
+        return QuotientProblem(box, make, TableValues.positions(table, mode, names))
 
     def _boxes(self, box: tuple[tuple[Fraction, Fraction], ...]) -> Boxes:
         from fuzzyarm.proof.boxes import Boxes
@@ -578,7 +584,7 @@ class Prover:
         if self.model is None:
             raise UnprovableError(f"proofs of {what} need straight pieces: {self.reason}")
 
-    def _demand_no_jumps(self, question: Question, axis: int) -> None:
+    def _demand_no_jumps(self, question: QuotientProblem, axis: int) -> None:
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if surface.pieces.grid.jumps[axis]:
             raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
@@ -612,7 +618,7 @@ class Prover:
         assert self.model is not None
         if math.isfinite(self.model.low) or self.output.outside == "extend":
             return
-        bounds = self.bounds_of(Question(self.box({}), Surface.value), shifted=True)
+        bounds = self.bounds_of(QuotientProblem(self.box({}), Surface.value), shifted=True)
         if bounds.low < self.output.low or bounds.high > self.output.high:
             raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and is clamped")
 

@@ -25,8 +25,8 @@ import numpy as np
 from fuzzyarm.proof.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.bernstein import Quotients, vertices_of
 from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Point, UnprovableError
-from fuzzyarm.proof.pieces import Cut, Grid, cut
-from fuzzyarm.proof.prover import Prover, Question, written
+from fuzzyarm.proof.pieces import Cut, PieceGrid, cut
+from fuzzyarm.proof.prover import Prover, QuotientProblem, written
 from fuzzyarm.proof.surface import Surface
 
 __all__ = ["NoSectorError", "Sector", "Slopes", "form_text", "sector", "slopes_at"]
@@ -116,7 +116,7 @@ def sector(
     silent = _silent(exact, region)
     if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
-    slack = _slack(exact, Question(box, lambda surface: surface.over_form(form), form=form))
+    slack = _slack(exact, QuotientProblem(box, lambda surface: surface.over_form(form), form=form))
     # The tolerance is one of u; u / σ is asked for to that over the largest |σ|.
     far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
     share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
@@ -127,7 +127,7 @@ def sector(
             quotients = surface.over_form(form, -sign * slack)
             return quotients if sign > 0 else quotients.negated()
 
-        return exact.bounds_of(Question(box, make, form=form), both=False, share=share)
+        return exact.bounds_of(QuotientProblem(box, make, form=form), both=False, share=share)
 
     high, low = side(1), side(-1)
     ends = (-low.high, high.high)
@@ -177,7 +177,7 @@ def _silent(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
     return True
 
 
-def _slack(prover: Prover, question: Question) -> Fraction:
+def _slack(prover: Prover, question: QuotientProblem) -> Fraction:
     """Return how far the output is taken to be off; refuse one that is not 0 where σ is."""
     surface = prover.surface(question, rationals())
     quotients = question.make(surface)
@@ -321,7 +321,7 @@ def _neighbourhood(
 ) -> tuple[tuple[Fraction, Fraction], ...]:
     """Return the cells around a point."""
     assert prover.model is not None
-    grid = Grid(prover.model, what, rationals())
+    grid = PieceGrid(prover.model, what, rationals())
     box = []
     for x, cells in zip(at, grid.cells, strict=True):
         near = [cell for cell in cells if cell.left <= x <= cell.right]

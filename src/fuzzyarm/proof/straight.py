@@ -25,10 +25,10 @@ from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
 from fuzzyarm.model.shapes import polyline
 
 __all__ = [
-    "Node",
     "NotStraightError",
     "Proposition",
     "Straight",
+    "StraightAntecedent",
     "StraightRule",
     "height_at",
     "straight",
@@ -49,23 +49,23 @@ class Proposition(NamedTuple):
     corners: Corners
 
 
-class Node(NamedTuple):
+class StraightAntecedent(NamedTuple):
     """An antecedent: ``is`` (a proposition), ``not``, ``one``, or a norm of two operands."""
 
     kind: Literal["is", "not", "one", "min", "max", "bounded and", "bounded or", "product"]
-    operands: tuple[Node, ...] = ()
+    operands: tuple[StraightAntecedent, ...] = ()
     proposition: int = -1
 
 
 class StraightRule(NamedTuple):
     """A rule: its antecedent, its weight, and the columns of heights that it raises."""
 
-    antecedent: Node
+    antecedent: StraightAntecedent
     weight: Fraction
     columns: tuple[int, ...]
 
 
-class Value(NamedTuple):
+class LinearConsequent(NamedTuple):
     """A consequent that is a number: a constant and a coefficient for each input."""
 
     constant: Fraction
@@ -97,7 +97,7 @@ class Straight:
         Whether antecedents are products of memberships rather than minima.
     form : ClosedForm or None
         Area and moment of the clipped sets, for the centroid of sets.
-    values : tuple of Value
+    values : tuple of LinearConsequent
         Of each column, for the average of numbers; the weight of a column is 1.
     areas : tuple of Fraction
         Weights of the columns in the average: 1, or the areas of scaled sets.
@@ -117,7 +117,7 @@ class Straight:
     adds: bool
     multiplies: bool
     form: ClosedForm | None
-    values: tuple[Value, ...]
+    values: tuple[LinearConsequent, ...]
     areas: tuple[Fraction, ...]
     is_sum: bool
     low: Fraction | float
@@ -166,9 +166,11 @@ def with_fixed(model: Straight, fixed: Mapping[int, Fraction]) -> Straight:
         x = fixed[each.input]
         return Proposition(0, ((Fraction(0), height_at(each.corners, x)),))
 
-    def value(each: Value) -> Value:
+    def value(each: LinearConsequent) -> LinearConsequent:
         shift = sum((each.coefficients[axis] * x for axis, x in fixed.items()), start=Fraction(0))
-        return Value(each.constant + shift, tuple(each.coefficients[axis] for axis in free))
+        return LinearConsequent(
+            each.constant + shift, tuple(each.coefficients[axis] for axis in free)
+        )
 
     return replace(
         model,
@@ -288,13 +290,13 @@ class _Reading:
 
     # ── antecedents ──────────────────────────────────────────────────────────────────
 
-    def _antecedent(self, planned: PlannedRule) -> Node:
+    def _antecedent(self, planned: PlannedRule) -> StraightAntecedent:
         return self._node(planned.rule.antecedent, planned)
 
-    def _node(self, expression: Expression, planned: PlannedRule) -> Node:
+    def _node(self, expression: Expression, planned: PlannedRule) -> StraightAntecedent:
         if isinstance(expression, Is):
             number = self._proposition(expression)
-            return self._hedged(Node("is", (), number), expression.hedges)
+            return self._hedged(StraightAntecedent("is", (), number), expression.hedges)
         if isinstance(expression, Hedged):
             return self._hedged(self._node(expression.operand, planned), expression.hedges)
         conjunction = isinstance(expression, And)
@@ -304,16 +306,16 @@ class _Reading:
             raise NotStraightError(f"{'and' if conjunction else 'or'} {name} bends straight lines")
         operand_node, *rest = (self._node(operand, planned) for operand in expression.operands)
         for node in rest:
-            operand_node = Node(kinds[name], (operand_node, node))
+            operand_node = StraightAntecedent(kinds[name], (operand_node, node))
         return operand_node
 
     @staticmethod
-    def _hedged(node: Node, hedges: Sequence[Hedge]) -> Node:
+    def _hedged(node: StraightAntecedent, hedges: Sequence[Hedge]) -> StraightAntecedent:
         for hedge in reversed(hedges):
             if hedge.name == "not":
-                node = Node("not", (node,))
+                node = StraightAntecedent("not", (node,))
             elif hedge.name == "any":
-                node = Node("one")
+                node = StraightAntecedent("one")
             else:
                 raise NotStraightError(f"the hedge '{hedge.name}' bends straight lines")
         return node
@@ -333,7 +335,7 @@ class _Reading:
 
     def _consequents(
         self, count: int
-    ) -> tuple[ClosedForm | None, tuple[Value, ...], tuple[Fraction, ...]]:
+    ) -> tuple[ClosedForm | None, tuple[LinearConsequent, ...], tuple[Fraction, ...]]:
         if self.output.discrete:
             values = tuple(map(self._value, range(count)))
             return None, values, (Fraction(1),) * count
@@ -366,14 +368,14 @@ class _Reading:
         low, high = Fraction(output.low), Fraction(output.high)
         return straight_pieces(_corners(shape), low, high)  # type: ignore[arg-type]
 
-    def _value(self, column: int) -> Value:
+    def _value(self, column: int) -> LinearConsequent:
         member = self.output.members[column]
         none = (Fraction(0),) * len(self.inputs)
         if member.value is not None:
-            return Value(Fraction(member.value), none)
+            return LinearConsequent(Fraction(member.value), none)
         if member.term.shape.kind == "linear":
             *coefficients, constant = map(Fraction, member.term.shape.parameters)
-            return Value(constant, tuple(coefficients))
+            return LinearConsequent(constant, tuple(coefficients))
         where = f"'{self.output.output.name} is {member.term.name}'"
         raise NotStraightError(f"{where} is a formula of the inputs")
 
@@ -402,11 +404,11 @@ def _corners(shape: object) -> Corners:
     return tuple((Fraction(x), Fraction(y)) for x, y in polyline(shape))  # type: ignore[arg-type]
 
 
-def _has_product(node: Node) -> bool:
+def _has_product(node: StraightAntecedent) -> bool:
     return node.kind == "product" or any(map(_has_product, node.operands))
 
 
-def _is_plain_product(node: Node) -> bool:
+def _is_plain_product(node: StraightAntecedent) -> bool:
     if node.kind in {"product", "not"}:
         return all(map(_is_plain_product, node.operands))
     return node.kind in {"is", "one"}
@@ -414,7 +416,7 @@ def _is_plain_product(node: Node) -> bool:
 
 def _averages(
     profiles: Sequence[Sequence[Piece]], inputs: int
-) -> tuple[tuple[Value, ...], tuple[Fraction, ...]]:
+) -> tuple[tuple[LinearConsequent, ...], tuple[Fraction, ...]]:
     """Return the centroids and areas of whole sets, of which scaled sets that add are averages."""
     values, areas = [], []
     for pieces in profiles:
@@ -424,6 +426,8 @@ def _averages(
             # ∫ y dx and ∫ x y dx of a straight piece (trapezium).
             area += (x1 - x0) * (y0 + y1) / 2
             moment += (x1 - x0) * (x0 * (2 * y0 + y1) + x1 * (y0 + 2 * y1)) / 6
-        values.append(Value(moment / area if area else Fraction(0), (Fraction(0),) * inputs))
+        values.append(
+            LinearConsequent(moment / area if area else Fraction(0), (Fraction(0),) * inputs)
+        )
         areas.append(area)
     return tuple(values), tuple(areas)

@@ -37,7 +37,7 @@ from fuzzyarm.proof.bernstein import (
     vertices_of,
 )
 from fuzzyarm.proof.pieces import Pieces
-from fuzzyarm.proof.straight import Node, Straight
+from fuzzyarm.proof.straight import Straight, StraightAntecedent
 from fuzzyarm.table.axis import TableHeader
 
 __all__ = ["Surface", "TableValues"]
@@ -432,7 +432,9 @@ class Surface:
             for column in rule.columns:
                 yield column, rows, height * weight, slope * weight
 
-    def _product(self, node: Node, which: Array, shares: Array, shift: int) -> tuple[Array, Array]:
+    def _product(
+        self, node: StraightAntecedent, which: Array, shares: Array, shift: int
+    ) -> tuple[Array, Array]:
         if node.kind == "is":
             number = node.proposition + shift
             axis = self.pieces.grid.inputs[number]
@@ -579,7 +581,7 @@ def _chunks(which: Array, step: int, stop: Stop) -> Iterator[Array]:
         yield which[start : start + step]
 
 
-def _factors(node: Node) -> int:
+def _factors(node: StraightAntecedent) -> int:
     """Return how many memberships an antecedent multiplies."""
     if node.kind == "product":
         return sum(map(_factors, node.operands))

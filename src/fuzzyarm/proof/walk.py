@@ -35,7 +35,7 @@ from fuzzyarm.proof.laws import (
     NOTHING,
     ONE,
     Gains,
-    Law,
+    SignalLaw,
     combined,
     constant,
     curved,
@@ -53,7 +53,7 @@ from fuzzyarm.proof.prover import Prover
 from fuzzyarm.proof.sector import Sector, Slopes, sector, slopes_at
 from fuzzyarm.table import LookupTable
 
-__all__ = ["Asked", "AxisLines", "Walk", "source_name"]
+__all__ = ["Asked", "AxisLines", "LineWalk", "source_name"]
 
 BOXES_SECONDS = 2.0
 """How long the range of one rule base may take that goes by boxes: its bounds only get closer."""
@@ -86,7 +86,7 @@ class AxisLines:
         self.sources: dict[str, Reach] = {
             self._names[of]: reach for of, reach in own_reaches.items()
         }
-        self.made: dict[str, tuple[Source, Law | None]] = {}
+        self.made: dict[str, tuple[Source, SignalLaw | None]] = {}
         self.only_values = False
         self._known = known
 
@@ -109,7 +109,7 @@ class AxisLines:
         rulebase: RuleBase = self._known[key]
         return rulebase
 
-    def gain(self, name: str) -> Law | None:
+    def gain(self, name: str) -> SignalLaw | None:
         """Return a gain of this axis; None where it is not one."""
         gain = next((model for model in self.text.model.gains if model.name == name), None)
         if gain is None:
@@ -121,7 +121,7 @@ class AxisLines:
         """Return what a source is called; those that differ have names that differ."""
         return self._names[of]
 
-    def remember(self, name: str, of: Source, inner: Law | None) -> None:
+    def remember(self, name: str, of: Source, inner: SignalLaw | None) -> None:
         """Note what a source is made of; the first walk knows."""
         self.made.setdefault(name, (of, inner))
 
@@ -188,17 +188,17 @@ class _Notes:
     flat: list[str] = field(default_factory=list)
 
 
-class Walk:
+class LineWalk:
     """Goes over the lines of one axis, with the sources where they are asked for."""
 
     def __init__(self, case: AxisLines, asked: Asked) -> None:
         self.case = case
         self.asked = asked
         self.notes = _Notes()
-        self.laws: dict[str, Law] = {}
-        self.drives: dict[str, list[tuple[Drive, Law]]] = {}
+        self.laws: dict[str, SignalLaw] = {}
+        self.drives: dict[str, list[tuple[Drive, SignalLaw]]] = {}
 
-    def run(self) -> Walk:
+    def run(self) -> LineWalk:
         """Go over all lines."""
         for line in self.case.lines:
             if isinstance(line, Signal):
@@ -221,7 +221,7 @@ class Walk:
                 laws = [(over if factor.divides else times)(law, by) for law in laws]
         self.laws.update(zip(line.names, laws, strict=False))
 
-    def _named(self, value: str | float) -> Law:
+    def _named(self, value: str | float) -> SignalLaw:
         if not isinstance(value, str):
             return constant(value)
         if value in self.laws:
@@ -229,7 +229,7 @@ class Walk:
         gain = self.case.gain(value)
         return unknown(EVERYTHING, f"'{value}' is a law of its own") if gain is None else gain
 
-    def _products(self, products: Sequence[Product]) -> Law:
+    def _products(self, products: Sequence[Product]) -> SignalLaw:
         total = constant(0.0)
         for product in products:
             first, *others = product.factors
@@ -241,7 +241,7 @@ class Walk:
 
     # --- sources ---
 
-    def _source(self, of: Source, count: int) -> list[Law]:
+    def _source(self, of: Source, count: int) -> list[SignalLaw]:
         if of.kind == "rules":
             return self._rules(of, count)
         if of.record.of == "call":
@@ -262,7 +262,7 @@ class Walk:
             along = Interval(1.0 / self.asked.form[name], 1.0 / self.asked.form[name])
         else:
             along = f"'{name}' is one part of the sum only"
-        return [Law(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)]
+        return [SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)]
 
     def _curve(self, of: Source) -> Node | None:
         """Return a source as an expression over ``x``, where it is one: it remembers nothing."""
@@ -295,7 +295,7 @@ class Walk:
 
     # --- rule bases ---
 
-    def _rules(self, of: Source, count: int) -> list[Law]:
+    def _rules(self, of: Source, count: int) -> list[SignalLaw]:
         sheet = self.case.sheet(of.name)
         if not isinstance(sheet, RuleBase):
             return [unknown(EVERYTHING, f"'{of.name}' could not be read")] * count
@@ -304,20 +304,22 @@ class Walk:
         self._note_group(laws)
         return [self._conclusion(sheet, output.name, laws) for output in sheet.outputs]
 
-    def _inputs(self, names: Sequence[str], asked: Sequence[str]) -> dict[str, Law]:
+    def _inputs(self, names: Sequence[str], asked: Sequence[str]) -> dict[str, SignalLaw]:
         """Return the inputs of a rule base or a table by its own names."""
         names_used = [name for name in names if name != AXIS or AXIS in asked]
         laws = {name: self._named(law) for name, law in zip(names_used, asked, strict=False)}
         return {name: laws.get(name) or constant(float(self.case.index + 1)) for name in names}
 
-    def _note_group(self, given: Mapping[str, Law]) -> None:
+    def _note_group(self, given: Mapping[str, SignalLaw]) -> None:
         sources: dict[str, None] = {}
         for law in given.values():
             sources.update(dict.fromkeys(law.linear or {}))
         if len(sources) > 1:
             self.notes.groups.append(tuple(sources))
 
-    def _conclusion(self, sheet: RuleBase, output: str, given: Mapping[str, Law]) -> Law:
+    def _conclusion(
+        self, sheet: RuleBase, output: str, given: Mapping[str, SignalLaw]
+    ) -> SignalLaw:
         prover = self.case.prover(sheet, output)
         if self.case.only_values:
             inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in given.items()}
@@ -336,15 +338,15 @@ class Walk:
             slopes = slopes_at(prover, {name: only_value(law.rest) for name, law in given.items()})
         except FuzzyarmError as error:
             rest = {name: tuple(law.rest) for name, law in given.items()}
-            law = Law(at, self._range(prover, rest, {}), str(error), str(error), None, "")
+            law = SignalLaw(at, self._range(prover, rest, {}), str(error), str(error), None, "")
         else:
             value = float(slopes.value)
             gains, around = _chained(slopes, given)
-            law = Law(at, Interval(value, value), gains, around, None, "")
+            law = SignalLaw(at, Interval(value, value), gains, around, None, "")
         along, slack = self._along_rules(prover, region, given, law.rest)
         return replace(law, along=along, slack=slack)
 
-    def _note_zone(self, law: Law, universe: Interval) -> None:
+    def _note_zone(self, law: SignalLaw, universe: Interval) -> None:
         """Remember where a source takes its input to the ends of the universe."""
         if law.linear is None or len(law.linear) != 1 or not math.isfinite(largest(universe)):
             return
@@ -356,7 +358,7 @@ class Walk:
             self.notes.zones[name] = zone if interval is None else overlap(interval, zone)
 
     def _range(
-        self, prover: Prover, region: Mapping[str, Any], given: Mapping[str, Law]
+        self, prover: Prover, region: Mapping[str, Any], given: Mapping[str, SignalLaw]
     ) -> Interval:
         """Return where a conclusion can be; that of the whole output where no bound is closer."""
         output = prover.output
@@ -374,7 +376,7 @@ class Walk:
             self._note_point(extreme, given)
         return Interval(bounds.low, bounds.high)
 
-    def _note_point(self, point: Mapping[str, float], given: Mapping[str, Law]) -> None:
+    def _note_point(self, point: Mapping[str, float], given: Mapping[str, SignalLaw]) -> None:
         """Remember the sources at which a rule base has an extreme."""
         values: dict[str, float] = {}
         for name, law in given.items():
@@ -390,7 +392,7 @@ class Walk:
         self,
         prover: Prover,
         region: Mapping[str, tuple[float, float]],
-        given: Mapping[str, Law],
+        given: Mapping[str, SignalLaw],
         rest: Interval,
     ) -> tuple[Interval | str, float]:
         if not self.asked.form:
@@ -419,7 +421,7 @@ class Walk:
         return combined("multiply", gains, by), sector.slack
 
     def _weights(
-        self, moving: Sequence[str], given: Mapping[str, Law]
+        self, moving: Sequence[str], given: Mapping[str, SignalLaw]
     ) -> tuple[dict[str, Fraction], Interval] | str:
         """Return a sum of the inputs of a rule base, and between which multiples of σ it lies.
 
@@ -445,7 +447,7 @@ class Walk:
 
     # --- tables ---
 
-    def _table(self, of: Source) -> Law:
+    def _table(self, of: Source) -> SignalLaw:
         sheet = self.case.sheet(of.name)
         if not isinstance(sheet, LookupTable):
             return unknown(EVERYTHING, f"'{of.name}' could not be read")
@@ -469,7 +471,7 @@ class Walk:
         return table_law(table, laws, at, asked=bool(self.asked.form))
 
 
-def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gains | str]:
+def _chained(slopes: Slopes, given: Mapping[str, SignalLaw]) -> tuple[Gains | str, Gains | str]:
     """Return slopes by sources from slopes by inputs."""
     sources: dict[str, None] = {}
     for law in given.values():

@@ -19,7 +19,7 @@ from typing import Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.files import write_atomically
 
-__all__ = ["Journal", "JournalError", "digests_of", "question_of"]
+__all__ = ["JournalError", "WorkJournal", "digests_of", "question_of"]
 
 Row = Sequence[str]
 
@@ -28,7 +28,7 @@ class JournalError(FuzzyarmError, ValueError):
     """A journal is not that of the work, is damaged, or has work that would be lost."""
 
 
-class Journal:
+class WorkJournal:
     """A journal of some work.
 
     Parameters

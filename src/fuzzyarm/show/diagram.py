@@ -194,7 +194,7 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     tracks: list[int] = []
     top = 0.0
     for axes in model.axes:
-        part = _Part(model, axes, counts)
+        part = _DiagramPart(model, axes, counts)
         pins = [Pins(len(b.inputs), len(b.outputs), _place(b)) for b in part.blocks]
         layout = lay_out(pins, [Link(w.source, w.output, w.target, w.input) for w in part.wires])
         # Each part was laid out by itself: its blocks come behind, its rows below those so far.
@@ -261,7 +261,7 @@ Pin = tuple[int, int, str]
 """A block, one of its outputs, and the name of the signal there; empty for one without a name."""
 
 
-class _Part:
+class _DiagramPart:
     """The blocks and wires of axes that share their lines, without places."""
 
     def __init__(self, model: ControllerModel, axes: Axes, counts: dict[str, int]) -> None:

@@ -73,7 +73,7 @@ class Corner(NamedTuple):
     row: float
 
 
-class Layout(NamedTuple):
+class LayeredGraph(NamedTuple):
     """What :func:`lay_out` finds.
 
     Attributes
@@ -102,7 +102,7 @@ def pin(index: int, count: int) -> float:
     return index - 0.5 * (count - 1)
 
 
-def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> Layout:
+def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> LayeredGraph:
     """Find layers and rows of blocks, and the ways of the wires between them.
 
     Parameters
@@ -118,7 +118,7 @@ def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> Layout:
     tracks, paths = _tracks(net, rows)
     values = [rows[index] for index in range(len(blocks))]
     height = max((rows[i] + 0.5 * net.heights[i] + 0.5 for i in range(len(rows))), default=0.0)
-    return Layout(layers, values, paths, tracks, height)
+    return LayeredGraph(layers, values, paths, tracks, height)
 
 
 # --- Layers ---

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from fuzzyarm.plant.drawings import Scene, drawing_of
+from fuzzyarm.plant.drawings import PlantScene, drawing_of
 from fuzzyarm.show.canvas import drawing_lines
 from fuzzyarm.show.drawing import run_words, time_words
 from fuzzyarm.show.panels import panel_lines
@@ -68,7 +68,7 @@ class LiveView:
 
     def _plant(self, index: int, columns: int, rows: int) -> list[Text]:
         """Return the lines of the drawing of the plant, if it has one."""
-        drawing = drawing_of(self.plant, Scene(self.run, index))
+        drawing = drawing_of(self.plant, PlantScene(self.run, index))
         if drawing is None:
             return []
         return drawing_lines(drawing, columns, rows, unicode=self.unicode)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Group
 
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tuned import Row, Tuned
+    from fuzzyarm.tuning.tuned import ComparedRow, Tuned
 
 WIDTH, HEIGHT = 60, 8
 """Of the curve, characters."""
@@ -57,7 +57,7 @@ def table_lines(tuned: Tuned) -> Iterator[str]:
     yield from in_columns(lines, "<>")
 
 
-def _cost(row: Row, name: str) -> str:
+def _cost(row: ComparedRow, name: str) -> str:
     score = row.scores.get(name)
     if score is None:
         return "-"

@@ -285,7 +285,7 @@ def watched_run(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cost:
+class ControlStepCost:
     """What a control step of a controller costs, both joints.
 
     Attributes
@@ -311,7 +311,7 @@ def is_counted(plant: Plant) -> bool:
     return isinstance(plant, Arm)
 
 
-def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) -> Cost:
+def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) -> ControlStepCost:
     """Count the operations of a controller and measure its time.
 
     Parameters
@@ -325,12 +325,12 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) 
 
     Returns
     -------
-    Cost
+    ControlStepCost
         Operations of a control step, and its time in s.
     """
     controller = find_controller(name)
     seconds = measure_time(controller, conventions=conventions) if timed else None
-    return Cost(
+    return ControlStepCost(
         name=controller.name,
         operations=count_operations(controller),
         exported=exported_operations(controller),

@@ -24,12 +24,12 @@ from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.setting import (
     PLAIN,
-    Arithmetic,
     Clock,
     Conventions,
     Moment,
     Pair,
     Reference,
+    RunArithmetic,
     State,
     pose_of,
 )
@@ -65,7 +65,7 @@ _tally = Tally()
 """Of the count under way."""
 
 
-class Counted(float):
+class CountingFloat(float):
     """A number of which every operation is counted."""
 
     __slots__ = ()
@@ -79,7 +79,7 @@ def _arithmetic(name: str) -> Callable[..., Any]:
         if value is NotImplemented:
             return value
         _tally.arithmetic += 1
-        return Counted(value)
+        return CountingFloat(value)
 
     return operation
 
@@ -95,13 +95,13 @@ def _comparison(name: str) -> Callable[..., Any]:
 
 
 for _word in ("add", "sub", "mul", "truediv"):
-    setattr(Counted, f"__{_word}__", _arithmetic(f"__{_word}__"))
-    setattr(Counted, f"__r{_word}__", _arithmetic(f"__r{_word}__"))
+    setattr(CountingFloat, f"__{_word}__", _arithmetic(f"__{_word}__"))
+    setattr(CountingFloat, f"__r{_word}__", _arithmetic(f"__r{_word}__"))
 for _word in ("neg", "abs"):
-    setattr(Counted, f"__{_word}__", _arithmetic(f"__{_word}__"))
+    setattr(CountingFloat, f"__{_word}__", _arithmetic(f"__{_word}__"))
 for _word in ("lt", "le", "gt", "ge", "eq", "ne"):
-    setattr(Counted, f"__{_word}__", _comparison(f"__{_word}__"))
-Counted.__hash__ = float.__hash__  # type: ignore[method-assign]
+    setattr(CountingFloat, f"__{_word}__", _comparison(f"__{_word}__"))
+CountingFloat.__hash__ = float.__hash__  # type: ignore[method-assign]
 
 
 class CountedArray(np.ndarray):
@@ -111,7 +111,7 @@ class CountedArray(np.ndarray):
         """Return a number that counts, or a part."""
         value = super().__getitem__(index)
         if isinstance(value, np.float64):
-            return Counted(value)
+            return CountingFloat(value)
         return int(value) if isinstance(value, np.integer) else value
 
 
@@ -126,11 +126,11 @@ class _CountedPose:
         self._values = pose_of(position)._asdict()
         self._asked: set[str] = set()
 
-    def __getattr__(self, name: str) -> Counted:
+    def __getattr__(self, name: str) -> CountingFloat:
         if name not in self._asked:
             self._asked.add(name)
             _tally.functions += 1
-        return Counted(self._values[name])
+        return CountingFloat(self._values[name])
 
 
 # --- Operations of a control step ---
@@ -209,7 +209,7 @@ class _Counting(Controller):
         self.name = controller.name
         self.steps = 0
         self._parts = []
-        arithmetic = Arithmetic()
+        arithmetic = RunArithmetic()
         for part in controller.parts():
             if not isinstance(part, CompiledController):
                 raise CostError(part.name)
@@ -265,7 +265,7 @@ def _functions_of_partners(law: TextLaw) -> int:
     functions = 0
     for partner in law.text.model.partners:
         controller = law.find_law(partner.law)
-        block = controller.block(Arithmetic())
+        block = controller.block(RunArithmetic())
         pose: Any = _CountedPose((0.1, 0.2))
         still = State((0.1, 0.2), (0.0, 0.0))
         now = Moment(Reference((0.1, 0.2), (0.0, 0.0), (0.0, 0.0)), still, pose, CLOCK_AT_REST)
@@ -293,7 +293,7 @@ CLOCK_AT_REST = Clock(0.0006, last=False, single=False)
 
 
 def _pair(numbers: Pair) -> Pair:
-    return Counted(numbers[0]), Counted(numbers[1])
+    return CountingFloat(numbers[0]), CountingFloat(numbers[1])
 
 
 # --- Time of a control step ---

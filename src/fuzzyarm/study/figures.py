@@ -12,7 +12,7 @@ from fuzzyarm.controller.catalogue import CATALOGUE
 from fuzzyarm.loop.run import Run
 from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import Beyond
-from fuzzyarm.study.comparison import Compared, Cost
+from fuzzyarm.study.comparison import Compared, ControlStepCost
 from fuzzyarm.study.published import RMS_PLACES, PublishedRow
 from fuzzyarm.study.reproduce import Reproduced
 
@@ -279,7 +279,9 @@ _FROM_PATH: dict[str, Any] = {"markersize": 5.5, "fillstyle": "none"}
 # --- Error against cost ---
 
 
-def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost], title: str = "") -> Figure:
+def draw_cost(
+    compared: Sequence[Compared], costs: Sequence[ControlStepCost], title: str = ""
+) -> Figure:
     """Draw mean errors of controllers against operations and time of a control step.
 
     A mark is the error from the path; a line leads to the error at the set points. The title

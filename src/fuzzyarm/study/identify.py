@@ -39,16 +39,16 @@ class Unknown:
 
 
 @dataclass(frozen=True)
-class Problem:
+class IdentificationProblem:
     """Gains to find and the rows they must explain."""
 
     rows: tuple[str, ...]  # names of published rows
     unknowns: tuple[Unknown, ...]  # positive gains
 
 
-PROBLEMS: dict[str, Problem] = {
-    "acdid+ie": Problem(("acdid+ie",), (Unknown("K_I", None, 100.0),)),
-    "mrac": Problem(
+PROBLEMS: dict[str, IdentificationProblem] = {
+    "acdid+ie": IdentificationProblem(("acdid+ie",), (Unknown("K_I", None, 100.0),)),
+    "mrac": IdentificationProblem(
         ("mrac",),
         (
             Unknown("K_1", None, 300.0),
@@ -57,8 +57,8 @@ PROBLEMS: dict[str, Problem] = {
             Unknown("b", None, 1.0),
         ),
     ),
-    "mrac+ie": Problem(("mrac+ie",), (Unknown("K_I", None, 5.0),)),
-    "dac": Problem(
+    "mrac+ie": IdentificationProblem(("mrac+ie",), (Unknown("K_I", None, 5.0),)),
+    "dac": IdentificationProblem(
         ("dac",),
         (
             Unknown("p_2", None, 1000.0),
@@ -67,7 +67,7 @@ PROBLEMS: dict[str, Problem] = {
             Unknown("C", 1, 1.0),
         ),
     ),
-    "dac+ie": Problem(("dac+ie",), (Unknown("K_I", None, 20.0),)),
+    "dac+ie": IdentificationProblem(("dac+ie",), (Unknown("K_I", None, 20.0),)),
 }
 """What was identified, by controller."""
 

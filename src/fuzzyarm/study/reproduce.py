@@ -19,7 +19,7 @@ from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.many import Many
 from fuzzyarm.loop.run import Run
 from fuzzyarm.loop.simulation import simulate, simulate_many
-from fuzzyarm.plant.setting import Arithmetic, Conventions
+from fuzzyarm.plant.setting import Conventions, RunArithmetic
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach, reach_return
 from fuzzyarm.study.published import MAXIMUM_ON, RMS_PLACES, Eight, PublishedRow
 
@@ -115,7 +115,7 @@ def _columns(many: Many, trajectory: Trajectory) -> list[NDArray[np.float64]]:
 
 
 @dataclass(frozen=True)
-class Bound:
+class Tolerance:
     """Largest allowed differences of a row."""
 
     rms: float  # of every RMS figure, relative
@@ -129,16 +129,16 @@ FINAL_ABSOLUTE = 0.001
 
 FINAL_RELATIVE = 0.005
 
-_DEFAULT = Bound(0.005)
-_TWO = Bound(0.02, final=False)
-_FIVE = Bound(0.05, final=False)
+_DEFAULT = Tolerance(0.005)
+_TWO = Tolerance(0.02, final=False)
+_FIVE = Tolerance(0.05, final=False)
 _BOUNDS = {
-    "acdid+ie": Bound(0.01, final=False),
-    "mrac": Bound(0.01, final=False),
-    "mrac+ie": Bound(0.01, final=False),
-    "7.1.1/mrac+ie": Bound(0.04, final=False),
-    "dac": Bound(0.05, mean_rms=0.02, final=False),
-    "dac+ie": Bound(0.05, mean_rms=0.02, final=False),
+    "acdid+ie": Tolerance(0.01, final=False),
+    "mrac": Tolerance(0.01, final=False),
+    "mrac+ie": Tolerance(0.01, final=False),
+    "7.1.1/mrac+ie": Tolerance(0.04, final=False),
+    "dac": Tolerance(0.05, mean_rms=0.02, final=False),
+    "dac+ie": Tolerance(0.05, mean_rms=0.02, final=False),
     "fuzzy-direct": _TWO,
     "stfc": _TWO,
     "cfaf": _TWO,
@@ -197,7 +197,7 @@ class Judgement:
         Inside the bounds.
     worst_rms, mean_rms : float
         Largest and mean relative difference of the four RMS figures.
-    bound : Bound or None
+    bound : Tolerance or None
         That applied; None where the extremes of an ensemble decide.
     faults : tuple of str
         What is outside, in words.
@@ -208,7 +208,7 @@ class Judgement:
     within: bool
     worst_rms: float
     mean_rms: float
-    bound: Bound | None
+    bound: Tolerance | None
     faults: tuple[str, ...]
     note: str
 
@@ -329,7 +329,7 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
     row : PublishedRow
         Of the study's tables.
     """
-    arithmetic = Arithmetic()
+    arithmetic = RunArithmetic()
     printed_law, described = (
         [
             (part.law.kernel, block.numbers.tobytes(), block.memory.tobytes())

@@ -26,8 +26,8 @@ from fuzzyarm.table.header import (
 )
 from fuzzyarm.table.text import (
     MAX_CHARACTERS,
-    Grid,
     ParsedTable,
+    TextGrid,
     finish,
     line_tokens,
     page_condition,
@@ -203,7 +203,7 @@ def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
 
 def _grids(
     head: TableHeader, rows: list[tuple[int, str]], diagnostics: list[Diagnostic]
-) -> list[Grid] | None:
+) -> list[TextGrid] | None:
     """Return the rectangle cut into grids, one for each combination of the pages."""
     pages = len(head.axes[:-2])
     split = [(n, _plain_cells(n, line, diagnostics)) for n, line in rows]
@@ -217,7 +217,7 @@ def _grids(
         diagnostics.append(Diagnostic("wrong-corner", message, Span(first, 1, first, 2)))
         return None
     levels = [set(axis.levels) for axis in head.axes[:-2]]
-    grids: dict[tuple[float, ...], Grid] = {}
+    grids: dict[tuple[float, ...], TextGrid] = {}
     for line_number, cells in split[1:]:
         page = _page(cells[:pages], levels)
         if page is None:
@@ -227,7 +227,7 @@ def _grids(
             continue
         if page not in grids:
             tokens = line_tokens(line_number, f"grid{page_condition(head, page)}", [])
-            grids[page] = Grid(tuple(_at_start(token) for token in tokens))
+            grids[page] = TextGrid(tuple(_at_start(token) for token in tokens))
             grids[page].lines.append((first, "  ".join(corner[pages:])))
         grids[page].lines.append((line_number, "  ".join(cells[pages:])))
     return list(grids.values())

@@ -53,7 +53,7 @@ class VariableLine:
     description: str = ""
 
 
-class Numbers(NamedTuple):
+class HeaderNumbers(NamedTuple):
     """The numbers of one ``levels`` or ``bins`` line and where they stand."""
 
     values: tuple[float, ...]
@@ -73,8 +73,8 @@ class Header:
     output: VariableLine | None = None
     index: list[Word] = field(default_factory=list)
     index_span: Span | None = None
-    levels: dict[str | None, Numbers] = field(default_factory=dict)
-    bins: dict[str | None, Numbers] = field(default_factory=dict)
+    levels: dict[str | None, HeaderNumbers] = field(default_factory=dict)
+    bins: dict[str | None, HeaderNumbers] = field(default_factory=dict)
     named: list[Word] = field(default_factory=list)
     rounding: float | None = None
     mode: str | None = None
@@ -213,7 +213,7 @@ def _read_bins(header: Header, cursor: Cursor, span: Span) -> None:
 
 
 def _read_numbers(
-    header: Header, into: dict[str | None, Numbers], cursor: Cursor, word: str
+    header: Header, into: dict[str | None, HeaderNumbers], cursor: Cursor, word: str
 ) -> None:
     names: list[Word] = []
     if not cursor.at_figure:
@@ -223,7 +223,7 @@ def _read_numbers(
         cursor.expect(":", "after the inputs")
     start = cursor.span
     values = read_number_list(cursor, word)
-    numbers = Numbers(values, start.to(cursor.tokens[cursor.position - 1].span))
+    numbers = HeaderNumbers(values, start.to(cursor.tokens[cursor.position - 1].span))
     for a, b in itertools.pairwise(values):
         if not a < b:
             message = f"the {word} must increase, but {b:g} follows {a:g}"

@@ -1,6 +1,6 @@
 """Looking up a value in a table: what it means, and its readings.
 
-The meaning is written once, for one input and for the walk over several (:class:`Grid`).
+The meaning is written once, for one input and for the walk over several (:class:`PreparedTable`).
 Readings are a point, arrays, the numbers of a small machine (:mod:`fuzzyarm.export`), the
 kernels of a closed loop and those for large arrays.
 """
@@ -25,8 +25,8 @@ from fuzzyarm.table.axis import Axis, TableError
 __all__ = [
     "AT_POINT",
     "OVER_ARRAYS",
-    "Arithmetic",
-    "Grid",
+    "LookupArithmetic",
+    "PreparedTable",
     "blend",
     "cell_index",
     "corner_offsets",
@@ -70,7 +70,7 @@ def blend(near: Any, far: Any, share: Any) -> Any:
     return (1.0 - share) * near + share * far
 
 
-class Arithmetic(NamedTuple):
+class LookupArithmetic(NamedTuple):
     """What the definition asks of one kind of numbers."""
 
     # From sorted points and x to the number of points that are smaller than x, and of those that
@@ -87,10 +87,10 @@ def _clamp_arrays(x: Any, low: Any, high: Any) -> Any:
     return np.where(x > low, np.where(x < high, x, high), low)
 
 
-AT_POINT = Arithmetic(bisect_left, bisect_right, clamp, share_of_way, blend)
+AT_POINT = LookupArithmetic(bisect_left, bisect_right, clamp, share_of_way, blend)
 """Floats; the points are sequences."""
 
-OVER_ARRAYS = Arithmetic(
+OVER_ARRAYS = LookupArithmetic(
     partial(np.searchsorted, side="left"),
     partial(np.searchsorted, side="right"),
     _clamp_arrays,
@@ -101,7 +101,7 @@ OVER_ARRAYS = Arithmetic(
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class PreparedTable:
     """A table prepared for one way to look up, in the numbers of one arithmetic."""
 
     strides: tuple[int, ...]  # cells from one index of an input to the next one
@@ -110,12 +110,12 @@ class Grid:
     inner: tuple[Any, ...]  # the levels except for the outer ones
     offsets: tuple[int, ...]  # where it interpolates, see :func:`corner_offsets`
     values: Any  # flat, the last input fastest
-    arithmetic: Arithmetic  # of points and values
+    arithmetic: LookupArithmetic  # of points and values
 
     @classmethod
     def of(
-        cls, shape: Sequence[int], points: Sequence[Any], values: Any, arithmetic: Arithmetic
-    ) -> Grid:
+        cls, shape: Sequence[int], points: Sequence[Any], values: Any, arithmetic: LookupArithmetic
+    ) -> PreparedTable:
         """Prepare a table with so many levels in each input."""
         inner = tuple(point[1:-1] for point in points)
         strides = strides_of(shape)
@@ -331,7 +331,7 @@ _MOST_BUCKETS = 4_096
 _MOST_STEPS = 6
 
 
-class Finder(NamedTuple):
+class BucketIndex(NamedTuple):
     """How numbers find their index among the points of one axis."""
 
     points: _Array  # increasing, with infinities after the last one
@@ -343,14 +343,14 @@ class Finder(NamedTuple):
     steps: int  # points that share a bucket at most
 
 
-def make_finder(points: Sequence[float]) -> Finder | None:
+def make_finder(points: Sequence[float]) -> BucketIndex | None:
     """Prepare the points of an axis; None where they lie too unevenly for buckets."""
     edges = np.array(points, dtype=np.float64)
     if edges.size < 2:
         return _finder(edges, np.zeros(1, np.int64), 0.0, 0.0, 1)
     low, span = float(edges[0]), float(edges[-1] - edges[0])
     count = 2 * edges.size
-    best: Finder | None = None
+    best: BucketIndex | None = None
     while count <= _MOST_BUCKETS * edges.size and 0.0 < span < math.inf:
         inverse = count / span
         if not math.isfinite(inverse):
@@ -368,9 +368,9 @@ def make_finder(points: Sequence[float]) -> Finder | None:
 
 def _finder(
     edges: _Array, start: NDArray[np.int64], low: float, inverse: float, steps: int
-) -> Finder:
+) -> BucketIndex:
     points = np.concatenate([edges, np.full(steps, np.inf)])
-    return Finder(points, start.astype(np.int32), points[start], low, inverse, steps)
+    return BucketIndex(points, start.astype(np.int32), points[start], low, inverse, steps)
 
 
 @kernel
@@ -536,7 +536,7 @@ def picker(
     return evaluate
 
 
-def _arrays_of(finder: Finder, size: int) -> tuple[_Array, _Cells, _Array, _Array]:
+def _arrays_of(finder: BucketIndex, size: int) -> tuple[_Array, _Cells, _Array, _Array]:
     """Return a finder as kernels take it, with what an index grows by."""
     numbers = np.array([finder.low, finder.inverse, finder.steps, size], dtype=np.float64)
     return finder.points, finder.start, finder.edge, numbers
@@ -655,7 +655,7 @@ def _plain(axes: Sequence[Axis], cells: NDArray[np.float64], mode: str) -> Evalu
     """Return the reading with NumPy."""
     linear = mode == "linear"
     points = [np.array(a.levels if linear else a.thresholds(mode)) for a in axes]
-    grid = Grid.of(cells.shape, points, cells.ravel(), OVER_ARRAYS)
+    grid = PreparedTable.of(cells.shape, points, cells.ravel(), OVER_ARRAYS)
     look_up = grid.interpolate if linear else grid.pick
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:

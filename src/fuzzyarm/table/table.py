@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.table.axis import PlainTable, TableError, TableHeader, mode_named
-from fuzzyarm.table.lookup import AT_POINT, Grid, look_up_arrays
+from fuzzyarm.table.lookup import AT_POINT, PreparedTable, look_up_arrays
 from fuzzyarm.text.names import near_hint
 
 
@@ -143,14 +143,17 @@ class LookupTable(TableHeader):
         return cls(**plain.head(), values=values)
 
     @cached_property
-    def _grids(self) -> dict[str, Grid]:
+    def _grids(self) -> dict[str, PreparedTable]:
         """Return the table prepared for points, for each mode."""
         flat = self.values.ravel().data  # a memory view gives floats, and those quickly
         points: dict[str, list[tuple[float, ...]]] = {
             mode: [axis.thresholds(mode) for axis in self.axes] for mode in ("bins", "nearest")
         }
         points["linear"] = [axis.levels for axis in self.axes]
-        return {mode: Grid.of(self.shape, point, flat, AT_POINT) for mode, point in points.items()}
+        return {
+            mode: PreparedTable.of(self.shape, point, flat, AT_POINT)
+            for mode, point in points.items()
+        }
 
     def _at_point(self, inputs: tuple[float, ...], mode: str) -> float:
         for axis, x in zip(self.axes, inputs, strict=True):

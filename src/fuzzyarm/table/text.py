@@ -89,9 +89,9 @@ def finish(
     return ParsedTable(PlainTable(**head.head(), values=tuple(values)), findings, head)
 
 
-def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]:
+def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[TextGrid]]:
     header = Header()
-    grids: list[Grid] = []
+    grids: list[TextGrid] = []
     for number, line in enumerate(split_lines(text), start=1):
         bare = line.lstrip()
         if not bare or bare[0] == "#":
@@ -106,7 +106,7 @@ def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]
             continue
         word = tokens[0].text if tokens[0].kind == "name" else ""
         if word == "grid":
-            grids.append(Grid(tokens))
+            grids.append(TextGrid(tokens))
         elif word in KEYWORDS:
             read_statement(header, Cursor(tokens), diagnostics)
         else:
@@ -146,7 +146,7 @@ _WORD = re.compile(r"[^\s]+")
 
 
 @dataclass(slots=True)
-class Grid:
+class TextGrid:
     """The ``grid`` line and the lines below it."""
 
     tokens: tuple[Token, ...]
@@ -159,7 +159,7 @@ class Grid:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class TextCell:
     """One cell of text and where it stands."""
 
     text: str
@@ -167,7 +167,7 @@ class Cell:
 
 
 def read_grids(
-    head: TableHeader, grids: Sequence[Grid], diagnostics: list[Diagnostic]
+    head: TableHeader, grids: Sequence[TextGrid], diagnostics: list[Diagnostic]
 ) -> list[float] | None:
     """Return the values, the last axis fastest; None if any is missing or at fault."""
     pages = head.shape[:-2]
@@ -182,7 +182,7 @@ def read_grids(
             diagnostics.append(Diagnostic("duplicate-grid", message, grid.span))
         elif page is not None:
             filled[page] = grid.span
-        block = _Block(head, grid, diagnostics).read()
+        block = _GridReader(head, grid, diagnostics).read()
         if page is not None and block is not None and len(block) == size:
             values[page] = block
     if len(filled) < count:
@@ -196,7 +196,7 @@ def _report_missing_pages(
     head: TableHeader,
     filled: dict[int, Span],
     count: int,
-    grids: Sequence[Grid],
+    grids: Sequence[TextGrid],
     diagnostics: list[Diagnostic],
 ) -> None:
     where = grids[-1].span if grids else Span(1, 1, 1, 2)
@@ -206,7 +206,7 @@ def _report_missing_pages(
     diagnostics.append(Diagnostic("missing-grid", f"there is no 'grid{condition}'{more}", where))
 
 
-def _page_index(head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> int | None:
+def _page_index(head: TableHeader, grid: TextGrid, diagnostics: list[Diagnostic]) -> int | None:
     """Return which of the pages the ``when`` of a grid means."""
     pages = {axis.name: axis for axis in head.axes[:-2]}
     indices: dict[str, int] = {}
@@ -262,10 +262,10 @@ def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
     return name, levels.index(figure)
 
 
-class _Block:
+class _GridReader:
     """The reading of one grid."""
 
-    def __init__(self, head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> None:
+    def __init__(self, head: TableHeader, grid: TextGrid, diagnostics: list[Diagnostic]) -> None:
         self.head = head
         self.grid = grid
         self.diagnostics = diagnostics
@@ -330,7 +330,7 @@ class _Block:
             span,
         )
 
-    def _check_levels(self, cells: list[Cell], axis: Axis, number: int, line: str) -> bool:
+    def _check_levels(self, cells: list[TextCell], axis: Axis, number: int, line: str) -> bool:
         values = [self._number(cell) for cell in cells]
         if None in values:
             return False
@@ -374,7 +374,7 @@ class _Block:
         self._check_count(cells, number, line)
         return next(iter(numbers_or_none), None), []
 
-    def _check_count(self, cells: list[Cell], number: int, line: str) -> None:
+    def _check_count(self, cells: list[TextCell], number: int, line: str) -> None:
         count, count_expected = max(0, len(cells) - 1), len(self.column.levels)
         if count == count_expected:
             return
@@ -443,10 +443,10 @@ class _Block:
         cells = _cells(number, line, rest)
         values = [self._number(cell) for cell in cells]
         # A first cell stands for the label, which other rows have among theirs.
-        self._check_count([Cell("", self.grid.span), *cells], number, line)
+        self._check_count([TextCell("", self.grid.span), *cells], number, line)
         return [x for x in values if x is not None]
 
-    def _number(self, cell: Cell) -> float | None:
+    def _number(self, cell: TextCell) -> float | None:
         if _NUMBER.match(cell.text):
             value = float(cell.text)
             if math.isfinite(value):
@@ -483,11 +483,11 @@ def _names_and_rest(number: int, line: str) -> tuple[list[Token] | None, int]:
     return names, end
 
 
-def _cells(number: int, line: str, start: int) -> list[Cell]:
+def _cells(number: int, line: str, start: int) -> list[TextCell]:
     """Return the words of `line` from offset `start` to a comment."""
     stop = line.find("#", start)
     return [
-        Cell(m.group(), Span(number, m.start() + 1, number, m.end() + 1))
+        TextCell(m.group(), Span(number, m.start() + 1, number, m.end() + 1))
         for m in _WORD.finditer(line, start, len(line) if stop < 0 else stop)
     ]
 

@@ -56,7 +56,7 @@ HAS = {
 """What a value is asked for, by which one sees what is wanted."""
 
 
-class WrongKindError(FuzzyarmError, AttributeError, ValueError):
+class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
     """A value or a file of one kind stands where one of another is wanted.
 
     Attributes
@@ -74,7 +74,7 @@ class WrongKindError(FuzzyarmError, AttributeError, ValueError):
         self.kind, self.wanted = kind, wanted
 
 
-def wrong_kind(value: object, wanted: str) -> WrongKindError:
+def wrong_kind(value: object, wanted: str) -> MistakenKindError:
     """Return the error of a value that is not of the kind that is wanted.
 
     Parameters
@@ -91,13 +91,13 @@ def wrong_kind(value: object, wanted: str) -> WrongKindError:
             other = f"rule base or a {WHOLE}" if wanted == MODEL else WHOLE
         hint = HINTS.get((kind, WHOLE if other.endswith(WHOLE) else other), "")
         text = "controller without its files" if other == WHOLE else kind
-        return WrongKindError(f"'{value.called()}'", text, other, hint=hint)
+        return MistakenKindError(f"'{value.called()}'", text, other, hint=hint)
     if isinstance(value, type):
         name = value.__name__
-        return WrongKindError(name, "class", wanted, hint=f"{name}() makes one of its values")
+        return MistakenKindError(name, "class", wanted, hint=f"{name}() makes one of its values")
     kind = "" if value is None else type(value).__name__  # "None is not a rule base" says it all
     hint = "fuzzyarm.load reads a file" if isinstance(value, str | os.PathLike) else ""
-    return WrongKindError(shortened(repr(value), 80), kind, wanted, hint=hint)
+    return MistakenKindError(shortened(repr(value), 80), kind, wanted, hint=hint)
 
 
 class OfKind:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["SOURCES", "Source"]
+__all__ = ["SOURCES", "Publication"]
 
 
 @dataclass(frozen=True)
-class Source:
+class Publication:
     """One publication.
 
     Attributes
@@ -36,15 +36,15 @@ class Source:
 
 def _article(
     author: str, title: str, journal: str, volume: str, year: str, pages: str, number: str = ""
-) -> Source:
+) -> Publication:
     issue = {"number": number} if number else {}
     fields = {"author": author, "title": title, "journal": journal, "volume": volume}
-    return Source("article", {**fields, **issue, "pages": pages, "year": year})
+    return Publication("article", {**fields, **issue, "pages": pages, "year": year})
 
 
 _SMC = "IEEE Transactions on Systems, Man, and Cybernetics"
 
-SOURCES: Mapping[str, Source] = {
+SOURCES: Mapping[str, Publication] = {
     "zadeh1965": _article(
         "Zadeh, Lotfi A.", "Fuzzy sets", "Information and Control", "8", "1965", "338--353", "3"
     ),
@@ -66,7 +66,7 @@ SOURCES: Mapping[str, Source] = {
         "116--132",
         "1",
     ),
-    "tsukamoto1979": Source(
+    "tsukamoto1979": Publication(
         "incollection",
         {
             "author": "Tsukamoto, Y.",

@@ -21,7 +21,16 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from fuzzyarm.kernels import call, is_kernel
-from fuzzyarm.translation.types import Array, Nothing, Record, Scalar, Type, Value, wider, widest
+from fuzzyarm.translation.types import (
+    Array,
+    Nothing,
+    Scalar,
+    TupleType,
+    Type,
+    TypedText,
+    wider,
+    widest,
+)
 
 if TYPE_CHECKING:
     from fuzzyarm.translation.targets import Target
@@ -110,7 +119,7 @@ class Translation:
         """Return the name of a type; that of a tuple is defined when it is met first."""
         if not self.target.types:
             return ""
-        if not isinstance(type_, Record):
+        if not isinstance(type_, TupleType):
             return self.target.types[type_]
         if type_.parts not in self._tuples:
             parts = [self.type_name(part) for part in type_.parts]
@@ -188,7 +197,7 @@ class _Function:
         parameters = [self.declared(self.target.parameter, name) for name in self.parameters]
         local = [name for name in self.types if name not in self.parameters]
         passed = [self.returned, *(self.types[name] for name in self.parameters)]
-        has_tuple = any(isinstance(type_, Record) for type_ in passed)
+        has_tuple = any(isinstance(type_, TupleType) for type_ in passed)
         head = self.target.tuple_prefix * has_tuple + self.target.definition.format(
             returned=self.whole.type_name(self.returned),
             name=self.name,
@@ -251,7 +260,7 @@ class _Function:
             lines += self.stored(part, value._replace(text=name))
         return _together(lines)
 
-    def stored(self, target: ast.expr, value: Value) -> list[str]:
+    def stored(self, target: ast.expr, value: TypedText) -> list[str]:
         """Return the lines that write a value into a name, an element, or several of these."""
         if isinstance(target, ast.Name) and target.id == "_":
             return []
@@ -261,7 +270,7 @@ class _Function:
             name = self.variable(target.id)
             return [f"{name} = {self.as_type(value, self.types[target.id])};"]
         if isinstance(target, ast.Tuple):
-            assert isinstance(value.type, Record)
+            assert isinstance(value.type, TupleType)
             name = self.temporary()
             lines = [self.named(name, value)]
             for index, part in enumerate(target.elts):
@@ -301,7 +310,7 @@ class _Function:
         # the name keeps the number of the last turn.
         index = self.temporary()
         head = self.target.counted.format(index=index, start=start, end=end, sign=sign, step=step)
-        lines = self.stored(target, Value(index, WHOLE))
+        lines = self.stored(target, TypedText(index, WHOLE))
         return [head, *(f"  {line}" for line in lines), *self.block(node.body), "}"]
 
     _STATEMENTS: ClassVar[dict[type, Callable[..., list[str]]]] = {
@@ -331,16 +340,16 @@ class _Function:
     def variable(self, name: str) -> str:
         return self.target.variable.format(name)
 
-    def named(self, name: str, value: Value) -> str:
+    def named(self, name: str, value: TypedText) -> str:
         """Return the statement that gives a value a name."""
         type_ = self.whole.type_name(value.type)
         return self.target.constant.format(type=type_, name=name, value=value.text)
 
-    def as_type(self, value: Value, type_: Type) -> str:
+    def as_type(self, value: TypedText, type_: Type) -> str:
         """Return the text of a value as one of another type."""
         if value.type == type_:
             return value.text
-        if not isinstance(type_, Record):
+        if not isinstance(type_, TupleType):
             return self.target.cast.format(type=self.whole.type_name(type_), value=value.text)
         parts = [
             self.as_type(self.part_of(value, index), part) for index, part in enumerate(type_.parts)
@@ -349,7 +358,7 @@ class _Function:
 
     # --- Expressions ---
 
-    def value(self, node: ast.expr) -> Value:
+    def value(self, node: ast.expr) -> TypedText:
         writer = self._VALUES.get(type(node))
         if writer is None:
             raise NotTranslatedError(node, self.target.name)
@@ -358,47 +367,47 @@ class _Function:
     def condition(self, node: ast.expr) -> str:
         return self.value(node).text
 
-    def number(self, value: object, node: ast.expr) -> Value:
+    def number(self, value: object, node: ast.expr) -> TypedText:
         if isinstance(value, bool):
-            return Value(self.target.truths[value], TRUTH)
+            return TypedText(self.target.truths[value], TRUTH)
         if isinstance(value, int):
-            return Value(str(value), WHOLE)
+            return TypedText(str(value), WHOLE)
         if isinstance(value, float):
-            return Value(self.target.real(value), REAL)
+            return TypedText(self.target.real(value), REAL)
         raise NotTranslatedError(node, self.target.name)
 
-    def constant(self, node: ast.Constant) -> Value:
+    def constant(self, node: ast.Constant) -> TypedText:
         return self.number(node.value, node)
 
-    def name_(self, node: ast.Name) -> Value:
+    def name_(self, node: ast.Name) -> TypedText:
         if node.id in self.types:
             type_ = self.types[node.id]
             memory = frozenset() if isinstance(type_, Scalar) else self._memory[node.id]
-            return Value(self.variable(node.id), type_, memory)
+            return TypedText(self.variable(node.id), type_, memory)
         return self.number(self.globals.get(node.id), node)  # a constant of the module
 
-    def binary(self, node: ast.BinOp) -> Value:
+    def binary(self, node: ast.BinOp) -> TypedText:
         return self.arithmetic(node, self.value(node.left), self.value(node.right))
 
-    def arithmetic(self, node: ast.BinOp | ast.AugAssign, a: Value, b: Value) -> Value:
+    def arithmetic(self, node: ast.BinOp | ast.AugAssign, a: TypedText, b: TypedText) -> TypedText:
         operator = type(node.op)
         type_ = REAL if operator is ast.Div else _counted(widest([a.type, b.type]))
         if not isinstance(type_, Scalar) or (operator, type_) not in self.target.operators:
             raise NotTranslatedError(node, self.target.name)
         spelled = self.target.operators[operator, type_]
-        return Value(spelled.format(self.as_type(a, type_), self.as_type(b, type_)), type_)
+        return TypedText(spelled.format(self.as_type(a, type_), self.as_type(b, type_)), type_)
 
-    def unary(self, node: ast.UnaryOp) -> Value:
+    def unary(self, node: ast.UnaryOp) -> TypedText:
         value = self.value(node.operand)
         if isinstance(node.op, ast.USub):
-            return Value(f"(-{value.text})", value.type)
-        return Value(f"(!{value.text})", TRUTH)
+            return TypedText(f"(-{value.text})", value.type)
+        return TypedText(f"(!{value.text})", TRUTH)
 
-    def joined(self, node: ast.BoolOp) -> Value:
+    def joined(self, node: ast.BoolOp) -> TypedText:
         word = " && " if isinstance(node.op, ast.And) else " || "
-        return Value(f"({word.join(self.condition(part) for part in node.values)})", TRUTH)
+        return TypedText(f"({word.join(self.condition(part) for part in node.values)})", TRUTH)
 
-    def compared(self, node: ast.Compare) -> Value:
+    def compared(self, node: ast.Compare) -> TypedText:
         values = [self.value(part).text for part in (node.left, *node.comparators)]
         parts = [
             f"{a} {self.target.comparisons[type(sign)]} {b}"
@@ -406,27 +415,27 @@ class _Function:
         ]
         if len(parts) > 1:
             parts = [f"({part})" for part in parts]
-        return Value(f"({' && '.join(parts)})", TRUTH)
+        return TypedText(f"({' && '.join(parts)})", TRUTH)
 
-    def choice(self, node: ast.IfExp) -> Value:
+    def choice(self, node: ast.IfExp) -> TypedText:
         then, otherwise = self.value(node.body), self.value(node.orelse)
         type_ = wider(then.type, otherwise.type)
         texts = self.as_type(then, type_), self.as_type(otherwise, type_)
-        return Value("({} ? {} : {})".format(self.condition(node.test), *texts), type_)
+        return TypedText("({} ? {} : {})".format(self.condition(node.test), *texts), type_)
 
-    def tuple_(self, node: ast.Tuple) -> Value:
+    def tuple_(self, node: ast.Tuple) -> TypedText:
         return self.record([self.value(part) for part in node.elts])
 
-    def record(self, values: Sequence[Value], names: tuple[str, ...] = ()) -> Value:
-        type_ = Record(tuple(value.type for value in values), names)
+    def record(self, values: Sequence[TypedText], names: tuple[str, ...] = ()) -> TypedText:
+        type_ = TupleType(tuple(value.type for value in values), names)
         memory = frozenset().union(*(value.memory for value in values))
-        return Value(self.tuple_of([value.text for value in values], type_), type_, memory)
+        return TypedText(self.tuple_of([value.text for value in values], type_), type_, memory)
 
-    def tuple_of(self, parts: Sequence[str], type_: Record) -> str:
+    def tuple_of(self, parts: Sequence[str], type_: TupleType) -> str:
         template = self.target.uniform_record if type_.uniform else self.target.record
         return template.format(type=self.whole.type_name(type_), parts=", ".join(parts))
 
-    def subscript(self, node: ast.Subscript) -> Value:
+    def subscript(self, node: ast.Subscript) -> TypedText:
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
             return self.length(self.value(node.value.value))
         whole = self.value(node.value)
@@ -439,45 +448,45 @@ class _Function:
                 start=start or "0",
                 end=end or self.target.length.format(whole.text),
             )
-            return Value(text, whole.type, whole.memory)
+            return TypedText(text, whole.type, whole.memory)
         if isinstance(whole.type, Array):
             index = self.value(node.slice).text
-            return Value(self.target.element.format(whole.text, index), whole.type.element)
-        assert isinstance(whole.type, Record)
+            return TypedText(self.target.element.format(whole.text, index), whole.type.element)
+        assert isinstance(whole.type, TupleType)
         if isinstance(node.slice, ast.Constant):
             return self.part_of(whole, int(str(node.slice.value)))
         assert whole.type.uniform
         index = self.value(node.slice).text
-        return Value(self.target.uniform_part.format(whole.text, index), whole.type.parts[0])
+        return TypedText(self.target.uniform_part.format(whole.text, index), whole.type.parts[0])
 
-    def part_of(self, whole: Value, index: int) -> Value:
-        assert isinstance(whole.type, Record)
+    def part_of(self, whole: TypedText, index: int) -> TypedText:
+        assert isinstance(whole.type, TupleType)
         template = self.target.uniform_part if whole.type.uniform else self.target.part
         type_ = whole.type.parts[index]
         memory = frozenset() if isinstance(type_, Scalar) else whole.memory
-        return Value(template.format(whole.text, index), type_, memory)
+        return TypedText(template.format(whole.text, index), type_, memory)
 
-    def attribute(self, node: ast.Attribute) -> Value:
+    def attribute(self, node: ast.Attribute) -> TypedText:
         if ast.unparse(node.value) == "math":
             return self.number(getattr(math, node.attr), node)
         whole = self.value(node.value)
         if node.attr == "size":
             return self.length(whole)
-        if not isinstance(whole.type, Record) or node.attr not in whole.type.names:
+        if not isinstance(whole.type, TupleType) or node.attr not in whole.type.names:
             raise NotTranslatedError(node, self.target.name)
         return self.part_of(whole, whole.type.names.index(node.attr))
 
-    def length(self, whole: Value) -> Value:
-        if isinstance(whole.type, Record):
-            return Value(str(len(whole.type.parts)), WHOLE)
-        return Value(self.target.length.format(whole.text), WHOLE)
+    def length(self, whole: TypedText) -> TypedText:
+        if isinstance(whole.type, TupleType):
+            return TypedText(str(len(whole.type.parts)), WHOLE)
+        return TypedText(self.target.length.format(whole.text), WHOLE)
 
     # --- Calls ---
 
-    def called(self, node: ast.Call) -> Value:
+    def called(self, node: ast.Call) -> TypedText:
         if isinstance(node.func, ast.Attribute) and node.func.attr == "view":
             viewed = self.value(node.func.value)
-            return Value(self.target.wholes.format(viewed.text), Array.WHOLES, viewed.memory)
+            return TypedText(self.target.wholes.format(viewed.text), Array.WHOLES, viewed.memory)
         if isinstance(node.func, ast.Attribute) and ast.unparse(node.func.value) in {"math", "np"}:
             return self.function_called(node, getattr(_module(node), node.func.attr))
         if not isinstance(node.func, ast.Name):
@@ -488,11 +497,11 @@ class _Function:
             return self.number(float(node.args[0].value), node)  # type: ignore[arg-type]
         return self.function_called(node, function)
 
-    def function_called(self, node: ast.Call, function: Any) -> Value:
+    def function_called(self, node: ast.Call, function: Any) -> TypedText:
         arguments = [self.value(argument) for argument in node.args]
         if function is call:
             self.asks.add(tuple((Array(array.type), array.memory) for array in arguments[1:]))
-            return Value(self.target.call(arguments[0].text, arguments[1:]), Nothing.NOTHING)
+            return TypedText(self.target.call(arguments[0].text, arguments[1:]), Nothing.NOTHING)
         if isinstance(function, type) and issubclass(function, tuple):
             return self.record(arguments, function._fields)  # type: ignore[attr-defined]
         if is_kernel(function):
@@ -501,12 +510,12 @@ class _Function:
             kinds = [callee.types[name] for name in callee.parameters]
             texts = [self.as_type(*pair) for pair in zip(arguments, kinds, strict=True)]
             memory = self.handed_over(callee, arguments)
-            return Value(f"{callee.name}({', '.join(texts)})", callee.returned, memory)
+            return TypedText(f"{callee.name}({', '.join(texts)})", callee.returned, memory)
         if function is len:
             return self.length(arguments[0])
         return self.spelled(node, function, arguments)
 
-    def handed_over(self, made: _Function, arguments: Sequence[Value]) -> frozenset[str]:
+    def handed_over(self, made: _Function, arguments: Sequence[TypedText]) -> frozenset[str]:
         """Note what a function does with what it is handed; return where its value may lie."""
         memory = {
             name: value.memory for name, value in zip(made.parameters, arguments, strict=True)
@@ -515,10 +524,10 @@ class _Function:
             self.writes |= memory[name]
         for request in made.asks:
             self.asks.add(tuple((type_, _together_in(memory, names)) for type_, names in request))
-        returns_arrays = isinstance(made.returned, Array | Record)
+        returns_arrays = isinstance(made.returned, Array | TupleType)
         return _together_in(memory, memory) if returns_arrays else frozenset()
 
-    def spelled(self, node: ast.Call, function: Any, arguments: Sequence[Value]) -> Value:
+    def spelled(self, node: ast.Call, function: Any, arguments: Sequence[TypedText]) -> TypedText:
         """Return a call of a function of Python or NumPy, as the language spells it."""
         type_ = widest([argument.type for argument in arguments])
         assert isinstance(type_, Scalar)
@@ -527,13 +536,13 @@ class _Function:
         text, returned = self.target.functions[function, type_]
         texts = [self.as_type(argument, type_) for argument in arguments]
         if function not in {min, max}:
-            return Value(text.format(", ".join(texts)), returned)
+            return TypedText(text.format(", ".join(texts)), returned)
         value = texts[0]
         for other in texts[1:]:  # two at a time, in their order
             value = text.format(f"{value}, {other}")
-        return Value(value, returned)
+        return TypedText(value, returned)
 
-    _VALUES: ClassVar[dict[type, Callable[..., Value]]] = {
+    _VALUES: ClassVar[dict[type, Callable[..., TypedText]]] = {
         ast.Constant: constant,
         ast.Name: name_,
         ast.BinOp: binary,

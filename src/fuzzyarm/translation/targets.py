@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.expression.printing import javascript_number
-from fuzzyarm.translation.types import Array, Nothing, Scalar, Type, Value
+from fuzzyarm.translation.types import Array, Nothing, Scalar, Type, TypedText
 
 __all__ = ["C99", "JAVASCRIPT", "Target"]
 
@@ -91,7 +91,7 @@ class Target:
     length: str
     stretch: str
     wholes: str
-    call: Callable[[str, Sequence[Value]], str]
+    call: Callable[[str, Sequence[TypedText]], str]
 
 
 # ── what the languages have in common ────────────────────────────────────────────────
@@ -146,7 +146,7 @@ POINTERS = {Array.REALS: "double", Array.WHOLES: "int64_t", Array.SHORTS: "int32
 """Types of C for the elements of arrays."""
 
 
-def _c_call(address: str, arrays: Sequence[Value]) -> str:
+def _c_call(address: str, arrays: Sequence[TypedText]) -> str:
     kinds = ", ".join(f"{POINTERS[Array(array.type)]} *, int64_t" for array in arrays)
     passed = ", ".join(f"{array.text}.at, {array.text}.length" for array in arrays)
     call = f"((void (*)({kinds}))code_at({address}))({passed})"
@@ -275,7 +275,7 @@ static inline wholes part_of_wholes(wholes a, int64_t start, int64_t end) {
 # ── JavaScript ───────────────────────────────────────────────────────────────────────
 
 
-def _javascript_call(address: str, arrays: Sequence[Value]) -> str:
+def _javascript_call(address: str, arrays: Sequence[TypedText]) -> str:
     return f"call({', '.join([address, *(array.text for array in arrays)])})"
 
 

@@ -41,7 +41,7 @@ _ELEMENTS = {
 }
 
 
-class Record(NamedTuple):
+class TupleType(NamedTuple):
     """A tuple; of a named tuple it knows the names.
 
     Attributes
@@ -67,10 +67,10 @@ class Nothing(Enum):
     NOTHING = "nothing"
 
 
-Type = Scalar | Array | Record | Nothing
+Type = Scalar | Array | TupleType | Nothing
 
 
-class Value(NamedTuple):
+class TypedText(NamedTuple):
     """The text of an expression in some language, its type, and whose memory it is.
 
     Attributes
@@ -103,11 +103,11 @@ def wider(one: Type | None, other: Type) -> Type:
         return other
     if isinstance(one, Scalar) and isinstance(other, Scalar):
         return max(one, other, key=_WIDTH.index)
-    if not (isinstance(one, Record) and isinstance(other, Record)):
+    if not (isinstance(one, TupleType) and isinstance(other, TupleType)):
         raise TypeError(f"{_word(one)} and {_word(other)} under one name")
     if len(one.parts) == len(other.parts):
         parts = (wider(a, b) for a, b in zip(one.parts, other.parts, strict=True))
-        return Record(tuple(parts), one.names or other.names)
+        return TupleType(tuple(parts), one.names or other.names)
     raise TypeError(f"{_word(one)} and {_word(other)} under one name")
 
 
@@ -120,7 +120,7 @@ def widest(types: Sequence[Type]) -> Type:
 
 
 def _word(one: Type) -> str:
-    return "a tuple" if isinstance(one, Record) else one.value
+    return "a tuple" if isinstance(one, TupleType) else one.value
 
 
 ARRAYS = {"f": Array.REALS, "i": Array.WHOLES, "s": Array.SHORTS}

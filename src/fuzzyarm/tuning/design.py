@@ -40,7 +40,7 @@ MOST_PARAMETERS = 500
 
 
 @dataclass(frozen=True)
-class Parameter:
+class MovingNumber:
     """A number that moves.
 
     Attributes
@@ -114,13 +114,13 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class _Part:
+class _ParameterGroup:
     """Numbers of one gain, or of one variable of a rule base."""
 
     sheet: str
     movement: Movement | None
     gain: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[MovingNumber, ...]
 
 
 class Design:
@@ -135,7 +135,7 @@ class Design:
 
     Attributes
     ----------
-    parameters : tuple of Parameter
+    parameters : tuple of MovingNumber
         The numbers that move.
     start : ndarray
         Their shares in the file.
@@ -320,12 +320,14 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
 # --- Gains ---
 
 
-def _gains(model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool) -> Iterator[_Part]:
+def _gains(
+    model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool
+) -> Iterator[_ParameterGroup]:
     """Yield the gains that may move."""
     ranges = gain_ranges(model, blocks.values(), own=own)
     for gain in model.gains:
         if gain.name in ranges:
-            yield _Part("", None, gain.name, tuple(_said(gain, ranges[gain.name], model)))
+            yield _ParameterGroup("", None, gain.name, tuple(_said(gain, ranges[gain.name], model)))
 
 
 def gain_ranges(
@@ -367,22 +369,22 @@ def gain_ranges(
     return tunings
 
 
-def _said(gain: GainModel, tuning: GainTuning, model: ControllerModel) -> Iterator[Parameter]:
+def _said(gain: GainModel, tuning: GainTuning, model: ControllerModel) -> Iterator[MovingNumber]:
     values = [amount.value(math.pi) for amount in gain.values]
     if tuning.per_axis and len(values) == 1:
         values *= len(model.axis_names)
     for name, value in _named(gain.name, values):
         if not tuning.times:
             scale: Scale = "log" if tuning.log else "linear"
-            yield Parameter(name, tuning.low, tuning.high, value, scale)
+            yield MovingNumber(name, tuning.low, tuning.high, value, scale)
             continue
         if value == 0.0:
             raise TuneError(f"multiples of {gain.name} = 0 are 0", name=gain.name)
         low, high = sorted((tuning.low * value, tuning.high * value))
         if value < 0.0:  # a logarithm has no sign
-            yield Parameter(name, low, high, value, "linear")
+            yield MovingNumber(name, low, high, value, "linear")
         else:
-            yield Parameter(name, low, high, value, "log")
+            yield MovingNumber(name, low, high, value, "log")
 
 
 def _named(name: str, values: Sequence[float]) -> Iterator[tuple[str, float]]:
@@ -393,7 +395,7 @@ def _named(name: str, values: Sequence[float]) -> Iterator[tuple[str, float]]:
 # --- Peaks ---
 
 
-def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_Part]:
+def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_ParameterGroup]:
     for peaks in tuning.peaks:
         for name in peaks.variables:
             kept_terms = [term for variable, term in tuning.kept if variable == name]
@@ -406,8 +408,8 @@ def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_Part]:
                 counts[term] = counts.get(term, 0) + 1
                 again = f" ({counts[term]})" if counts[term] > 1 else ""
                 label = f"{sheet}.{name} {term}{again}"
-                parameters.append(Parameter(label, *ends, share, scale))
-            yield _Part(sheet, movement, "", tuple(parameters))
+                parameters.append(MovingNumber(label, *ends, share, scale))
+            yield _ParameterGroup(sheet, movement, "", tuple(parameters))
 
 
 # --- A controller at a candidate ---

@@ -33,7 +33,7 @@ from fuzzyarm.loop.blocks import (
 )
 from fuzzyarm.loop.course import Course, Options
 from fuzzyarm.loop.many import Bench, Experiment
-from fuzzyarm.loop.program import Program
+from fuzzyarm.loop.program import LoopProgram
 from fuzzyarm.loop.run import Judged, Run
 from fuzzyarm.model.rulebase import RuleBase, Tuning
 from fuzzyarm.plant.setting import PLAIN, Conventions
@@ -84,7 +84,7 @@ class Score(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Problem:
+class TuningProblem:
     """What is tuned on what; it travels as it is.
 
     Attributes
@@ -121,11 +121,11 @@ class Examiner:
 
     Parameters
     ----------
-    problem : Problem
+    problem : TuningProblem
         What is to be examined.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: TuningProblem) -> None:
         self.problem = problem
         self.design = Design(problem.subject, problem.tuning)
         self.own = None if isinstance(problem.cost, Cost) else problem.cost
@@ -160,7 +160,7 @@ class Examiner:
         except FuzzyarmError as error:
             return failed(error)
 
-    def ready(self, candidate: Candidate) -> Program | None:
+    def ready(self, candidate: Candidate) -> LoopProgram | None:
         """Make what all scenarios of a candidate share; None where nothing runs."""
         subject = self.problem.subject
         if not isinstance(subject, ControllerText) or not self.stands:
@@ -172,9 +172,9 @@ class Examiner:
         controller = controller_of(controller_at(subject, candidate))
         from fuzzyarm.controller.on_plant import controller_on
 
-        return Program(controller_on(controller, loop.site), loop.arithmetic)
+        return LoopProgram(controller_on(controller, loop.site), loop.arithmetic)
 
-    def run(self, program: Program | None, at: int) -> Outcome:
+    def run(self, program: LoopProgram | None, at: int) -> ScenarioOutcome:
         """Run one scenario of a candidate."""
         assert program is not None
         stand = self.stands[at]
@@ -187,7 +187,7 @@ class Examiner:
             error.at(f"scenario {stand.scenario.name}")
             raise
 
-    def _examined(self, program: Program, stand: _Stand) -> Outcome:
+    def _examined(self, program: LoopProgram, stand: _Stand) -> ScenarioOutcome:
         if isinstance(self.problem.cost, Cost) and self.problem.cost.is_brief:
             judged = stand.judged(program)
             return self._outcome(brief_values_of(judged), judged.diverged, stand)
@@ -200,17 +200,17 @@ class Examiner:
         diverged: float | None,
         stand: _Stand,
         run: Run | None = None,
-    ) -> Outcome:
+    ) -> ScenarioOutcome:
         error, chatter = values.get("rms", math.nan), values.get("chatter", math.nan)
         if diverged is not None:
             run_kept = run if self.own is not None else None
             cost = lost(diverged, stand.duration)
-            return Outcome(cost, error, chatter, diverged=True, run=run_kept)
+            return ScenarioOutcome(cost, error, chatter, diverged=True, run=run_kept)
         if isinstance(self.problem.cost, Cost):
-            return Outcome(self.problem.cost.of(values), error, chatter)
-        return Outcome(0.0, error, chatter, run=run)
+            return ScenarioOutcome(self.problem.cost.of(values), error, chatter)
+        return ScenarioOutcome(0.0, error, chatter, run=run)
 
-    def folded(self, outcomes: Sequence[Outcome], candidate: Candidate) -> Score:
+    def folded(self, outcomes: Sequence[ScenarioOutcome], candidate: Candidate) -> Score:
         """Make one score of the runs of a candidate, or of its errors on samples."""
         if not self.stands:
             return self._of_samples(candidate)
@@ -242,7 +242,7 @@ def failed(error: FuzzyarmError) -> Score:
     return Score(REFUSED, fault=str(error))
 
 
-class Outcome(NamedTuple):
+class ScenarioOutcome(NamedTuple):
     """What a scenario came to."""
 
     cost: float
@@ -255,7 +255,7 @@ class Outcome(NamedTuple):
 class _Stand:
     """A scenario made ready: set points, plant, sensors."""
 
-    def __init__(self, scenario: Scenario, controller: Controller, problem: Problem) -> None:
+    def __init__(self, scenario: Scenario, controller: Controller, problem: TuningProblem) -> None:
         self.scenario = scenario
         changes = dict(scenario.changes)
         seed = changes.pop("seed", None)
@@ -277,22 +277,22 @@ class _Stand:
         motion = self.bench.motion
         self.duration = float(motion.iterations.sum()) * motion.period
 
-    def run(self, program: Program) -> Run:
+    def run(self, program: LoopProgram) -> Run:
         return self.bench.loop.run(program, self.course, self.seed)
 
-    def judged(self, program: Program) -> Judged:
+    def judged(self, program: LoopProgram) -> Judged:
         return self.bench.loop.judged(program, self.course, self.seed)
 
 
 # --- Many candidates ---
 
 
-class Panel:
+class ExaminerPool:
     """Examines points, as many at a time as there are workers.
 
     Parameters
     ----------
-    problem : Problem
+    problem : TuningProblem
         What is to be examined.
     workers : int, optional
         How many examine at a time; one for each processor by default.
@@ -306,7 +306,7 @@ class Panel:
     """
 
     def __init__(
-        self, problem: Problem, workers: int | None = None, executor: Executor | None = None
+        self, problem: TuningProblem, workers: int | None = None, executor: Executor | None = None
     ) -> None:
         self.problem = problem
         self.examiner = Examiner(problem)
@@ -351,7 +351,7 @@ class Panel:
         # The longest first, so that all workers finish together.
         stands = range(len(examiner.stands))
         ready = examiner.ready(candidate)
-        running: dict[int, Future[Outcome]] = {
+        running: dict[int, Future[ScenarioOutcome]] = {
             stand: pool.submit(examiner.run, ready, stand)
             for stand in sorted(stands, key=lambda stand: -examiner.stands[stand].duration)
         }
@@ -388,10 +388,10 @@ class Panel:
 
 @contextmanager
 def panel(
-    problem: Problem, workers: int | None = None, executor: Executor | None = None
-) -> Iterator[Panel]:
-    """Give a :class:`Panel`, and close it."""
-    panel_ = Panel(problem, workers, executor)
+    problem: TuningProblem, workers: int | None = None, executor: Executor | None = None
+) -> Iterator[ExaminerPool]:
+    """Give a :class:`ExaminerPool`, and close it."""
+    panel_ = ExaminerPool(problem, workers, executor)
     try:
         yield panel_
     finally:

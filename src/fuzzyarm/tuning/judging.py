@@ -19,26 +19,26 @@ from fuzzyarm.errors import FuzzyarmError, sentence_of
 from fuzzyarm.requests.bounds import MOST_TUNED_DIGITS
 from fuzzyarm.tuning.cost import Cost
 from fuzzyarm.tuning.design import Candidate
-from fuzzyarm.tuning.examiner import Panel, Problem, Score, panel
+from fuzzyarm.tuning.examiner import ExaminerPool, Score, TuningProblem, panel
 from fuzzyarm.tuning.linear import NAME as LINEAR
 from fuzzyarm.tuning.promises import Promises
 from fuzzyarm.tuning.search import Found, Journal, Search, Watch
-from fuzzyarm.tuning.tuned import ALL_DIGITS, JUDGEMENT, Plan, Row, Tuned
+from fuzzyarm.tuning.tuned import ALL_DIGITS, JUDGEMENT, ComparedRow, Tuned, TuningPlan
 
 WORSE = 0.01
 """How much a cost may grow when numbers are rounded, before a digit more is kept."""
 
 
-class Job(NamedTuple):
+class TuningJob(NamedTuple):
     """What is tuned on what, and judged by what.
 
     Attributes
     ----------
-    problem : Problem
+    problem : TuningProblem
         What is tuned.
-    judged : dict of str to Problem
+    judged : dict of str to TuningProblem
         The same on ``unseen`` and ``noisy`` scenarios or samples.
-    linear : dict of str to Problem
+    linear : dict of str to TuningProblem
         All of these of the opponent; empty without one.
     cost : str
         What becomes small.
@@ -50,9 +50,9 @@ class Job(NamedTuple):
         Why there is no opponent, where one was asked for.
     """
 
-    problem: Problem
-    judged: dict[str, Problem]
-    linear: dict[str, Problem]
+    problem: TuningProblem
+    judged: dict[str, TuningProblem]
+    linear: dict[str, TuningProblem]
     cost: str
     names: dict[str, tuple[str, ...]]
     regression: dict[str, dict[str, float]]
@@ -78,7 +78,7 @@ class Means(NamedTuple):
 
 
 def rounded(
-    examining: Panel, promises: Promises, found: Found, digits: int
+    examining: ExaminerPool, promises: Promises, found: Found, digits: int
 ) -> tuple[Candidate, int, Score]:
     """Return the best candidate with rounded numbers, scored again.
 
@@ -106,7 +106,7 @@ def rounded(
     return design.at(best.point), ALL_DIGITS, best.score
 
 
-def _rescored(examining: Panel, candidate: Candidate) -> Score:
+def _rescored(examining: ExaminerPool, candidate: Candidate) -> Score:
     try:
         return examining.score_of(candidate)
     except FuzzyarmError as error:
@@ -117,7 +117,7 @@ def _rescored(examining: Panel, candidate: Candidate) -> Score:
 
 
 def with_judgement(
-    job: Job, plan: Plan, means: Means, made: Tuned, which: tuple[Candidate, Candidate]
+    job: TuningJob, plan: TuningPlan, means: Means, made: Tuned, which: tuple[Candidate, Candidate]
 ) -> Tuned:
     """Return what came of a search with the rest of its table.
 
@@ -131,7 +131,7 @@ def with_judgement(
         The file as it is, and tuned.
     """
     search, faults = made.found, list(made.faults)
-    rows = [Row(row.name, dict(row.scores)) for row in made.rows]
+    rows = [ComparedRow(row.name, dict(row.scores)) for row in made.rows]
     linear, line = None, None
     job = _in_time(job, plan, search)
     try:
@@ -152,7 +152,7 @@ def with_judgement(
             key: Score(job.problem.cost.of(regression))
             for key, regression in job.regression.items()
         }
-        rows.append(Row("linear regression", scores))
+        rows.append(ComparedRow("linear regression", scores))
     return replace(
         made,
         rows=tuple(rows),
@@ -164,7 +164,7 @@ def with_judgement(
     )
 
 
-def _in_time(job: Job, plan: Plan, found: Found) -> Job:
+def _in_time(job: TuningJob, plan: TuningPlan, found: Found) -> TuningJob:
     """Return a job with as many unseen scenarios as there is time for, and at least one."""
     count, seconds = len(job.names["unseen"]), plan.budget.seconds
     if not math.isfinite(seconds) or not job.judged or not job.problem.scenarios:
@@ -176,7 +176,7 @@ def _in_time(job: Job, plan: Plan, found: Found) -> Job:
     sets = job.judged if fitting else {"unseen": job.judged["unseen"]}
     fitting = max(fitting, 1)
 
-    def cut(problem: Problem) -> Problem:
+    def cut(problem: TuningProblem) -> TuningProblem:
         return replace(problem, scenarios=problem.scenarios[:fitting])
 
     return job._replace(
@@ -190,7 +190,11 @@ def _in_time(job: Job, plan: Plan, found: Found) -> Job:
 
 
 def _judge(
-    row: Row, sets: Mapping[str, Problem], candidate: Candidate, means: Means, faults: list[str]
+    row: ComparedRow,
+    sets: Mapping[str, TuningProblem],
+    candidate: Candidate,
+    means: Means,
+    faults: list[str],
 ) -> None:
     """Add to a row what a candidate costs on what was not seen."""
     for name, problem in sets.items():
@@ -202,7 +206,7 @@ def _judge(
             row.scores[name] = examining.score_of(candidate)
 
 
-def _what(problem: Problem, name: str) -> str:
+def _what(problem: TuningProblem, name: str) -> str:
     count = len(problem.scenarios)
     what = f"unseen scenarios, {count}" if count else "unseen samples"
     return f"{what}, with noise" if name == "noisy" else what
@@ -217,7 +221,9 @@ def _told(faults: list[str], what: str) -> Iterator[None]:
         faults.append(f"{what}: {sentence_of(error)}")
 
 
-def _linear(problem: Problem, plan: Plan, means: Means) -> tuple[Found, Candidate, Row]:
+def _linear(
+    problem: TuningProblem, plan: TuningPlan, means: Means
+) -> tuple[Found, Candidate, ComparedRow]:
     """Tune the linear opponent on the same cost and scenarios, by the same means.
 
     Raises
@@ -234,7 +240,7 @@ def _linear(problem: Problem, plan: Plan, means: Means) -> tuple[Found, Candidat
         if result.fault:
             raise OpponentError(result.fault)
         candidate, _, score = rounded(examining, Promises({}), result, plan.digits)
-    return result, candidate, Row(LINEAR, {"train": score})
+    return result, candidate, ComparedRow(LINEAR, {"train": score})
 
 
 class OpponentError(FuzzyarmError, RuntimeError):

@@ -131,7 +131,7 @@ class Knot:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class KnotStretch:
     """Knots between two nails; each is a share of the way from `nail` to the one outside it.
 
     Attributes
@@ -285,7 +285,7 @@ class Movement:
         return frozenset(values)
 
     @cached_property
-    def stretches(self) -> list[Stretch]:
+    def stretches(self) -> list[KnotStretch]:
         """The stretches between nails; with ``mirrored`` those above the middle."""
         low, high = self.variable.low, self.variable.high
         knots: dict[float, str] = {}
@@ -300,9 +300,9 @@ class Movement:
             inside = [Knot(knots[edge], edge) for edge in sorted(knots) if first < edge < last]
             # Shares are counted from the inner nail outwards.
             if inside and first == low and last < high:
-                stretches_.append(Stretch(last, first, tuple(reversed(inside))))
+                stretches_.append(KnotStretch(last, first, tuple(reversed(inside))))
             elif inside:
-                stretches_.append(Stretch(first, last, tuple(inside)))
+                stretches_.append(KnotStretch(first, last, tuple(inside)))
         return stretches_
 
     def _demand_room(self) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.loop.along import Way, way_of
+from fuzzyarm.loop.along import FollowedPlant, way_of
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import plant_motion, stepped
@@ -61,7 +61,7 @@ class Scenario:
     along: Trajectory | None = None
 
     @property
-    def way(self) -> Way | Motion:
+    def way(self) -> FollowedPlant | Motion:
         """What is followed, and by which plant."""
         return way_of(self.on, self.along)
 
@@ -100,7 +100,7 @@ class Stage:
     def along(self) -> bool:
         """Whether scenarios follow trajectories of the plant, and not references."""
         ways = [scenario.way for scenario in self.first]
-        return bool(ways) and all(isinstance(way, Way) and way.trajectory for way in ways)
+        return bool(ways) and all(isinstance(way, FollowedPlant) and way.trajectory for way in ways)
 
     def noisy(self) -> Stage:
         """Return it with noise on every sensor that has none, as far as its range is known."""

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from fuzzyarm.errors import sentence_of
 from fuzzyarm.requests.fields import read_fields
-from fuzzyarm.requests.journal import Journal as JournalFile
 from fuzzyarm.requests.journal import JournalError
+from fuzzyarm.requests.journal import WorkJournal as JournalFile
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.names import printable
-from fuzzyarm.tuning.examiner import REFUSED, Panel, Score
+from fuzzyarm.tuning.examiner import REFUSED, ExaminerPool, Score
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.optimisers import OPTIMISERS
 from fuzzyarm.tuning.promises import Promises
@@ -117,7 +117,7 @@ class Search:
 
     Parameters
     ----------
-    panel : Panel
+    panel : ExaminerPool
         Examines.
     promises : Promises or None
         What every candidate has to keep.
@@ -131,7 +131,7 @@ class Search:
 
     def __init__(
         self,
-        panel: Panel,
+        panel: ExaminerPool,
         promises: Promises | None,
         budget: Budget,
         journal: Journal | None = None,

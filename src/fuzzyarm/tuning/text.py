@@ -68,7 +68,7 @@ class Rewritten:
         return "\n".join(line for line in lines if not line.startswith("@@"))
 
 
-class Change:
+class TextChange:
     """One number or shape, before and after, in the words of the file."""
 
     def __init__(self, what: str, old: str, new: str) -> None:
@@ -83,7 +83,7 @@ class Change:
 
 def changes_of(
     subject: ControllerText | RuleBase, sheets: Mapping[str, RuleBase], candidate: Candidate
-) -> list[Change]:
+) -> list[TextChange]:
     """Return what differs between a file and a candidate, in the order of the text."""
     changes = []
     if isinstance(subject, ControllerText):
@@ -93,12 +93,14 @@ def changes_of(
             if new != old:
                 # What is written as 1080/pi has no shorter digits.
                 old_text = ", ".join(f"{value:.6g}" for value in old)
-                changes.append(Change(gain.name, old_text, _numbers(new)))
+                changes.append(TextChange(gain.name, old_text, _numbers(new)))
     for name, rulebase in candidate.rulebases.items():
         for variable, term, old_shape in _moved(sheets[name], rulebase):
             prefix = f"{name}." if isinstance(subject, ControllerText) else ""
             label = f"{prefix}{variable} {term.name}"
-            changes.append(Change(label, str(_shape_node(old_shape)), str(_shape_node(term.shape))))
+            changes.append(
+                TextChange(label, str(_shape_node(old_shape)), str(_shape_node(term.shape)))
+            )
     return changes
 
 

@@ -18,7 +18,7 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
 from fuzzyarm.learning.data import Samples, read_samples
 from fuzzyarm.learning.fit import linear_outputs
-from fuzzyarm.loop.along import Way, equipped, way_of
+from fuzzyarm.loop.along import FollowedPlant, equipped, way_of
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import AnySignal, AnyTime, as_seconds, as_signals
 from fuzzyarm.loop.run import plant_motion, stepped
@@ -38,8 +38,8 @@ from fuzzyarm.tuning.cost import (
     errors_between,
     read_cost,
 )
-from fuzzyarm.tuning.examiner import Over, Problem, panel
-from fuzzyarm.tuning.judging import Job, Means, rounded, with_judgement
+from fuzzyarm.tuning.examiner import Over, TuningProblem, panel
+from fuzzyarm.tuning.judging import Means, TuningJob, rounded, with_judgement
 from fuzzyarm.tuning.linear import opponent
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.promises import Promises
@@ -53,7 +53,7 @@ from fuzzyarm.tuning.scenarios import (
 )
 from fuzzyarm.tuning.search import Budget, Journal, Search, Watch
 from fuzzyarm.tuning.text import Originals, changes_of, originals_of, rewritten
-from fuzzyarm.tuning.tuned import Method, Plan, Row, Tuned, notes_of
+from fuzzyarm.tuning.tuned import ComparedRow, Method, Tuned, TuningPlan, notes_of
 
 Vector = NDArray[np.float64]
 
@@ -203,7 +203,7 @@ def tune(
     if isinstance(subject, TuneRequest):
         return _tuned_by(subject, plant, keywords)
     said = read_fields(TuneRequest, keywords, OF_THE_REQUEST)
-    plan = Plan(
+    plan = TuningPlan(
         said["method"],
         Budget(said["evals"], as_seconds(keywords.get("time", math.inf), "time")),
         said["seed"],
@@ -367,7 +367,7 @@ def stage_of(
         plant = site.name
     referred = bool(reference) or step is not None or duration is not None
     way = way_of(plant, trajectory, referred=referred)
-    assert isinstance(way, Way)
+    assert isinstance(way, FollowedPlant)
     home = equipped(way.plant, options)
     if way.trajectory is not None:
         only = isinstance(plant, Trajectory) or trajectory is not None
@@ -387,9 +387,9 @@ def _in_loop(
     text: ControllerText,
     tuning: Tuning | None,
     plant: Plant | Trajectory | str | os.PathLike[str] | None,
-    plan: Plan,
+    plan: TuningPlan,
     keywords: TuneKeywords,
-) -> Job:
+) -> TuningJob:
     stage = keywords.get("stage") or stage_of(text, plant, keywords, plan.seed)
     cost = keywords.get("cost")
     wish = DEFAULT_COST if cost is None else cost
@@ -401,7 +401,7 @@ def _in_loop(
         train = train_scenarios(stage, count or len(stage.first), controller)
     else:
         train = tuple(scenarios)
-    problem = Problem(
+    problem = TuningProblem(
         text,
         tuning,
         cost_,
@@ -429,7 +429,7 @@ def _in_loop(
             linear = {key: replace(p, subject=other, tuning=moving) for key, p in sets.items()}
     unseen_names = tuple(scenario.name for scenario in judged["unseen"].scenarios) if judged else ()
     names = {"train": tuple(each.name for each in train), "unseen": unseen_names}
-    return Job(problem, judged, linear, _cost_name(wish), names, {}, alone)
+    return TuningJob(problem, judged, linear, _cost_name(wish), names, {}, alone)
 
 
 def _cost_name(cost: str | OwnCost) -> str:
@@ -445,7 +445,7 @@ NOISE_SHARE = 0.01
 
 def _on_samples(
     rulebase: RuleBase, tuning: Tuning | None, keywords: TuneKeywords, seed: int
-) -> Job:
+) -> TuningJob:
     cost = keywords.get("cost")
     data = _samples(keywords.get("data"), rulebase)
     test = _samples(keywords.get("test"), rulebase)
@@ -459,7 +459,7 @@ def _on_samples(
     name = _cost_name(text)
     if data is None:
         nothing: dict[str, tuple[str, ...]] = {"train": (), "unseen": ()}
-        return Job(Problem(rulebase, tuning, cost_), {}, {}, name, nothing, {})
+        return TuningJob(TuningProblem(rulebase, tuning, cost_), {}, {}, name, nothing, {})
     data = _fitting(data, rulebase)
     if test is None:
         order = np.random.default_rng(seed).permutation(len(data))
@@ -472,7 +472,7 @@ def _on_samples(
     if not len(data) or not len(test):
         raise TuneError("too few samples to keep some back", hint="give others to judge by")
     noisy = _with_noise(test, seed)
-    problem = Problem(rulebase, tuning, cost_, samples=data)
+    problem = TuningProblem(rulebase, tuning, cost_, samples=data)
     sets = {"train": data, "unseen": test, "noisy": noisy}
     judged = {key: replace(problem, samples=sets[key]) for key in ("unseen", "noisy")}
     regression = {
@@ -482,7 +482,7 @@ def _on_samples(
     shown: dict[str, tuple[str, ...]] = {
         key: (f"{len(samples)} samples",) for key, samples in sets.items()
     }
-    return Job(problem, judged, {}, name, shown, regression)
+    return TuningJob(problem, judged, {}, name, shown, regression)
 
 
 def _samples(
@@ -524,7 +524,7 @@ def _with_noise(samples: Samples, seed: int) -> Samples:
 # --- Search, and what follows ---
 
 
-def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
+def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) -> Tuned:
     """Search, round and tell; then judge: what fails then takes nothing back."""
     with panel(job.problem, means.workers, means.executor) as examining:
         design = examining.design
@@ -534,8 +534,8 @@ def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
         result = search.run(plan.method, plan.seed)
         candidate, digits, score = rounded(examining, promises, result, plan.digits)
     rows = [
-        Row("as in the file", {"train": result.trials[0].score}),
-        Row("tuned", {"train": score}),
+        ComparedRow("as in the file", {"train": result.trials[0].score}),
+        ComparedRow("tuned", {"train": score}),
     ]
     tuning = Tuned(
         subject=job.problem.subject,

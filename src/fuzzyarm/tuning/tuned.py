@@ -17,12 +17,12 @@ from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.shown import one_line
-from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
+from fuzzyarm.tuning.design import Candidate, MovingNumber, controller_at
 from fuzzyarm.tuning.examiner import Score
 from fuzzyarm.tuning.linear import NAME as LINEAR
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.search import Budget, Found
-from fuzzyarm.tuning.text import Change, Rewritten, demand_not_used, with_files
+from fuzzyarm.tuning.text import Rewritten, TextChange, demand_not_used, with_files
 
 Method = Literal["nelder-mead", "cma-es", "evolution"]
 
@@ -37,7 +37,7 @@ JUDGEMENT = 0.2
 
 
 @dataclass(frozen=True)
-class Plan:
+class TuningPlan:
     """How to tune.
 
     Attributes
@@ -72,7 +72,7 @@ class Plan:
         read_fields(TuneRequest, vars(self), ("method", "seed", "digits", "unseen"))
 
 
-class Row(NamedTuple):
+class ComparedRow(NamedTuple):
     """A controller in the table: what it costs on each set of scenarios.
 
     Attributes
@@ -97,17 +97,17 @@ class Tuned:
         As it was.
     candidate : Candidate
         The numbers that are written.
-    parameters : tuple of Parameter
+    parameters : tuple of MovingNumber
         What moved.
     found : Found
         The search: all trials, the best, what was refused.
     digits : int
         Of the numbers: more than were asked for where rounding broke a promise.
-    rows : tuple of Row
+    rows : tuple of ComparedRow
         The table.
     on_a_bound : tuple of str
         Parameters that ended on a bound of their range.
-    changes : tuple of Change
+    changes : tuple of TextChange
         What differs, in the words of the file.
     files : tuple of Rewritten
         The texts.
@@ -117,7 +117,7 @@ class Tuned:
         Names of what was tuned on, and of what was judged by.
     linear : Found or None
         The search of the linear opponent.
-    plan : Plan
+    plan : TuningPlan
         How it was done.
     over : str
         How the costs of scenarios became one.
@@ -133,18 +133,18 @@ class Tuned:
 
     subject: ControllerText | RuleBase
     candidate: Candidate
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[MovingNumber, ...]
     found: Found
     digits: int
-    rows: tuple[Row, ...]
+    rows: tuple[ComparedRow, ...]
     on_a_bound: tuple[str, ...]
-    changes: tuple[Change, ...]
+    changes: tuple[TextChange, ...]
     files: tuple[Rewritten, ...]
     cost: str
     scenarios: tuple[str, ...]
     unseen: tuple[str, ...]
     linear: Found | None
-    plan: Plan
+    plan: TuningPlan
     over: str
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
@@ -169,7 +169,7 @@ class Tuned:
         """The text of the file that was tuned."""
         return self.files[0].new if self.files else ""
 
-    def row(self, name: str) -> Row | None:
+    def row(self, name: str) -> ComparedRow | None:
         """Return a row of the table by its name."""
         return next((row for row in self.rows if row.name == name), None)
 
@@ -217,7 +217,7 @@ class Tuned:
         return _write(self, Path(path))
 
 
-def _parts(row: Row, which: str) -> tuple[float, ...]:
+def _parts(row: ComparedRow, which: str) -> tuple[float, ...]:
     return row.scores[which].parts if which in row.scores else ()
 
 

@@ -1,16 +1,16 @@
 """What ``fuzzyarm watch`` shows: a file that is being edited, drawn anew at each save.
 
-A :class:`WatchedFile` has the findings of its text and the last good :class:`Scene`, whose crisp
-inputs are moved by keys.
+A :class:`WatchedFile` has the findings of its text and the last good :class:`WatchScene`, whose
+crisp inputs are moved by keys.
 """
 
 from typing import TYPE_CHECKING
 
 from fuzzyarm.lazy import lazily
 from fuzzyarm.watch.document import WatchedFile
-from fuzzyarm.watch.scenes import RulebaseScene, Scene, TableScene
+from fuzzyarm.watch.scenes import RulebaseScene, TableScene, WatchScene
 
-__all__ = ["RulebaseScene", "Scene", "TableScene", "WatchedFile"]
+__all__ = ["RulebaseScene", "TableScene", "WatchScene", "WatchedFile"]
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -12,7 +12,7 @@ from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.text.diagnostic import Diagnostic
 from fuzzyarm.text.folders import READABLE
 from fuzzyarm.text.names import typed
-from fuzzyarm.watch.scenes import RulebaseScene, Scene, TableScene
+from fuzzyarm.watch.scenes import RulebaseScene, TableScene, WatchScene
 
 SUFFIXES = (".frb", ".lut")
 
@@ -46,7 +46,7 @@ class WatchedFile:
     ----------
     session : Session
         The text and its findings, as in the language server.
-    scene : Scene or None
+    scene : WatchScene or None
         Of the last text without errors; None until there has been one.
     is_current : bool
         Whether `scene` is that of the text as it is now.
@@ -63,7 +63,7 @@ class WatchedFile:
         self.path = os.fspath(path)
         if Path(self.path).suffix.lower() not in SUFFIXES:
             raise NotShownError(self.path)
-        self.scene: Scene | None = None
+        self.scene: WatchScene | None = None
         self.is_current = False
         self.session = Session(self.path, read_text(self.path))
         self.update(self.session.text)
@@ -95,7 +95,7 @@ class WatchedFile:
         self.is_current = scene is not None
         self.scene = scene or self.scene
 
-    def _scene(self) -> Scene | None:
+    def _scene(self) -> WatchScene | None:
         reading = self.session.reading
         if isinstance(reading, TableText):
             from fuzzyarm.table import LookupTable

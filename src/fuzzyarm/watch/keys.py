@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fuzzyarm.watch.scenes import Scene
+    from fuzzyarm.watch.scenes import WatchScene
 
 HELP = "arrows move the inputs (shift: further), c centre, x and y other inputs, o output, q ends"
 """The keys that :func:`apply_key` knows, in one line."""
@@ -22,12 +22,12 @@ ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
 WINDOWS_ARROWS = {"H": "up", "P": "down", "M": "right", "K": "left"}
 
 
-def apply_key(scene: Scene, key: str) -> bool:
+def apply_key(scene: WatchScene, key: str) -> bool:
     """Change the crisp inputs of a scene, or what its axes are; return whether it has changed.
 
     Parameters
     ----------
-    scene : Scene
+    scene : WatchScene
         What is drawn.
     key : str
         A letter, or ``left``, ``right``, ``up``, ``down``, with ``shift-`` before it or not.

@@ -32,7 +32,7 @@ FINE, COARSE = 60, 12
 """Steps from one end of a range to the other, with an arrow key and with shift."""
 
 
-class Scene:
+class WatchScene:
     """A model with crisp inputs that can be moved.
 
     Attributes
@@ -48,7 +48,7 @@ class Scene:
     VIEWS: tuple[str, ...] = ()
 
     def __init__(
-        self, ranges: dict[str, tuple[float, float]], axes: Sequence[str], before: Scene | None
+        self, ranges: dict[str, tuple[float, float]], axes: Sequence[str], before: WatchScene | None
     ) -> None:
         self.ranges = ranges
         self.across: str
@@ -126,14 +126,14 @@ class Scene:
 # --- A rule base: its surface, its rules, its terms and one inference ---
 
 
-class RulebaseScene(Scene):
+class RulebaseScene(WatchScene):
     """A sound rule base.
 
     Parameters
     ----------
     rulebase : RuleBase
         The model.
-    before : Scene or None
+    before : WatchScene or None
         The scene before the last change of the text, whose crisp inputs stay.
     verdicts : sequence of Verdict
         On its ``prove`` lines: where one fails is marked on the surface.
@@ -144,7 +144,7 @@ class RulebaseScene(Scene):
     def __init__(
         self,
         rulebase: RuleBase,
-        before: Scene | None = None,
+        before: WatchScene | None = None,
         verdicts: Sequence[Verdict] = (),
     ) -> None:
         grids = (grid for block in rulebase.blocks for grid in find_grids(block)[0] if grid.row)
@@ -253,20 +253,20 @@ def titled(name: str, about: str, panel: Panel, width: int, height: int) -> Rend
 # --- A lookup table: a map of its cells, and its numbers ---
 
 
-class TableScene(Scene):
+class TableScene(WatchScene):
     """A sound table.
 
     Parameters
     ----------
     table : LookupTable
         The table.
-    before : Scene or None
+    before : WatchScene or None
         The scene before the last change of the text.
     """
 
     VIEWS = ("surface", "numbers")
 
-    def __init__(self, table: LookupTable, before: Scene | None = None) -> None:
+    def __init__(self, table: LookupTable, before: WatchScene | None = None) -> None:
         ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes}
         super().__init__(ranges, table.names[::-1], before)
         self.table = table

@@ -27,7 +27,7 @@ export class Store {
     this.far = null; // the surface as the server computed it
     this.told = null; // what the server said of the point, where the page does not compute it
     this.view = ""; // which one is shown
-    /** @type {Messages.Diagram | null} */
+    /** @type {Messages.SceneDiagram | null} */
     this.diagram = null; // of a controller
     this.refused = ""; // why the server does not compute what the page does not
     this.why = ""; // why nothing is drawn: mistakes, or something else than rules
@@ -90,7 +90,7 @@ export class Store {
   /**
    * Take the block diagram of a controller, or that there is none.
    *
-   * @param {Messages.Diagram | null} diagram
+   * @param {Messages.SceneDiagram | null} diagram
    */
   draw(diagram) {
     this.diagram = diagram;

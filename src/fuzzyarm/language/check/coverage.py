@@ -12,12 +12,12 @@ from math import prod
 
 from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.language.check.search import (
-    Cell,
     Cells,
+    GapSearch,
     GaveUpError,
     Literal,
     Need,
-    Search,
+    VariableStretch,
     distinct,
     smallest,
 )
@@ -53,7 +53,7 @@ def gaps_of(variable: Input) -> Iterator[Diagnostic]:
     return _gaps(variable, probe(variable))
 
 
-def _gaps(variable: Input, probes: list[Cell]) -> Iterator[Diagnostic]:
+def _gaps(variable: Input, probes: list[VariableStretch]) -> Iterator[Diagnostic]:
     i = 0
     turns = set(corners(variable))
     while i < len(probes):
@@ -134,8 +134,11 @@ def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
     variables = [v for v in subject.rulebase.inputs if v.name in variable_names]
     if len(variable_names) != len(variables):
         return
-    cells = {v.name: [Cell(0.0, {(term.name, ()): 1.0}) for term in v.terms] for v in variables}
-    search = Search([Need(_wanted(parts)) for parts in plain], cells, subject.on_step)
+    cells = {
+        v.name: [VariableStretch(0.0, {(term.name, ()): 1.0}) for term in v.terms]
+        for v in variables
+    }
+    search = GapSearch([Need(_wanted(parts)) for parts in plain], cells, subject.on_step)
     examples: list[Cells] = []
     complete = True
     try:
@@ -222,7 +225,7 @@ def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
         points = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
         # What fires by its degree may do so in a cell and not in a smaller one.
         cells[name] = distinct(points) if name in by_degree else smallest(points)
-    silent = next(Search(needs, cells, subject.on_step).uncovered(), None)
+    silent = next(GapSearch(needs, cells, subject.on_step).uncovered(), None)
     if silent is None:
         return None
     return {
@@ -274,7 +277,9 @@ def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ..
     return [tuple(chain(*literal)) for literal in product(*alternatives)]
 
 
-def _holding(probes: list[Cell], wanted: set[Literal], by_degree: bool) -> list[Cell]:
+def _holding(
+    probes: list[VariableStretch], wanted: set[Literal], by_degree: bool
+) -> list[VariableStretch]:
     """Return the cells with those of the `wanted` literals that hold, hedges included."""
     hedged = [literal for literal in wanted if literal[1]]
     cells = []
@@ -286,5 +291,5 @@ def _holding(probes: list[Cell], wanted: set[Literal], by_degree: bool) -> list[
             degree = apply_hedges(hedges, terms.get((term, ()), 0.0))
             if degree >= FAINT:
                 degrees[term, hedges] = degree
-        cells.append(Cell(x, degrees))
+        cells.append(VariableStretch(x, degrees))
     return cells

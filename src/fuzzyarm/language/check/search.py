@@ -23,7 +23,7 @@ BUDGET = 300_000
 _STEPS_PER_LITERAL = 10
 
 
-class Cell(NamedTuple):
+class VariableStretch(NamedTuple):
     """A stretch of a variable, by one position in it.
 
     Attributes
@@ -38,7 +38,7 @@ class Cell(NamedTuple):
     degrees: dict[Literal, float]
 
 
-Cells = dict[str, Cell]
+Cells = dict[str, VariableStretch]
 """A cell for each variable that has been decided."""
 
 
@@ -61,14 +61,14 @@ class GaveUpError(Exception):
     """The budget is used up."""
 
 
-class Search:
+class GapSearch:
     """All the ways to leave every rule without something that it needs.
 
     Parameters
     ----------
     needs : sequence of Need
         One for each rule.
-    cells : mapping of str to sequence of Cell
+    cells : mapping of str to sequence of VariableStretch
         The cells of each variable that the rules name.
     on_step : callable
         Called now and then; what it raises ends the search.
@@ -82,7 +82,7 @@ class Search:
     def __init__(
         self,
         needs: Sequence[Need],
-        cells: Mapping[str, Sequence[Cell]],
+        cells: Mapping[str, Sequence[VariableStretch]],
         on_step: Callable[[], None] = lambda: None,
     ) -> None:
         self._needs = needs
@@ -146,17 +146,17 @@ class Search:
             raise GaveUpError
 
 
-def distinct(cells: Sequence[Cell]) -> list[Cell]:
+def distinct(cells: Sequence[VariableStretch]) -> list[VariableStretch]:
     """Return the first of the cells that have the same degrees."""
     return list({frozenset(cell.degrees.items()): cell for cell in reversed(cells)}.values())[::-1]
 
 
-def smallest(cells: Sequence[Cell]) -> list[Cell]:
+def smallest(cells: Sequence[VariableStretch]) -> list[VariableStretch]:
     """Return the cells whose literals include those of no other cell."""
-    first: dict[frozenset[Literal], Cell] = {}
+    first: dict[frozenset[Literal], VariableStretch] = {}
     for cell in cells:
         first.setdefault(frozenset(cell.degrees), cell)
-    smallest_cells: list[Cell] = []
+    smallest_cells: list[VariableStretch] = []
     by_literal: dict[Literal, list[frozenset[Literal]]] = {}
     for literals in sorted(first, key=len):
         if not literals:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.frozen import replace
-from fuzzyarm.language.check.search import Cell, Literal
+from fuzzyarm.language.check.search import Literal, VariableStretch
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.statements import GridNode
 from fuzzyarm.model.rulebase import (
@@ -46,7 +46,7 @@ class Subject:
         self.rulebase = rulebase
         self.document = document
         self.on_step = on_step
-        self._probes: dict[str, list[Cell]] = {}
+        self._probes: dict[str, list[VariableStretch]] = {}
         self._supports: dict[tuple[str, str], tuple[float, float]] = {}
         self._middles: dict[str, dict[str, float] | None] = {}
 
@@ -102,7 +102,7 @@ class Subject:
                 groups += [replace(output, terms=others), replace(output, terms=antecedent_terms)]
         return groups
 
-    def probes(self, variable: Input) -> list[Cell]:
+    def probes(self, variable: Input) -> list[VariableStretch]:
         """Return :func:`probe` of an input, worked out once."""
         if variable.name not in self._probes:
             self._probes[variable.name] = probe(variable)
@@ -139,7 +139,7 @@ class Subject:
         return None if middles is None else {term: i for i, term in enumerate(middles)}
 
 
-def probe(variable: Input) -> list[Cell]:
+def probe(variable: Input) -> list[VariableStretch]:
     """Return the corners of the terms and the middles between, with the terms that hold there.
 
     Between two corners no bounded term starts or ends, so the middle stands for the stretch.
@@ -158,7 +158,9 @@ def probe(variable: Input) -> list[Cell]:
             degree = function(points[i])
             if degree >= FAINT:
                 degrees[i][term.name, ()] = degree
-    return [Cell(x, literals_here) for x, literals_here in zip(points, degrees, strict=True)]
+    return [
+        VariableStretch(x, literals_here) for x, literals_here in zip(points, degrees, strict=True)
+    ]
 
 
 def plain_propositions(rule: Rule) -> tuple[Is, ...]:

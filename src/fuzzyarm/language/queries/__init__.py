@@ -6,7 +6,7 @@ language server, the designer and the tests share them. Lines and columns count 
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.language.phrases import Kind, Occurrence
+from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.queries.building import (
     add_rule,
     add_variable,
@@ -14,7 +14,7 @@ from fuzzyarm.language.queries.building import (
     rename_variable,
     set_setting,
 )
-from fuzzyarm.language.queries.completion import Candidate, complete
+from fuzzyarm.language.queries.completion import Completion, complete
 from fuzzyarm.language.queries.fixes import Edit, Fix, apply_edits, fixes
 from fuzzyarm.language.queries.grids import (
     FILLS,
@@ -32,7 +32,7 @@ from fuzzyarm.language.queries.outline import (
     COLOURS,
     Coloured,
     Fold,
-    Symbol,
+    OutlineSymbol,
     coloured,
     folds,
     symbols,
@@ -64,20 +64,20 @@ __all__ = [
     "COLOURS",
     "FILLS",
     "INCOMPLETE",
-    "Candidate",
     "Coloured",
+    "Completion",
     "Edit",
     "Facts",
     "Fix",
     "Fold",
     "Hover",
-    "Kind",
+    "NameKind",
     "Occurrence",
+    "OutlineSymbol",
     "Reading",
     "RenameError",
     "ReshapeError",
     "Reshaped",
-    "Symbol",
     "add_column",
     "add_grid",
     "add_row",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fuzzyarm.language.phrases import JunctionNode, Kind, PropositionNode, SettingNode
+from fuzzyarm.language.phrases import JunctionNode, NameKind, PropositionNode, SettingNode
 from fuzzyarm.language.queries.fixes import Edit
 from fuzzyarm.language.queries.lines import (
     INCOMPLETE,
@@ -141,7 +141,8 @@ def remove_variable(reading: Reading, variable: str) -> list[Edit]:
 def _names(node: StatementNode, variable: str) -> bool:
     """Whether a statement declares a variable, or names it or a term of it."""
     return any(
-        (mention.kind is Kind.VARIABLE and mention.name == variable) or variable in mention.owners
+        (mention.kind is NameKind.VARIABLE and mention.name == variable)
+        or variable in mention.owners
         for mention in mentions(node)
     )
 

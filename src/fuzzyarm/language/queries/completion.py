@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Registry, Shape
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import section_at, statements_below
-from fuzzyarm.language.phrases import SETTINGS, Kind, Setting, parameter_names
+from fuzzyarm.language.phrases import SETTINGS, NameKind, Setting, parameter_names
 from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, asked_variable
 from fuzzyarm.language.statements import LOOKUP_ROW, STATEMENTS, GridNode, RowNode
 from fuzzyarm.language.tokens import (
@@ -42,7 +42,7 @@ from fuzzyarm.text.placed import Figure, Word
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class Completion:
     """One thing that could stand at a position.
 
     Attributes
@@ -69,14 +69,14 @@ class Candidate:
     span: Span | None = None
 
 
-def _words(words: Iterable[str], kind: str = "keyword") -> list[Candidate]:
+def _words(words: Iterable[str], kind: str = "keyword") -> list[Completion]:
     """Return words as candidates; those of a registry with what their records say."""
     docs = (
         {record.name: record.doc for record in words.values()}
         if isinstance(words, Registry)
         else {}
     )
-    return [Candidate(word, kind, word, docs.get(word, "")) for word in words]
+    return [Completion(word, kind, word, docs.get(word, "")) for word in words]
 
 
 def variable_detail(variable: Variable) -> str:
@@ -85,12 +85,12 @@ def variable_detail(variable: Variable) -> str:
     return f"{text}  {variable.description}".rstrip()
 
 
-def _terms(variable: Variable | None, without: Iterable[str] = ()) -> list[Candidate]:
+def _terms(variable: Variable | None, without: Iterable[str] = ()) -> list[Completion]:
     if variable is None:
         return []
     left_out = set(without)
     return [
-        Candidate(term.name, "term", name_text(term.name), term_detail(variable, term.name))
+        Completion(term.name, "term", name_text(term.name), term_detail(variable, term.name))
         for term in variable.terms
         if term.name not in left_out
     ]
@@ -113,11 +113,11 @@ def _numbers_of(shape: Membership) -> str:
     return " ".join([shape.kind, *(f"{x:.6g}" for x in shape.parameters)])
 
 
-def _hedge(word: str) -> Candidate:
+def _hedge(word: str) -> Completion:
     record = HEDGES[HEDGES.words[word]]
     if not record.parameters:
-        return Candidate(word, "hedge", word, record.doc)
-    return Candidate(word, "hedge", f"{word}(2)", record.doc, f"{word}(${{1:2}})")
+        return Completion(word, "hedge", word, record.doc)
+    return Completion(word, "hedge", f"{word}(2)", record.doc, f"{word}(${{1:2}})")
 
 
 _SNIPPETS = {
@@ -127,12 +127,12 @@ _SNIPPETS = {
 }
 
 
-def _shape(kind: Shape) -> Candidate:
+def _shape(kind: Shape) -> Completion:
     names = parameter_names(kind.name)
     numbers = " ".join(f"${{{i}:{name}}}" for i, name in enumerate(names, start=1))
     snippet = _SNIPPETS.get(kind.name) or f"{kind.name} {numbers}"
     detail = f"{' '.join(names)} — {kind.doc}" if names else kind.doc
-    return Candidate(kind.name, "shape", kind.name, detail, snippet)
+    return Completion(kind.name, "shape", kind.name, detail, snippet)
 
 
 # --- The cursor that is asked at the end of the words ---
@@ -150,12 +150,12 @@ class _AskingCursor(Cursor):
     """
 
     def __init__(
-        self, tokens: Sequence[Token], model: RuleBase, names: Mapping[Kind, Mapping[str, str]]
+        self, tokens: Sequence[Token], model: RuleBase, names: Mapping[NameKind, Mapping[str, str]]
     ) -> None:
         super().__init__(tuple(tokens))
         self.model = model
         self.names = names
-        self.offered: list[Candidate] = []
+        self.offered: list[Completion] = []
         self._stalled = -1
 
     def variable_called(self, name: str) -> Variable | None:
@@ -163,13 +163,13 @@ class _AskingCursor(Cursor):
         variables = (v for v in (*self.model.inputs, *self.model.outputs) if v.name == name)
         return next(variables, None)
 
-    def _variables(self, role: str, follow: str = "") -> list[Candidate]:
+    def _variables(self, role: str, follow: str = "") -> list[Completion]:
         inputs = self.model.inputs if role != "output" else ()
         outputs = self.model.outputs if role != "input" else ()
         # A list of variables does not name one twice.
         listed = {token.text for token in self.tokens} if self._in_a_list() else set()
         return [
-            Candidate(v.name, "variable", name_text(v.name) + follow, variable_detail(v))
+            Completion(v.name, "variable", name_text(v.name) + follow, variable_detail(v))
             for v in (*inputs, *outputs)
             if v.name not in listed
         ]
@@ -179,7 +179,7 @@ class _AskingCursor(Cursor):
         named_once = texts[:1] in (["terms"], ["expect"]) or "\\" in texts
         return named_once and "->" not in texts
 
-    def _last(self, found: list[Candidate]) -> NoReturn:
+    def _last(self, found: list[Completion]) -> NoReturn:
         self.offered += found
         raise _Nothing
 
@@ -248,38 +248,38 @@ class _AskingCursor(Cursor):
         if self.at_end:
             self.offered += getattr(self, f"_suggest_{what.replace(' ', '_')}")(*about)
 
-    def _suggest_hedges(self) -> list[Candidate]:
+    def _suggest_hedges(self) -> list[Completion]:
         return list(map(_hedge, HEDGES.words))
 
-    def _suggest_shapes(self) -> list[Candidate]:
+    def _suggest_shapes(self) -> list[Completion]:
         return list(map(_shape, SHAPES.values()))
 
-    def _suggest_families(self) -> list[Candidate]:
-        return [Candidate(name, "shape", name, what) for name, what in EVEN_SHAPES.items()]
+    def _suggest_families(self) -> list[Completion]:
+        return [Completion(name, "shape", name, what) for name, what in EVEN_SHAPES.items()]
 
-    def _suggest_range(self) -> list[Candidate]:
+    def _suggest_range(self) -> list[Completion]:
         snippet = '${1:-1} .. ${2:1}  "${3:description}"'
-        return [Candidate("range", "value", "-1 .. 1", "low .. high", snippet)]
+        return [Completion("range", "value", "-1 .. 1", "low .. high", snippet)]
 
-    def _suggest_term_names(self) -> list[Candidate]:
+    def _suggest_term_names(self) -> list[Completion]:
         return _words(
             ("NB NM NS ZE PS PM PB", "NB NS ZE PS PB", "N ZE P", "LOW MIDDLE HIGH"), "row"
         )
 
-    def _suggest_settings(self, of: str) -> list[Candidate]:
+    def _suggest_settings(self, of: str) -> list[Completion]:
         words = {token.text for token in self.tokens}
         return _words(s.word for s in SETTINGS.values() if s.word not in words and of in ("", s.of))
 
-    def _suggest_targets(self, role: str) -> list[Candidate]:
+    def _suggest_targets(self, role: str) -> list[Completion]:
         return self._variables(role, ":")
 
-    def _suggest_values(self, setting: Setting) -> list[Candidate]:
+    def _suggest_values(self, setting: Setting) -> list[Completion]:
         return [*_words(setting.values, "value"), *_words(("0",), "value")]
 
-    def _suggest_samples(self) -> list[Candidate]:
-        return [Candidate("(101, endpoints)", "value", "(101, endpoints)", "a number of samples")]
+    def _suggest_samples(self) -> list[Completion]:
+        return [Completion("(101, endpoints)", "value", "(101, endpoints)", "a number of samples")]
 
-    def _suggest_comma(self) -> list[Candidate]:
+    def _suggest_comma(self) -> list[Completion]:
         missing = [v for v in self.model.inputs if all(v.name != t.text for t in self.tokens)]
         if missing:
             self._last(_words((",",)))
@@ -287,55 +287,55 @@ class _AskingCursor(Cursor):
 
     # In the lines of a controller.
 
-    def _suggest_sources(self) -> list[Candidate]:
-        return [Candidate(word, "keyword", word, kind.doc) for word, kind in SOURCES.items()]
+    def _suggest_sources(self) -> list[Completion]:
+        return [Completion(word, "keyword", word, kind.doc) for word, kind in SOURCES.items()]
 
-    def _suggest_signals(self) -> list[Candidate]:
-        return self._named(Kind.SIGNAL)
+    def _suggest_signals(self) -> list[Completion]:
+        return self._named(NameKind.SIGNAL)
 
-    def _suggest_sheets(self) -> list[Candidate]:
-        return self._named(Kind.USE)
+    def _suggest_sheets(self) -> list[Completion]:
+        return self._named(NameKind.USE)
 
-    def _suggest_ports(self) -> list[Candidate]:
-        return self._named(Kind.PORT)
+    def _suggest_ports(self) -> list[Completion]:
+        return self._named(NameKind.PORT)
 
-    def _suggest_plants(self) -> list[Candidate]:
-        return self._named(Kind.PLANT)
+    def _suggest_plants(self) -> list[Completion]:
+        return self._named(NameKind.PLANT)
 
-    def _suggest_states(self) -> list[Candidate]:
-        return self._named(Kind.STATE)
+    def _suggest_states(self) -> list[Completion]:
+        return self._named(NameKind.STATE)
 
-    def _suggest_parameters(self) -> list[Candidate]:
-        return self._named(Kind.PARAMETER)
+    def _suggest_parameters(self) -> list[Completion]:
+        return self._named(NameKind.PARAMETER)
 
-    def _suggest_times(self) -> list[Candidate]:
+    def _suggest_times(self) -> list[Completion]:
         return _words(TIMES, "value")
 
-    def _named(self, kind: Kind) -> list[Candidate]:
+    def _named(self, kind: NameKind) -> list[Completion]:
         names_there = self.names.get(kind, {})
-        return [Candidate(n, "variable", name_text(n), words) for n, words in names_there.items()]
+        return [Completion(n, "variable", name_text(n), words) for n, words in names_there.items()]
 
     # In the lines of a grid.
 
-    def _suggest_headers(self) -> list[Candidate]:
+    def _suggest_headers(self) -> list[Completion]:
         inputs = [v for v in self.model.inputs if v.terms]
         if len(inputs) == 1:
             text = f"{name_text(inputs[0].name)}  {_names(inputs[0])}"
-            return [Candidate(text, "row", text, "one input")]
+            return [Completion(text, "row", text, "one input")]
         rows = []
         for down, across in list(permutations(inputs, 2))[:_MOST_HEADERS]:
             text = f"{name_text(down.name)} \\ {name_text(across.name)}  {_names(across)}"
-            rows.append(Candidate(text, "row", text, f"{down.name} down, {across.name} across"))
+            rows.append(Completion(text, "row", text, f"{down.name} down, {across.name} across"))
         return rows
 
-    def _suggest_backslash(self) -> list[Candidate]:
-        return [Candidate("\\", "keyword", "\\ ", "then the variable across")]
+    def _suggest_backslash(self) -> list[Completion]:
+        return [Completion("\\", "keyword", "\\ ", "then the variable across")]
 
     def _suggest_columns(self, column: Word, named: Sequence[Word] = ()) -> NoReturn:
         candidates = _terms(self.variable_called(column), without=list(named))
         if len(candidates) > 1:
             rest = "  ".join(candidate.insert for candidate in candidates)
-            candidates.insert(0, Candidate(rest, "row", rest, "the header row"))
+            candidates.insert(0, Completion(rest, "row", rest, "the header row"))
         self._last(candidates)
 
     def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
@@ -353,7 +353,7 @@ class _AskingCursor(Cursor):
         if count >= len(grid.columns):
             raise _Nothing
         candidates = _terms(self.variable_called(grid.output))
-        self._last([*candidates, Candidate(".", "value", ".", "no rule for this cell")])
+        self._last([*candidates, Completion(".", "value", ".", "no rule for this cell")])
 
 
 _MOST_HEADERS = 12
@@ -368,8 +368,8 @@ def _asked(
     tokens: Sequence[Token],
     model: RuleBase,
     *about: Any,
-    names: Mapping[Kind, Mapping[str, str]] = MappingProxyType({}),
-) -> list[Candidate]:
+    names: Mapping[NameKind, Mapping[str, str]] = MappingProxyType({}),
+) -> list[Completion]:
     """Return what `read` asks for after `tokens`."""
     cursor = _AskingCursor(tokens, model, names)
     try:
@@ -381,21 +381,21 @@ def _asked(
     return sorted(cursor.offered, key=_rank)
 
 
-def _rank(candidate: Candidate) -> int:
+def _rank(candidate: Completion) -> int:
     # Hedges may stand almost everywhere, and settings mostly belong to no single variable.
     return 2 if candidate.kind == "hedge" else 1 if candidate.insert.endswith(":") else 0
 
 
 # --- What could stand at a position ---
 
-OF_PLANTS = (Kind.PORT, Kind.PLANT, Kind.STATE, Kind.PARAMETER)
+OF_PLANTS = (NameKind.PORT, NameKind.PLANT, NameKind.STATE, NameKind.PARAMETER)
 """Names that mean something of a plant."""
 
 _PARTIAL = re.compile(r"(?:'[^']*|[^\W\d][\w-]*)\Z")
 _ALLOW = re.compile(r"#\s*allow\s+(?:[\w-]+\s*,\s*)*([\w-]*)\Z")
 
 
-def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> list[Candidate]:
+def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> list[Completion]:
     """Return what could stand at a position, the likeliest first.
 
     Parameters
@@ -429,7 +429,7 @@ def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -
     return [replace(candidate, span=span) for candidate in ranked]
 
 
-def _in_comment(text: str, line: int, column: int) -> list[Candidate] | None:
+def _in_comment(text: str, line: int, column: int) -> list[Completion] | None:
     if not tokenize_line(line, text, []).comment and not text.endswith("#"):
         return None
     match = _ALLOW.search(text)
@@ -438,16 +438,16 @@ def _in_comment(text: str, line: int, column: int) -> list[Candidate] | None:
     from fuzzyarm.language.check import CHECKS
 
     span = Span(line, match.start(1) + 1, line, column)
-    return [Candidate(c.name, "value", c.name, c.doc, span=span) for c in CHECKS.values()]
+    return [Completion(c.name, "value", c.name, c.doc, span=span) for c in CHECKS.values()]
 
 
 def _offered(
     reading: Reading, line: int, tokens: tuple[Token, ...], facts: Facts, *, indented: bool
-) -> list[Candidate]:
+) -> list[Completion]:
     if section_at(reading.lines, line) == "controller":
         return _in_controller(reading, line, tokens, facts, indented=indented)
     if not tokens and not indented:
-        return [Candidate(r.word, "keyword", r.word, r.doc) for r in STATEMENTS.values()]
+        return [Completion(r.word, "keyword", r.word, r.doc) for r in STATEMENTS.values()]
     if not indented or _starts_statement(tokens):
         # The line starts a statement, though its word may be misspelt.
         keyword = nearest(tokens[0].text, STATEMENTS)
@@ -470,12 +470,12 @@ def _offered(
 
 def _in_controller(
     reading: Reading, line: int, tokens: tuple[Token, ...], facts: Facts, *, indented: bool
-) -> list[Candidate]:
+) -> list[Completion]:
     records = statements_below("controller")
     if not tokens:
         keywords = ("zoom", "learn", "drive") if indented else tuple(records)
-        return [Candidate(word, "keyword", word, records[word].doc) for word in keywords]
-    names: dict[Kind, dict[str, str]] = {}
+        return [Completion(word, "keyword", word, records[word].doc) for word in keywords]
+    names: dict[NameKind, dict[str, str]] = {}
     for (kind, name), words in facts.items():
         if kind in OF_PLANTS:
             names.setdefault(kind, {})[name] = words
@@ -497,7 +497,7 @@ def _below(
     above: list[tuple[Token, ...]],
     tokens: tuple[Token, ...],
     line: int,
-) -> list[Candidate]:
+) -> list[Completion]:
     """Return what could stand in a line below a grid or ``lookup``; `above` starts with that."""
     model = reading.model
     items = {"lookup": LOOKUP_ROW, "tune": TUNE_ROW}

@@ -11,7 +11,7 @@ from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNOR
 from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.language.check.coverage import gaps_of
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
-from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_names
+from fuzzyarm.language.phrases import SETTINGS, NameKind, Occurrence, parameter_names
 from fuzzyarm.language.queries.completion import term_detail
 from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, contains
 from fuzzyarm.language.queries.references import occurrence_at, references
@@ -158,10 +158,10 @@ def _rule_markdown(reading: Reading, rule: Rule) -> str:
 
 
 def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
-    if occurrence.kind is Kind.VARIABLE:
+    if occurrence.kind is NameKind.VARIABLE:
         variable = reading.variable(occurrence.name)
         return "" if variable is None else _variable_markdown(variable)
-    if occurrence.kind is Kind.TERM:
+    if occurrence.kind is NameKind.TERM:
         parts = []
         for owner in occurrence.owners:
             variable = reading.variable(owner)
@@ -172,7 +172,7 @@ def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
             parts.append(f"used {uses} time{'s' if uses != 1 else ''}")
         return "\n\n".join(parts)
     name = plain(occurrence.name)
-    if occurrence.kind is Kind.BLOCK:
+    if occurrence.kind is NameKind.BLOCK:
         block = next((b for b in reading.model.blocks if b.name == occurrence.name), None)
         if block is None:
             return f"block **{name}**"
@@ -180,7 +180,7 @@ def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
             f"block **{name}**: {len(block.rules)} rules, and {block.conjunction}, "
             f"or {block.disjunction}, implication {block.implication}"
         )
-    if occurrence.kind is not Kind.RULEBASE:
+    if occurrence.kind is not NameKind.RULEBASE:
         return _of_line(reading, occurrence)
     model = reading.model
     sizes = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {len(model.rules)} rules"
@@ -195,9 +195,9 @@ def _of_line(reading: Reading, occurrence: Occurrence) -> str:
         for occurrence_ in occurrences
         if occurrence_.is_definition
     ]
-    if occurrence.kind is Kind.PLANT:
+    if occurrence.kind is NameKind.PLANT:
         return f"the plant {code(occurrence.name)}"
-    if occurrence.kind in (Kind.PORT, Kind.STATE, Kind.PARAMETER):
+    if occurrence.kind in (NameKind.PORT, NameKind.STATE, NameKind.PARAMETER):
         return f"{occurrence.kind} {code(occurrence.name)} of the plant"
     uses = sum(not occurrence_.is_definition for occurrence_ in occurrences)
     return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language.phrases import Kind
+from fuzzyarm.language.phrases import NameKind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.rows import mentions
@@ -45,7 +45,7 @@ def declaration_of(reading: Reading, variable: str) -> VariableNode:
 def names_term(node: StatementNode, variable: str, term: str) -> bool:
     """Whether a statement names a term of a variable."""
     return any(
-        mention.kind is Kind.TERM and mention.name == term and variable in mention.owners
+        mention.kind is NameKind.TERM and mention.name == term and variable in mention.owners
         for mention in mentions(node)
     )
 

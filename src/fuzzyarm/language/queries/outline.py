@@ -9,7 +9,7 @@ from typing import Any
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS, Registry
 from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
-from fuzzyarm.language.phrases import SETTINGS, Kind
+from fuzzyarm.language.phrases import SETTINGS, NameKind
 from fuzzyarm.language.queries.completion import variable_detail
 from fuzzyarm.language.queries.reading import Reading
 from fuzzyarm.language.rows import mentions
@@ -36,18 +36,18 @@ COLOURS = (
 
 _OPERATORS = {"->", "..", "=", "<", "<=", ">", ">=", "*", "\\"}
 _NAMES = {
-    Kind.RULEBASE: "namespace",
-    Kind.BLOCK: "namespace",
-    Kind.VARIABLE: "variable",
-    Kind.TERM: "enumMember",
-    Kind.CONTROLLER: "namespace",
-    Kind.USE: "namespace",
-    Kind.SIGNAL: "variable",
-    Kind.AXIS: "enumMember",
-    Kind.PORT: "property",
-    Kind.PLANT: "namespace",
-    Kind.STATE: "property",
-    Kind.PARAMETER: "property",
+    NameKind.RULEBASE: "namespace",
+    NameKind.BLOCK: "namespace",
+    NameKind.VARIABLE: "variable",
+    NameKind.TERM: "enumMember",
+    NameKind.CONTROLLER: "namespace",
+    NameKind.USE: "namespace",
+    NameKind.SIGNAL: "variable",
+    NameKind.AXIS: "enumMember",
+    NameKind.PORT: "property",
+    NameKind.PLANT: "namespace",
+    NameKind.STATE: "property",
+    NameKind.PARAMETER: "property",
 }
 _VALUES = {*EVEN_SHAPES, *SAMPLINGS, *SETTINGS["outside"].values, "exact", "hold"}
 _KINDS: tuple[Registry[Any], ...] = (SHAPES, TNORMS, SNORMS, DEFUZZIFIERS)
@@ -164,7 +164,7 @@ def _comments(reading: Reading) -> list[Fold]:
 
 
 @dataclass(frozen=True, slots=True)
-class Symbol:
+class OutlineSymbol:
     """A part of a file.
 
     Attributes
@@ -176,7 +176,7 @@ class Symbol:
         ``lookup`` or ``expect``.
     span, selection : Span
         All of it, and its name; the second lies within the first.
-    children : tuple of Symbol
+    children : tuple of OutlineSymbol
         The terms of a variable.
     """
 
@@ -185,12 +185,12 @@ class Symbol:
     kind: str
     span: Span
     selection: Span
-    children: tuple[Symbol, ...] = ()
+    children: tuple[OutlineSymbol, ...] = ()
 
 
-def symbols(reading: Reading) -> list[Symbol]:
+def symbols(reading: Reading) -> list[OutlineSymbol]:
     """Return the parts of a file in its order; the terms of a variable below it."""
-    symbols_: list[Symbol] = []
+    symbols_: list[OutlineSymbol] = []
     for node, first, last in reading.extents:
         word = reading.tokens_of(first)[0].text
         record = STATEMENTS.get(word) or CONTROLLER_STATEMENTS.get(word)
@@ -218,12 +218,14 @@ def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, 
     return text[:60], "", node.span
 
 
-def _named(name: str, detail: str, selection: Span, kind: str, span: Span) -> Symbol:
+def _named(name: str, detail: str, selection: Span, kind: str, span: Span) -> OutlineSymbol:
     end = min((selection.end_line, selection.end_column), (span.end_line, span.end_column))
-    return Symbol(name or "?", detail, kind, span, Span(selection.line, selection.column, *end))
+    return OutlineSymbol(
+        name or "?", detail, kind, span, Span(selection.line, selection.column, *end)
+    )
 
 
-def _variable(reading: Reading, node: VariableNode, span: Span) -> Symbol:
+def _variable(reading: Reading, node: VariableNode, span: Span) -> OutlineSymbol:
     variable = reading.variable(node.name)
     home = node.name.span
     if variable is None:

@@ -9,22 +9,22 @@ from types import MappingProxyType
 
 from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.language.document import Document, ParseMemory
-from fuzzyarm.language.phrases import Kind, Occurrence
+from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.reading import Parsed, parse
 from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.statements import Broken, StatementNode
-from fuzzyarm.language.tokens import Line, Token, is_reserved
+from fuzzyarm.language.tokens import SourceLine, Token, is_reserved
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.diagnostic import Span, split_lines
 
-Facts = Mapping[tuple[Kind, str], str]
+Facts = Mapping[tuple[NameKind, str], str]
 """What is known of names beyond the text, in words: ports of plants, where signals can be. Who
 asks hands it in, as the language knows neither plants nor numerics."""
 
 NOTHING: Facts = MappingProxyType({})
 
 
-def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurrence, ...]:
+def _find_occurrences(document: Document, lines: Sequence[SourceLine]) -> tuple[Occurrence, ...]:
     """Return every occurrence of every name, in the order of the text.
 
     Of statements that could not be read, those that are certain: declared variables, and
@@ -32,14 +32,18 @@ def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurr
     """
     nodes = [statement.node for statement in document.statements]
     occurrences = [mention for node in nodes for mention in mentions(node)]
-    variable_names = {o.name for o in occurrences if o.kind is Kind.VARIABLE and o.is_definition}
+    variable_names = {
+        o.name for o in occurrences if o.kind is NameKind.VARIABLE and o.is_definition
+    }
     for node in nodes:
         if isinstance(node, Broken):
             occurrences += _of_broken(node, lines, variable_names)
     return tuple(sorted(occurrences, key=lambda o: o.span))
 
 
-def _of_broken(node: Broken, lines: Sequence[Line], declared: set[str]) -> Iterator[Occurrence]:
+def _of_broken(
+    node: Broken, lines: Sequence[SourceLine], declared: set[str]
+) -> Iterator[Occurrence]:
     tokens = [
         token
         for line in lines[node.span.line - 1 : node.span.end_line]
@@ -53,9 +57,9 @@ def _of_broken(node: Broken, lines: Sequence[Line], declared: set[str]) -> Itera
             continue
         owner = asked_variable(tokens[:index])
         if owner is not None:
-            yield Occurrence(Kind.TERM, token.text, token.span, (owner,))
+            yield Occurrence(NameKind.TERM, token.text, token.span, (owner,))
         elif token.text in declared:
-            yield Occurrence(Kind.VARIABLE, token.text, token.span)
+            yield Occurrence(NameKind.VARIABLE, token.text, token.span)
 
 
 def _is_name(token: Token) -> bool:
@@ -82,7 +86,7 @@ class Reading:
         As it was given.
     parsed : Parsed
         Tree, meaning and mistakes.
-    lines : tuple of Line
+    lines : tuple of SourceLine
         The tokens, line by line.
     path : str
         Of the file; the files that it names stand beside it.
@@ -90,7 +94,7 @@ class Reading:
 
     text: str
     parsed: Parsed
-    lines: tuple[Line, ...]
+    lines: tuple[SourceLine, ...]
     path: str = "<text>"
 
     @property

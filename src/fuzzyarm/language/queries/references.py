@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language.phrases import Kind, Occurrence
+from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.queries.fixes import Edit
 from fuzzyarm.language.queries.reading import Reading, contains
 from fuzzyarm.language.tokens import name_text
@@ -25,7 +25,7 @@ def references(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
 def _same(one: Occurrence, other: Occurrence) -> bool:
     if one.kind is not other.kind or one.name != other.name:
         return False
-    return one.kind is not Kind.TERM or not set(one.owners).isdisjoint(other.owners)
+    return one.kind is not NameKind.TERM or not set(one.owners).isdisjoint(other.owners)
 
 
 def family(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
@@ -40,7 +40,7 @@ def family(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
             for o in reading.occurrences
             if o.kind is occurrence.kind
             and o.name == occurrence.name
-            and (o.kind is not Kind.TERM or not owners.isdisjoint(o.owners))
+            and (o.kind is not NameKind.TERM or not owners.isdisjoint(o.owners))
         ]
         wider = owners.union(*(o.owners for o in occurrences)) if occurrences else owners
         if wider == owners:
@@ -98,7 +98,7 @@ def _refuse_taken(
     for other in reading.occurrences:
         if other.kind is not occurrence.kind or other.name != name or not other.is_definition:
             continue
-        if other.kind is not Kind.TERM:
+        if other.kind is not NameKind.TERM:
             raise RenameError(
                 f"a {other.kind} is called '{name}' already, on line {other.span.line}"
             )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.language.phrases import Kind
+from fuzzyarm.language.phrases import NameKind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.lines import (
     ReshapeError,
@@ -283,7 +283,7 @@ def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: 
 def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -> list[Edit]:
     """Take a term out of a grid: what it heads goes, and what concludes it becomes a dot."""
     if node.condition is not None and any(
-        mention.kind is Kind.TERM and mention.name == term and variable in mention.owners
+        mention.kind is NameKind.TERM and mention.name == term and variable in mention.owners
         for mention in node.condition.mentions()
     ):
         raise ReshapeError(f"a grid holds when '{variable} is {term}', on line {node.span.line}")
@@ -321,7 +321,7 @@ def rename_term(reading: Reading, variable: str, term: str, name: str) -> list[E
     """
     for occurrence in reading.occurrences:
         if (
-            occurrence.kind is Kind.TERM
+            occurrence.kind is NameKind.TERM
             and occurrence.name == term
             and variable in occurrence.owners
         ):

@@ -12,7 +12,7 @@ import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.picture import TONES
-from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
+from fuzzyarm.plant.drawings import PlantScene, drawing_of, is_drawn
 from fuzzyarm.show.drawing import run_words, time_words
 from fuzzyarm.show.figures.labels import columns_that_fit
 from fuzzyarm.show.figures.panels import draw_part, draw_runs, draw_thing
@@ -230,7 +230,7 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     def draw(index: int) -> list[Any]:
         axes.clear()
         axes.set_title(safe(f"{name}, {time_words(float(run.time[index]), end)} s"), fontsize=9)
-        drawing = drawing_of(plant, Scene(run, index))
+        drawing = drawing_of(plant, PlantScene(run, index))
         if drawing is not None:
             draw_thing(axes, drawing)
         move(index)

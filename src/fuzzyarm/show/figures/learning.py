@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from fuzzyarm.controller.on_plant import Learned
+    from fuzzyarm.controller.on_plant import LearnedTables
     from fuzzyarm.learning.self_organizing import Snapshot
     from fuzzyarm.table import LookupTable
 
@@ -42,7 +42,7 @@ _ROOM = (3.3, 2.6)
 
 
 @dataclass(frozen=True)
-class Training:
+class LearningHistory:
     """What was learned, in the order of time.
 
     Attributes
@@ -67,7 +67,7 @@ class Training:
         """The ends of the passes."""
         return [snapshot for snapshot in self.snapshots if snapshot.complete]
 
-    def tables(self, learned: Learned) -> list[tuple[NDArray[Any], NDArray[Any]]]:
+    def tables(self, learned: LearnedTables) -> list[tuple[NDArray[Any], NDArray[Any]]]:
         """Return values and visits of each axis as rows and columns.
 
         Of a table over more than two inputs the page that was used most in the end.
@@ -75,7 +75,7 @@ class Training:
         return learned.pages(self.snapshots[-1].learned.visits)
 
 
-def learning_figure(training: Training) -> Figure:
+def learning_figure(training: LearningHistory) -> Figure:
     """Return the tables at the end, the visits of their cells and the RMS error of each pass.
 
     Cells that were never visited are hatched, whatever their number.
@@ -86,7 +86,7 @@ def learning_figure(training: Training) -> Figure:
 
 
 def animate_learning(
-    training: Training,
+    training: LearningHistory,
     path: str | os.PathLike[str],
     *,
     watch: Callable[[int], None] | None = None,
@@ -95,7 +95,7 @@ def animate_learning(
 
     Parameters
     ----------
-    training : Training
+    training : LearningHistory
         With the snapshots that are to be seen; of very many some are left out.
     path : path-like
         ``.gif``, ``.html`` or ``.mp4``.
@@ -118,7 +118,7 @@ def animate_learning(
     write_film(figure, draw, frames, max(1.0, 0.1 * len(frames)), path, watch=watch)
 
 
-def _stage(training: Training) -> tuple[Figure, Callable[[int], None]]:
+def _stage(training: LearningHistory) -> tuple[Figure, Callable[[int], None]]:
     """Return the figure, and what shows a snapshot in it."""
     rows = len(training.axes)
     figure = new_figure(9.2, 3.5 * rows + 2.5)
@@ -167,7 +167,7 @@ def _moment(snapshot: Snapshot) -> str:
     return f"pass {snapshot.passage}, {snapshot.time:.2f} s"
 
 
-def _draw_cells(axes: Axes, training: Training, limits: dict[str, Any]) -> Any:
+def _draw_cells(axes: Axes, training: LearningHistory, limits: dict[str, Any]) -> Any:
     """Draw the frame of a table, hatched, and return the image of what was visited."""
     learned = training.snapshots[0].learned.axes
     down, across = (None, *learned)[-2:]
@@ -190,7 +190,7 @@ def _level(x: float) -> str:
     return number_words(x, 4)
 
 
-def _draw_errors(axes: Axes, training: Training, index: int) -> None:
+def _draw_errors(axes: Axes, training: LearningHistory, index: int) -> None:
     """Draw the RMS error of the passes that are over at a snapshot, one line for each output."""
     axes.clear()
     over = [snapshot for snapshot in training.snapshots[: index + 1] if snapshot.complete]

@@ -3624,7 +3624,7 @@ ${shape.term}`, { from: place.from, to: place.to, text: said2 });
     /**
      * Take the block diagram of a controller, or that there is none.
      *
-     * @param {Messages.Diagram | null} diagram
+     * @param {Messages.SceneDiagram | null} diagram
      */
     draw(diagram) {
       this.diagram = diagram;

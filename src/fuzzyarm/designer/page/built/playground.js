@@ -7679,7 +7679,7 @@ ${name}`;
     /**
      * Take the block diagram of a controller, or that there is none.
      *
-     * @param {Messages.Diagram | null} diagram
+     * @param {Messages.SceneDiagram | null} diagram
      */
     draw(diagram) {
       this.diagram = diagram;
