@@ -18,7 +18,7 @@ import numpy as np
 from fuzzyarm.export.numbers import ExportError, c_number
 from fuzzyarm.export.routine import ONE_OF_TWO, CWriter
 from fuzzyarm.export.sets import TABLE_HINT
-from fuzzyarm.export.walk import DefuzzifierWalk
+from fuzzyarm.export.walk import DefuzzifierWalk, WrittenFunction
 from fuzzyarm.translation.functions import NotTranslatedError, Translation
 from fuzzyarm.translation.targets import C99
 from fuzzyarm.translation.types import Array, Nothing, Scalar, TupleType, Type, TypedText
@@ -186,7 +186,7 @@ class _InC(Translation):
             if not listed:
                 lines = [f"    (void){name};" for name in ("number", *passed.split(", "))]
             text = "\n".join([head, "{", *lines, "}", ""])
-            self._finished.append(_Text(text))  # type: ignore[arg-type]
+            self._finished.append(WrittenFunction(text))  # type: ignore[arg-type]
         return f"{self._dispatchers[types]}({address}, {', '.join(a.text for a in arrays)})"
 
     # ── small helpers, written where they are used ───────────────────────────────────
@@ -222,14 +222,6 @@ class _InC(Translation):
         return self.writer.helper(
             f"{name.removeprefix(self.writer.prefix).strip('_')}_of", text, TYPE=name
         )
-
-
-class _Text:
-    """A function that was not translated but written."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.parameters: list[str] = []
 
 
 _PARAMETER = re.compile(r"(\w+_x)(?=[,)])")

@@ -19,7 +19,7 @@ import numpy as np
 
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ExportError, st_number
-from fuzzyarm.export.walk import DefuzzifierWalk
+from fuzzyarm.export.walk import DefuzzifierWalk, WrittenFunction
 from fuzzyarm.translation.functions import Bindings, NotTranslatedError, Translation, _Function
 from fuzzyarm.translation.targets import C99
 from fuzzyarm.translation.types import Array, Nothing, Scalar, TupleType, Type, TypedText, wider
@@ -159,15 +159,8 @@ class _InST(Translation):
                 "VAR", "    done : BOOL;", "END_VAR", "", *lines, f"{name} := TRUE;",
                 "END_FUNCTION", "",
             ]  # fmt: skip
-            self._finished.append(_Text("\n".join(text)))  # type: ignore[arg-type]
+            self._finished.append(WrittenFunction("\n".join(text)))  # type: ignore[arg-type]
         return self.dispatchers[types]
-
-
-class _Text:
-    """A function that was not translated but written."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
 
 
 class _STFunction(_Function):
