@@ -110,7 +110,7 @@ class LanguageLines:
         """Return an argument that must be a list."""
         if not isinstance(value, Iterable):
             text = shortened(repr(value))
-            raise ArgumentError(self.named(argument), f"expected {wanted}, found {text}")
+            raise BuilderArgumentError(self.named(argument), f"expected {wanted}, found {text}")
         return list(value)
 
     def named(self, argument: str) -> str:
