@@ -1,5 +1,6 @@
 """The command line as a person meets it: exit statuses, one-line errors, no tracebacks."""
 
+import io
 import json
 import subprocess
 import sys
@@ -214,6 +215,14 @@ def test_fmt_of_standard_input(capsys):
         command, input=text.replace("  ", "   "), capture_output=True, text=True, check=True
     )
     assert done.stdout.count("rule if") == 3
+
+
+def test_fmt_of_standard_input_replaces_no_byte(capsys, monkeypatch):
+    text = 'rulebase x "f\xfcr"  # h\xf6her\n'.encode("latin-1")
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+    status, out, err = run("fmt", "-", capsys=capsys)
+    assert (status, out) == (1, "")
+    assert "<stdin>:1:14: error[not-utf-8]" in err
 
 
 def test_a_reader_that_goes_away_is_no_fault():

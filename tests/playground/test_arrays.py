@@ -19,6 +19,9 @@ LONG = [math.sin(k) * 10.0 ** (k % 7 - 3) for k in range(1001)]
 SAME = {
     "arithmetic": lambda x: (x.array(A) + B) * 2 - x.array(B) / [2.0, 0.0, -3.0],
     "powers": lambda x: x.array(B) ** 2 + x.sqrt(x.abs(x.array(B))),
+    "powers without a value": lambda x: x.power(
+        x.array([-8.0, 0.0, -0.0, -0.0, 4.0]), x.array([0.5, -1.0, -1.0, -2.0, 0.5])
+    ),
     "whole numbers": lambda x: x.arange(12).reshape(3, 4).T[::2, 1:] // 2 % 3,
     "half a division": lambda x: x.array([1.0, -1.0, 0.0]) / 0.0,
     "promotion": lambda x: x.array(B, x.float32) + x.array([1, 2, 3], x.int16),

@@ -201,7 +201,7 @@ def _fmt(arguments: argparse.Namespace) -> int:
 
 def _read(path: str) -> str:
     if path == "-":
-        return sys.stdin.buffer.read().decode("utf-8", "replace")
+        return decoded(sys.stdin.buffer.read(), "<stdin>")
     if not path.lower().endswith(".frb"):
         hint = "fuzzyarm convert makes a .frb file of a rule base or a table"
         raise WordError(f"fmt formats .frb files, which {path} is not", hint=hint)

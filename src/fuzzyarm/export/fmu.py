@@ -266,10 +266,9 @@ _CAUSALITY = {
 def _words_of(variable: StepVariable, program: ControllerProgram) -> dict[str, str]:
     """Return the attributes that both versions share, except for the start."""
     gains = {gain.name: gain.unit for gain in program.text.model.gains}
-    variability = {"gain": "tunable", "reference": "discrete", "measured": "discrete"}
     words = {
         "causality": _CAUSALITY[variable.sort],
-        "variability": variability.get(variable.sort, "discrete"),
+        "variability": "tunable" if variable.sort == "gain" else "discrete",
     }
     unit = gains.get(variable.name, "") if variable.sort == "gain" else ""
     return words | ({"unit": unit} if unit else {})

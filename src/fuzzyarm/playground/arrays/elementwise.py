@@ -37,13 +37,15 @@ def _divided(a: Any, b: Any) -> float:
 
 
 def _raised(a: Any, b: Any) -> Any:
+    if isinstance(a, float) and b == 2:
+        return a * a  # as in NumPy: pow may differ in the last bit
     try:
-        # As NumPy: a square is a product, which may differ from pow in its last bit.
-        return a**b if not isinstance(a, float) or b != 2 else a * a
+        result = a**b
     except OverflowError:
         return inf if a > 0 or b % 2 == 0 else -inf
     except ZeroDivisionError:
-        return inf
+        return math.copysign(inf, a) if b % 2 == 1 else inf
+    return nan if isinstance(result, complex) else result
 
 
 def largest(a: Any, b: Any) -> Any:
