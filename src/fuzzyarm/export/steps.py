@@ -57,7 +57,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import LAST as LAST_PERIOD
 from fuzzyarm.plant.setting import PERIOD, RunArithmetic
 from fuzzyarm.table import LookupTable
-from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
+from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, THRESHOLDS, VALUES, next_axis
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 MOST_STEPS = 20_000
@@ -656,9 +656,11 @@ class _Walk:
         axes, at_axis = [], begin + GRID_HEAD
         for axis in table.axes:
             count = int(self.program.cells[at_axis])
-            thresholds = self.program.cells[at_axis + 1 : at_axis + count]
+            # The infinities at either end are left out: an export counts only what lies between.
+            first = at_axis + THRESHOLDS + 1
+            thresholds = self.program.cells[first : first + count - 1]
             axes.append((axis.name, tuple(map(float, thresholds))))
-            at_axis += 2 * count
+            at_axis = next_axis(at_axis, count)
         return tuple(axes)
 
     def _teach(self, begin: int, into: int) -> None:
