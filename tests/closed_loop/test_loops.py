@@ -490,6 +490,18 @@ def test_a_certificate_of_another_file_is_rejected(servo_verdict, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_certificate_of_another_controller_says_whose_it_is(servo_verdict):
+    with pytest.raises(CertificateError, match=r"is of servo\.frb, not of tanks\.frb"):
+        check_certificate(servo_verdict.certificate, load(shipped("tanks.frb")))
+
+
+def test_a_loop_without_an_equilibrium_at_its_set_points_says_so():
+    verdict = prove(load(shipped("heater.frb")), "stable", plant="room", budget=5.0)
+    assert verdict.verdict == "undecided"
+    assert verdict.reason.startswith("there is no equilibrium at temperature = 0: ")
+    assert "`at PORT = X`" in verdict.reason
+
+
 def test_a_claim_without_starts_is_of_the_whole_region(servo):
     """What the verdict says of the region holds from everywhere in it."""
     verdict = prove_loop(servo, read_claim("stable on motor: position in -0.1 .. 0.1"), budget=60.0)

@@ -62,7 +62,7 @@ def test_what_may_be_asked_is_told(page):
         ("servo.frb", {}, "has no `prove` lines", ""),
         ("lines.frb", {"output": "x", "range": True}, "no output is called 'x'", "output"),
         ("lines.frb", {"tolerance": "-1"}, "tolerance must be above 0, not -1", "tolerance"),
-        ("servo.frb", {"claim": "stable upon motor"}, "", "claim"),
+        ("servo.frb", {"claim": "stable upon motor"}, "claim 'stable upon motor': ", "claim"),
         ("servo.frb", {"claim": "stable", "plant": "own.py"}, "no plant 'own.py'", "plant"),
         ("thesis-6.1.lut", {}, "proves nothing", ""),
     ],

@@ -185,6 +185,7 @@ def test_mistakes(pd7: RuleBase, line: str, name: str, replacement: str | None) 
     with pytest.raises(RuleBaseError) as error:
         prove(pd7, line)
     assert [each.name for each in error.value.diagnostics] == [name]
+    assert str(error.value).startswith(f"prove('{line}'): error[{name}]: ")  # no position of a text
 
 
 def test_lines_are_read_and_written_alike() -> None:

@@ -32,6 +32,10 @@ class NotAffineError(LoopProofError):
     """A loop is not affine where it has to be."""
 
 
+class MovingError(NotAffineError):
+    """Where the loop should rest something moves."""
+
+
 @dataclass(frozen=True)
 class Affine:
     """A constant and a sum of variables.
@@ -238,7 +242,7 @@ class AffineAlgebra:
         if change.is_constant or self.is_search:
             return x
         if change.constant:
-            raise NotAffineError("at rest a drive that is limited in its change moves")
+            raise MovingError("a drive that is limited in its change moves")
         self._note(change, -Fraction(most), Fraction(most), f"a slew, {most:g} in a period")
         return x
 

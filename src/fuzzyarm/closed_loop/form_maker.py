@@ -11,6 +11,7 @@ from fuzzyarm.closed_loop.affine import (
     ZERO,
     Affine,
     AffineAlgebra,
+    MovingError,
     NotAffineError,
     number,
     variable,
@@ -199,10 +200,13 @@ class FormMaker:
             raise NotAffineError(f"in continuous time it has no {self.memory[0]}")
         names = [*self.problem.states, *self.memory]
         states = {name: variable(name, self.rest[name]) for name in names}
-        inputs, after, outputs = self._one_period(algebra, states)
-        for name in self.memory:
-            if self.is_exact and after[name].constant != self.rest[name]:
-                raise NotAffineError(f"{name} does not rest")
+        try:
+            inputs, after, outputs = self._one_period(algebra, states)
+            for name in self.memory:
+                if self.is_exact and after[name].constant != self.rest[name]:
+                    raise MovingError(f"'{name}' moves")
+        except MovingError as error:
+            raise self._no_equilibrium(error.message) from None
         deviations = {name: variable(name) for name in names}
         drives = {f"u{k}": form.deviation for k, form in enumerate(inputs.values())}
         if self.is_exact:
@@ -242,6 +246,15 @@ class FormMaker:
             tuple(algebra.spread),
             choice.grip,
             {} if self.plant.is_affine else dict(choice.box),
+        )
+
+    def _no_equilibrium(self, why: str) -> NotAffineError:
+        """Return the error of a loop that cannot rest at its set points."""
+        label, points = self.problem.site.interface.label, self.problem.set_point
+        at = ", ".join(f"{label(port)} = {value:g}" for port, value in points.items())
+        return NotAffineError(
+            f"there is no equilibrium{f' at {at}' if at else ''}: {why}",
+            hint="`at PORT = X` gives set points that the loop can hold" if at else "",
         )
 
     def _check_rest(

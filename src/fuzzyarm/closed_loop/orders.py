@@ -297,14 +297,23 @@ def setup_of(asked: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
     return setup
 
 
-def claim_of(asked: ProveRequest) -> LoopClaim:
-    """Return the claim that the fields say: ``claim``, or ``stable`` with its parts."""
+def claim_of(asked: ProveRequest, dashes: str = "--") -> LoopClaim:
+    """Return the claim that the fields say: ``claim``, or ``stable`` with its parts.
+
+    Parameters
+    ----------
+    asked : ProveRequest
+        With one of both.
+    dashes : str, optional
+        What stands before the name of a field in a message; nothing in that of a page.
+    """
     plant = asked.plant or ""
     if asked.claim is not None:
-        return _ended(read_claim(asked.claim, plant, f"--claim '{asked.claim}'"), asked)
+        return _ended(read_claim(asked.claim, plant, f"{dashes}claim '{asked.claim}'"), asked)
     if not plant:
-        word = "--stable" if asked.stable else "--for"
-        raise UsageError(f"{word} needs a plant", hint="--plant motor")
+        word = "stable" if asked.stable else "for"
+        hint = f"{dashes}plant motor" if dashes else "choose one"
+        raise UsageError(f"{dashes}{word} needs a plant", hint=hint)
     parts = {}
     if asked.at is not None:
         pairs = (pair.partition("=") for pair in asked.at.split(","))
@@ -314,7 +323,8 @@ def claim_of(asked: ProveRequest) -> LoopClaim:
         if value is not None:
             parts[word] = value
     for word, value in parts.items():  # each alone first: so a mistake has the name of its option
-        read_claim(f"stable {word} {value}", plant, f"--{word} '{getattr(asked, _PARTS[word])}'")
+        said = f"{dashes}{word} '{getattr(asked, _PARTS[word])}'"
+        read_claim(f"stable {word} {value}", plant, said)
     return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
 
 

@@ -460,7 +460,10 @@ def check_certificate(
         text = read_controller(str(path))
     now = fingerprints_of(text)
     for name, fingerprint in certificate.fingerprints.items():
-        if now.get(name) != fingerprint:
+        if name not in now:
+            own = Path(certificate.controller).name
+            raise CertificateError(f"this certificate is of {own}, not of {Path(text.path).name}")
+        if now[name] != fingerprint:
             raise CertificateError(f"{name} is not the file that was proved")
     statement = claim_text(certificate.claim)
     facts: dict[str, Any] = {}

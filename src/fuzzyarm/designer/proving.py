@@ -143,13 +143,13 @@ def _verdict_lines(verdict: Verdict | LoopVerdict) -> list[str]:
 
 
 def _prove_loop(text: ControllerText, asked: ProveRequest, job: WindowJob) -> None:
-    from fuzzyarm.closed_loop import prove_loop, read_claim
-    from fuzzyarm.closed_loop.orders import budget_of
+    from fuzzyarm.closed_loop import prove_loop
+    from fuzzyarm.closed_loop.orders import budget_of, claim_of
 
     claims = list(text.model.claims)
     if asked.claim is not None or asked.stable:
         with at_field("claim"):
-            claims = [read_claim(asked.claim or "stable", asked.plant or "")]
+            claims = [claim_of(asked, dashes="")]
     if not claims:
         raise TextRefusedError(
             "the text has no `prove` lines", hint="write one, or a claim such as stable"

@@ -52,9 +52,14 @@ async def run_to_its_end(function: Callable[[], Result]) -> Result:
         await asyncio.sleep(0.0)
         return function()
     ended: Future[Result] = Future()
-    threading.Thread(
-        target=lambda: ended.set_result(function()), name="fuzzyarm-job", daemon=True
-    ).start()
+
+    def work() -> None:
+        result = function()
+        # Whoever waited may have gone, as where the server ends: then nobody hears of it.
+        if ended.set_running_or_notify_cancel():
+            ended.set_result(result)
+
+    threading.Thread(target=work, name="fuzzyarm-job", daemon=True).start()
     return await asyncio.wrap_future(ended)
 
 

@@ -22,7 +22,7 @@ from fuzzyarm.model.rulebase import AnyRuleBase, Property, RuleBase, model_of
 from fuzzyarm.proof.arithmetic import Stop, TimeOverError
 from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError
 from fuzzyarm.text.numbers import number_text, outward_text
 from fuzzyarm.text.shown import Shown, one_line
 
@@ -110,7 +110,7 @@ def bound_text(bound: tuple[float, float] | float) -> str:
 # ── statements ───────────────────────────────────────────────────────────────────────
 
 
-def read_property(rulebase: RuleBase, text: str) -> Property:
+def read_property(rulebase: RuleBase, text: str, argument: str = "") -> Property:
     """Return the statement in a text such as ``u rises with e``.
 
     Parameters
@@ -119,6 +119,8 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
         What the statement is about.
     text : str
         The statement, with or without ``prove`` in front.
+    argument : str, optional
+        As what the text was given; an error begins with it.
 
     Raises
     ------
@@ -133,7 +135,13 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
     if parsed.rulebase is None or not parsed.rulebase.properties:
         last = head.count("\n") + 1
         mine = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.line >= last]
-        raise RuleBaseError(tuple(mine or parsed.diagnostics))
+        said = argument or f"'{text}'"
+        raise RuleBaseError(
+            tuple(
+                replace(mistake, argument=said, span=NOWHERE)
+                for mistake in mine or parsed.diagnostics
+            )
+        )
     return parsed.rulebase.properties[-1]
 
 
@@ -197,7 +205,10 @@ def prove(
     'proved'
     """
     rulebase = model_of(rulebase)
-    claim = read_property(rulebase, statement) if isinstance(statement, str) else statement
+    if isinstance(statement, str):
+        claim = read_property(rulebase, statement, f"prove('{statement}')")
+    else:
+        claim = statement
     return _Case(rulebase, claim, tolerance, budget, tell, {}, exact=exact).verdict()
 
 

@@ -104,7 +104,7 @@ export function fill(title, fields, button, act, note = "") {
   dialog.showModal();
   const text = controls.find((each) => each.tagName === "INPUT");
   (text ?? go).focus();
-  text?.setSelectionRange(0, text.value.replace(/\.[^.]*$/, "").length);
+  if (text) text.setSelectionRange(0, text.value.length - suffixOf(text.value).length);
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {
       dialog.remove();
@@ -113,6 +113,9 @@ export function fill(title, fields, button, act, note = "") {
     });
   });
 }
+
+/** The suffix of a file's name, which stays when another name is typed; of an address or a number nothing. */
+const suffixOf = (value) => (/^[^/:]*[^/:.](\.[a-z][a-z0-9]*)$/i.exec(value) ?? ["", ""])[1];
 
 /** Whether a person wants it. */
 export async function confirm(question, button) {

@@ -1437,7 +1437,7 @@
     dialog.showModal();
     const text = controls.find((each) => each.tagName === "INPUT");
     (text ?? go3).focus();
-    text?.setSelectionRange(0, text.value.replace(/\.[^.]*$/, "").length);
+    if (text) text.setSelectionRange(0, text.value.length - suffixOf(text.value).length);
     return new Promise((resolve) => {
       dialog.addEventListener("close", () => {
         dialog.remove();
@@ -1446,6 +1446,7 @@
       });
     });
   }
+  var suffixOf = (value) => (/^[^/:]*[^/:.](\.[a-z][a-z0-9]*)$/i.exec(value) ?? ["", ""])[1];
 
   // fields.js
   var typesOf = (schema) => [schema.type].flat();
