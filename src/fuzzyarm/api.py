@@ -258,6 +258,26 @@ def load_rules(path: str, option: str) -> RuleBase:
     return model
 
 
+def load_used_rules(path: str, option: str) -> RuleBase:
+    """Return the rule base in a file; of a controller the only one that it uses.
+
+    Raises
+    ------
+    WordError
+        If there is none, or there are several.
+    """
+    controller = controller_if_any(path)
+    if controller is None:
+        return load_rules(path, option)
+    sheets = (sheet for several in controller.sheets.values() for sheet in several)
+    used = [sheet for sheet in dict.fromkeys(sheets) if isinstance(sheet, RuleBase)]
+    if len(used) > 1:
+        names = ", ".join(f"'{rulebase.name}'" for rulebase in used)
+        hint = f"it uses {names}: give the file of one"
+        raise WordError(f"{path} uses {len(used)} rule bases", hint=hint)
+    return used[0] if used else load_rules(path, option)
+
+
 def load_sampled(path: str) -> LookupTable:
     """Return the table in a file; a rule base is compiled at the levels of its file."""
     model = load_sheet(path)
@@ -483,6 +503,13 @@ def check_parsed(
     # Doubts about a controller beside a rule base are judged with those of the rules, below.
     if parsed.controller is not None:
         diagnostics, doubts = _of_controller(parsed, path, on)
+    elif parsed.whole is not None:  # its mistakes do not hide a file that is not there
+        from pathlib import Path
+
+        from fuzzyarm.controller.text import used_files
+
+        _, faults = used_files(parsed.whole, Path(path).parent, path)
+        diagnostics = sorted((*diagnostics, *faults), key=_position)
     if parsed.rulebase is None:
         if parsed.controller is not None:
             diagnostics = sorted(

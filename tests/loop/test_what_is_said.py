@@ -161,7 +161,7 @@ def test_a_name_that_joins_nothing_is_said():
         load(shipped("servo.frb")), "motor", duration=0.05, connect={"speed": "velocity"}
     )
     assert run.notes == (
-        "nothing in servo is called 'speed': that it is joined to velocity changes nothing",
+        "nothing in servo is called 'speed': --connect speed=velocity has no effect",
     )
     assert simulate(load(shipped("servo.frb")), "motor", duration=0.05).notes == ()
 

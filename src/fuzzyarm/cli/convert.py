@@ -432,7 +432,10 @@ def _report(
 
 def _summary(found: Sequence[Diagnostic]) -> str:
     warnings = sum(d.severity == "warning" for d in found)
-    return "nothing lost" if not warnings else f"{warnings} warning(s)"
+    if warnings:
+        return f"{warnings} warning(s)"
+    left_out = any(d.name.startswith("dropped-") for d in found)
+    return "numbers unchanged" if left_out else "nothing lost"
 
 
 def _as_json(

@@ -41,6 +41,7 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.learn import FitRequest
 from fuzzyarm.text.columns import in_columns
+from fuzzyarm.text.numbers import percent
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
@@ -177,7 +178,7 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
         lines.append("  its structure was chosen on the same parts: on others it may be more")
     if "fidelity" in report:
         told = report["fidelity"]
-        worst, mean = (f"{100.0 * told[key]:.2g} %" for key in ("worst_share", "rms_share"))
+        worst, mean = (percent(told[key], 2) for key in ("worst_share", "rms_share"))
         lines.append(
             f"  fidelity: off by at most {told['worst']:.4g}, {told['rms']:.4g} RMS,"
             f" {worst} and {mean} of the range"

@@ -85,6 +85,28 @@ GONE = {
 }
 """Commands of earlier versions, and what to type instead."""
 
+MEANT = {
+    "export": "compile",
+    "generate": "compile",
+    "build": "compile",
+    "lint": "check",
+    "test": "check",
+    "format": "fmt",
+    "run": "simulate",
+    "draw": "plot",
+    "edit": "designer",
+    "serve": "designer",
+    "train": "learn",
+    "optimize": "tune",
+    "optimise": "tune",
+    "verify": "prove",
+    "infer": "eval",
+    "evaluate": "eval",
+    "import": "convert",
+    "init": "new",
+}
+"""Words of other programs for what a command does, which spelling alone would not find."""
+
 EXIT_INPUT = 1
 
 ENDINGS = {
@@ -278,9 +300,10 @@ def _overview(words: list[str], name: str | None) -> int:
         return EXIT_USAGE
     import difflib
 
-    near = difflib.get_close_matches(name or words[0], COMMANDS, n=1)
+    word = name or words[0]
+    near = [MEANT[word]] if word in MEANT else difflib.get_close_matches(word, COMMANDS, n=1)
     hint = f"did you mean '{near[0]}'?" if near else "see fuzzyarm --help"
-    print_error(f"no command '{name or words[0]}'; {hint}")
+    print_error(f"no command '{word}'; {hint}")
     return EXIT_USAGE
 
 

@@ -18,7 +18,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
-from fuzzyarm.api import load_rules
+from fuzzyarm.api import load_used_rules
 from fuzzyarm.cli.command import (
     WordError,
     argument,
@@ -31,6 +31,7 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.text.columns import in_columns
+from fuzzyarm.text.numbers import percent
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
@@ -43,7 +44,7 @@ _FEW = 20
 
 def _run(arguments: argparse.Namespace) -> int:
     demand_figure(arguments.plot)
-    rulebase = load_rules(arguments.model, "validate")
+    rulebase = load_used_rules(arguments.model, "validate")
     samples = _samples(rulebase, arguments)
     for note in samples.notes:
         say(f"note: {note}", to_errors=True)
@@ -125,13 +126,13 @@ def _summary(found: Validation, samples: Samples) -> list[str]:
     if found.outside:
         lines.append(f"{counted(found.outside, 'sample')} beyond the range of an input")
     if found.classes and not math.isnan(found.error):
-        lines.append(f"wrong answers {100.0 * found.error:.3g} %")
+        lines.append(f"wrong answers {percent(found.error)}")
     elif found.calibration:
+        share = f"{percent(found.explained, 4)} of the variance explained"
+        if math.isnan(found.explained):
+            share = f"'{samples.target}' is constant, with no variance to explain"
         spread = float(samples.values.std())
-        lines.append(
-            f"RMS error {found.error:.4g}; always giving the mean {spread:.4g};"
-            f" {100.0 * found.explained:.4g} % of the variance explained"
-        )
+        lines.append(f"RMS error {found.error:.4g}; always giving the mean {spread:.4g}; {share}")
         lines.append(
             f"bias {found.bias:.3g}, worst {found.worst:.4g} at sample {found.worst_sample}"
         )
@@ -181,7 +182,7 @@ _RULE = ("line", "often", "mean", "strongest", "leads", "error", "rule")
 def _row(rule: RuleUse) -> tuple[str, ...]:
     return (
         rule.place.removeprefix("line "),
-        f"{100.0 * rule.often:.3g} %",
+        percent(rule.often),
         f"{rule.mean:.3f}",
         f"{rule.strongest:.3f}",
         str(rule.leads),

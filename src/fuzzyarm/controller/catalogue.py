@@ -134,6 +134,8 @@ class Entry:
         Which of the :class:`Sources` it reads; none.
     note : str
         Where it must not be used; empty for most.
+    described : bool
+        Whether the study's figures and its text disagree, so that there are two variants.
     """
 
     name: str
@@ -142,6 +144,7 @@ class Entry:
     adaptive: bool = False
     takes: tuple[str, ...] = ()
     note: str = ""
+    described: bool = False
 
 
 def changed(law: Law, values: dict[str, float], origin: Origin = "printed") -> CompiledController:
@@ -252,26 +255,33 @@ CONVENTIONAL = (
     Entry("pd", "proportional plus derivative", plain(PD_LAW)),
     Entry("pid", "PD plus the sum of errors over the whole run", _pid),
     Entry("pid-modified", "PD plus the sum over the iterations of a set point", _pid_modified),
-    Entry("ct", COMPUTED_TORQUE_LAW.summary, computed_torque_of),
+    Entry("ct", COMPUTED_TORQUE_LAW.summary, computed_torque_of, described=True),
     Entry("ffid", FEED_FORWARD_INVERSE_LAW.summary, FFID),
     Entry("cdid", CRITICALLY_DAMPED_LAW.summary, CDID),
     Entry("feedforward", PURE_FEED_FORWARD_LAW.summary, plain(PURE_FEED_FORWARD_LAW)),
-    Entry("ct+ie", "ct plus integral of the error", with_integral("ct+ie", computed_torque_of)),
+    Entry(
+        "ct+ie",
+        "ct plus integral of the error",
+        with_integral("ct+ie", computed_torque_of),
+        described=True,
+    ),
     Entry("ffid+ie", "ffid plus integral of the error", with_integral("ffid+ie", FFID)),
     Entry("cdid+ie", "cdid plus integral of the error", with_integral("cdid+ie", CDID)),
-    Entry("acdid", ADAPTIVE_CRITICALLY_DAMPED_LAW.summary, acdid, adaptive=True),
+    Entry("acdid", ADAPTIVE_CRITICALLY_DAMPED_LAW.summary, acdid, adaptive=True, described=True),
     Entry(
         "acdid+ie",
         "acdid plus integral of the error",
         with_integral("acdid+ie", acdid, 300.0),
         adaptive=True,
+        described=True,
     ),
-    Entry("mrac", MODEL_REFERENCE_LAW.summary, mrac, adaptive=True),
+    Entry("mrac", MODEL_REFERENCE_LAW.summary, mrac, adaptive=True, described=True),
     Entry(
         "mrac+ie",
         "mrac plus integral of the error",
         with_integral("mrac+ie", mrac, 10.0),
         adaptive=True,
+        described=True,
     ),
     Entry("dac", DECENTRALISED_LAW.summary, DAC, note=DIVERGES_ON_FAST_MOVES),
     Entry(
@@ -279,6 +289,7 @@ CONVENTIONAL = (
         "dac plus integral of the error",
         with_integral("dac+ie", DAC, 50.0),
         note=DIVERGES_ON_FAST_MOVES,
+        described=True,
     ),
     Entry("ie", INTEGRAL_LAW.summary, plain(INTEGRAL_LAW)),
 )
@@ -321,6 +332,11 @@ class TextEntry:
         if variant == "as-described" and described in shipped_names():
             return shipped(described)
         return shipped(f"{self.name}.frb")
+
+    @property
+    def described(self) -> bool:
+        """Whether there are two variants."""
+        return self.file("as-described") != self.file()
 
     @property
     def summary(self) -> str:
@@ -578,13 +594,17 @@ def entries_of(name: str) -> list[Entry | TextEntry]:
     return [CATALOGUE[part] for part in names]
 
 
-def notes_on(name: str) -> list[str]:
-    """Return where the controllers of a name or a sum must not be used; none for a file."""
+def entries_if_any(name: str) -> list[Entry | TextEntry]:
+    """Return the entries of a name or a sum; none for a file."""
     try:
-        entries = entries_of(name)
+        return entries_of(name)
     except UnknownControllerError:
         return []
-    return [f"{entry.name} {entry.note}" for entry in entries if entry.note]
+
+
+def notes_on(name: str) -> list[str]:
+    """Return where the controllers of a name or a sum must not be used; none for a file."""
+    return [f"{entry.name} {entry.note}" for entry in entries_if_any(name) if entry.note]
 
 
 def near_names(name: str) -> list[str]:

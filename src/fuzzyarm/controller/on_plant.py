@@ -150,7 +150,10 @@ class Site:
         # Where no name is like it, a port that the controller does not ask for already.
         free = [name for name in names if name not in taken] or names
         what = "drive" if kind == "drive" else f"{kind} value"
-        hint = f"it has {', '.join(names)}; --connect {port}={near(named, free)} joins them"
+        hint, likely = f"it has {', '.join(names)}", near(named, free)
+        # A name that is the plant's needs no joining: it was joined to something else.
+        if likely != port:
+            hint += f"; --connect {port}={likely} joins them"
         raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
 
     def _ports(self, kind: str) -> Mapping[Address, object]:

@@ -137,6 +137,34 @@ def read_controller(
     return text if change is not None else replace(text, source=source)
 
 
+def used_files(
+    model: ControllerModel,
+    folder: Path,
+    path: str = "",
+    instead: Mapping[str, tuple[Sheet, ...]] | None = None,
+) -> tuple[dict[str, tuple[Sheet, ...]], list[Diagnostic]]:
+    """Return the rule bases and tables of a controller by name, and which cannot be read.
+
+    Parameters
+    ----------
+    model, folder, path, instead
+        As for :func:`with_files`.
+    """
+    sheets: dict[str, tuple[Sheet, ...]] = {
+        rulebase.name: (rulebase,) for rulebase in model.rulebases
+    }
+    sheets.update(instead or {})
+    faults: list[Diagnostic] = []
+    for use in model.uses:
+        if use.name in sheets or use.files == (ZERO,):
+            continue
+        try:
+            sheets[use.name] = tuple(read_sheet(file, folder) for file in use.files)
+        except (OSError, ValueError) as error:  # a name may have a null byte
+            faults.append(_unreadable(use, error, path, folder))
+    return sheets, faults
+
+
 def with_files(
     model: ControllerModel,
     folder: Path,
@@ -152,18 +180,7 @@ def with_files(
     list of Diagnostic
         What could not, and what does not fit.
     """
-    sheets: dict[str, tuple[Sheet, ...]] = {
-        rulebase.name: (rulebase,) for rulebase in model.rulebases
-    }
-    sheets.update(instead or {})
-    faults: list[Diagnostic] = []
-    for use in model.uses:
-        if use.name in sheets or use.files == (ZERO,):
-            continue
-        try:
-            sheets[use.name] = tuple(read_sheet(file, folder) for file in use.files)
-        except (OSError, ValueError) as error:  # a name may have a null byte
-            faults.append(_unreadable(use, error, path, folder))
+    sheets, faults = used_files(model, folder, path, instead)
     for use in model.uses:
         if use.name not in sheets and use.files == (ZERO,):
             judge = judge_of(model, use.name, sheets)

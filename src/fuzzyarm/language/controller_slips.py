@@ -12,6 +12,7 @@ from fuzzyarm.expression.sources import SourceKind
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.notations import ANY_CASE, CAPITALS, NAME, NUMBER, Advice, Slip, small
 from fuzzyarm.model.controller import SOURCES
+from fuzzyarm.text.names import near_hint
 
 # --- Sources by the words that others have for them ---
 
@@ -466,7 +467,7 @@ ADVICE = (
     Advice(
         re.compile(rf"=\s*(?P<at>(?!(?:partner|{'|'.join(SOURCES)})\b){NAME})\s+of\b"),
         lambda m: f"unknown source '{m['at']}'",
-        f"there are {', '.join(SOURCES)}",
+        lambda m: near_hint(m["at"], SOURCES)[0] or f"there are {', '.join(SOURCES)}",
         (SIGNAL,),
     ),
     Advice(

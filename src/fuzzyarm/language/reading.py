@@ -204,8 +204,12 @@ def text_to_show(path: str | os.PathLike[str]) -> str:
         If the file cannot be read.
     """
     # Line ends as they are, so that lines count as those of the findings.
-    with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
-        text = file.read()
+    with open(path, "rb") as file:
+        data = file.read()
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")  # as files of other programs are read
     return "" if "\0" in text else text
 
 

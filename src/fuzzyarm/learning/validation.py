@@ -148,7 +148,8 @@ class Validation(Plotted):
     worst_sample : int
         Where the largest is, from 1; 0 for classes and without a target.
     explained : float
-        Share of the variance of the target that is explained (R²); NaN for classes.
+        Share of the variance of the target that is explained (R²); NaN for classes, and where the
+        target is constant.
     slope, intercept : float
         Of the observed over the predicted: 1 and 0 where neither is exaggerated; NaN for classes.
     calibration : tuple of Bin
@@ -244,7 +245,8 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
     observed, predictions = samples.values[fired], predicted[fired, 0]
     numbers = has_target and not samples.classes and len(observed) > 0
     slope, intercept = _line(predictions, observed) if numbers else (math.nan, math.nan)
-    variance = float(np.var(observed)) if numbers else math.nan
+    # The mean of equal numbers may miss them by the last bit.
+    variance = float(np.var(observed)) if numbers and np.ptp(observed) > 0.0 else math.nan
     judged = errors[fired]
     error = _root_mean_square(judged)
     return Validation(

@@ -189,6 +189,8 @@ class Motion:
         Whether it is a trajectory of the plant.
     carrying : tuple of bool, optional
         Of each of the plants whether it is one with its load.
+    duration : float, optional
+        For how long it was asked, s; a run takes whole set points.
     """
 
     name: str
@@ -204,6 +206,7 @@ class Motion:
     path: Vector | None = None
     along: bool = False
     carrying: tuple[bool, ...] = ()
+    duration: float | None = None
 
     @property
     def sampled(self) -> Vector:
@@ -294,6 +297,7 @@ def motion(
         period,
         every,
         path,
+        duration=duration,
     )
 
 
@@ -313,6 +317,16 @@ def delay_notes(options: Options, period: float) -> tuple[str, ...]:
                 f"{period:g} s: {count} are taken, {count * period:g} s"
             )
     return tuple(notes)
+
+
+def duration_notes(motion: Motion) -> tuple[str, ...]:
+    """Return in words how long a run is whose time is not one of whole set points."""
+    set_point = motion.every * motion.period
+    whole = len(motion.time) * set_point
+    if motion.duration is None or math.isclose(whole, motion.duration, rel_tol=1e-6):
+        return ()
+    counted = f"{motion.duration:g} s are not a whole number of set points of {set_point:g} s"
+    return (f"{counted}: {whole:g} s are run",)
 
 
 def range_notes(motion: Motion, site: Site) -> tuple[str, ...]:

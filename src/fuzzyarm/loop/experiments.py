@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from fuzzyarm.api import load_rules, load_sampled
-from fuzzyarm.controller.catalogue import Sources
+from fuzzyarm.controller.catalogue import CATALOGUE, Sources, entries_if_any
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.findings import site_for
 from fuzzyarm.controller.law import GainError
+from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.own import find_controllers
 from fuzzyarm.errors import UsageError, WordError
 from fuzzyarm.loop.along import equipped, trajectory_motion
@@ -40,10 +41,35 @@ _Asked = TypeVar("_Asked", bound=ExperimentRequest)
 
 
 def controllers_of(asked: ExperimentRequest, names: Sequence[str]) -> list[Controller]:
-    """Return the controllers of some names, told apart where two have the same."""
-    return find_controllers(
+    """Return the controllers of some names, told apart where two have the same.
+
+    Raises
+    ------
+    UsageError
+        If a start or a variant is asked for, and none of them has another.
+    """
+    controllers = find_controllers(
         names, start=asked.start, variant=asked.variant, sources=sources_of(asked)
     )
+    _require_choice(asked, names, controllers)
+    return controllers
+
+
+def _require_choice(
+    asked: ExperimentRequest, names: Sequence[str], controllers: Sequence[Controller]
+) -> None:
+    """Raise UsageError where a start or a variant would change nothing."""
+    entries = [entry for name in names for entry in entries_if_any(name)]
+    laws = [text_law_of(part) for controller in controllers for part in controller.parts()]
+    partners = {p.law for law in laws if law is not None for p in law.text.model.partners}
+    adaptive = [entry.name for entry in CATALOGUE.values() if entry.adaptive]
+    if asked.start != "warm" and not partners.union(e.name for e in entries) & set(adaptive):
+        hint = f"they are {', '.join(adaptive)}"
+        raise UsageError(f"--start {asked.start} is for adaptive controllers", hint=hint)
+    if asked.variant != "as-printed" and not any(entry.described for entry in entries):
+        both = ", ".join(entry.name for entry in CATALOGUE.values() if entry.described)
+        message = f"--variant {asked.variant} is for controllers of which the study has two"
+        raise UsageError(message, hint=f"they are {both}")
 
 
 def sources_of(asked: ExperimentRequest) -> Sources:

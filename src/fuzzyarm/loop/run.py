@@ -33,6 +33,7 @@ from fuzzyarm.loop.course import (
     Motion,
     Options,
     delay_notes,
+    duration_notes,
     motion,
     range_notes,
 )
@@ -621,7 +622,8 @@ class ClosedLoop:
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
         """Return what is taken otherwise than it was asked for, in sentences."""
         course, site = course or self.course, self.site
-        notes = [*delay_notes(course.options, course.motion.period)]
+        notes = [*duration_notes(course.motion)]
+        notes += delay_notes(course.options, course.motion.period)
         notes += range_notes(course.motion, site)
         names: set[str] = set()
         for part in self.controller.parts():
@@ -631,7 +633,7 @@ class ClosedLoop:
             if name not in names:
                 notes.append(
                     f"nothing in {self.controller.name} is called '{name}': "
-                    f"that it is joined to {port} changes nothing"
+                    f"--connect {name}={port} has no effect"
                 )
         idle = {axis for axis, _ in site.interface.inputs} - {axis for axis, _ in course.driven}
         notes += [f"nothing drives {axis}" for axis in sorted(idle)]

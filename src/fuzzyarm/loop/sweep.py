@@ -75,7 +75,7 @@ MOST_VALUES = 1_000_000
 
 
 class RangeError(SweepError, UsageError):
-    """A word that is not a range."""
+    """A word that is not a range, or one of too many values."""
 
 
 def read_range(word: str) -> Range:
@@ -95,10 +95,11 @@ def read_range(word: str) -> Range:
         if not (name.strip() and equals and dots):
             raise ValueError
         range_ = float(low), float(high), int(count) if colon else 0
-        if colon and not 1 <= range_[2] <= MOST_VALUES:
-            raise ValueError
     except ValueError:
         raise RangeError(f"'{word}' is not a range", name=name.strip(), hint=hint) from None
+    if colon and not 1 <= range_[2] <= MOST_VALUES:
+        message = f"a range of '{name.strip()}' has 1 to {MOST_VALUES:,} values, not {count}"
+        raise RangeError(message, name=name.strip())
     return Range(name.strip(), *range_, log=log)
 
 

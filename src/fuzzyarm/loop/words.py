@@ -211,6 +211,10 @@ def _actuator(text: str) -> Port:
     return Port(low=reader(low), high=reader(high), slew=reader(slew) if slew else math.inf)
 
 
+MOST_BITS = 32
+"""Of a converter: no sensor has finer steps, and a number of double precision has 53."""
+
+
 def _resolution(text: str, name: str, plant: Plant) -> float:
     """Return a step; so many bits are spread over the range of the sensor."""
     match = re.fullmatch(r"(\d{1,2})\s*bits?", text)
@@ -218,7 +222,9 @@ def _resolution(text: str, name: str, plant: Plant) -> float:
         return float(read_number("--quantise")(text))
     interface = interface_of(plant)
     port = interface.outputs.get(interface.every_port(name)[0])
-    if port is None or not math.isfinite(port.high - port.low) or not int(match[1]):
+    if not 1 <= int(match[1]) <= MOST_BITS:
+        raise UsageError(f"--quantise takes 1 to {MOST_BITS} bits, not {text}")
+    if port is None or not math.isfinite(port.high - port.low):
         hint = f"write the step, as in {name}=0.001"
         raise WordError(f"--quantise: the sensor of '{name}' has no range for {text}; {hint}")
     return float(port.high - port.low) / 2.0 ** int(match[1])

@@ -94,11 +94,26 @@ def require_ports(plant: Plant) -> None:
         hint = "def derivative(self, t, x, u, p):  returns the rate of each state"
         raise _fault(plant, near or "states", f"it has no derivative{text}", hint=hint)
     _require_no_slip(plant)
+    _require_rates(plant)
     _require_followable(plant)
     for what in ("longest_step", "duration"):
         number = getattr(plant, what)
         if number is not None and not (_is_number(number) and number > 0.0):
             raise _fault(plant, what, f"{what} is {_words(number)}", hint="a positive number of s")
+
+
+def _require_rates(plant: Plant) -> None:
+    """Raise PlantError for a rate of what is not an output."""
+    for name, port in plant.outputs.items():
+        axis = name.rpartition(".")[0]
+        others = [other for other in plant.outputs if other.rpartition(".")[0] == axis]
+        bare = [other.rpartition(".")[2] for other in others if other != name]
+        if port.rate_of and port.rate_of not in bare:
+            near = nearest(port.rate_of, bare)
+            raise _fault(
+                plant, "outputs", f"output '{name}' is the rate of '{port.rate_of}', not an output",
+                hint=f"did you mean '{near}'?" if near else f"there are {', '.join(bare)}",
+            )  # fmt: skip
 
 
 def _require_no_slip(plant: Plant) -> None:

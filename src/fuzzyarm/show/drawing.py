@@ -48,6 +48,9 @@ def time_words(seconds: float, end: float) -> str:
 # --- The console that drawings are made for ---
 
 
+_BLANKS = re.compile(r" +$", re.MULTILINE)
+
+
 def make_console(file: IO[str] | None = None, **options: Any) -> Console:
     """Return a rich console that leaves numbers and brackets as they are.
 
@@ -77,6 +80,15 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
                 else:
                     yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
+        def print(self, *objects: Any, **how: Any) -> None:
+            # A cell is filled up for its colour: in a text nobody wants the blanks.
+            if self.is_terminal or self.is_jupyter or self.record:
+                super().print(*objects, **how)
+                return
+            with self.capture() as captured:
+                super().print(*objects, **how)
+            self.file.write(_BLANKS.sub("", captured.get()))
+
         def on_broken_pipe(self) -> None:
             raise  # noqa: PLE0704 - rich would end the process with status 1
 
@@ -101,7 +113,7 @@ def plain_text(drawing: RenderableType, width: int = 80) -> str:
     out = io.StringIO()
     console = make_console(out, width=width, no_color=True, force_terminal=False)
     console.print(drawing)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+    return out.getvalue()
 
 
 # --- A grid of texts, coloured by numbers: for rules, tables, visits and differences ---

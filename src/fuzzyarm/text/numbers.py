@@ -22,6 +22,14 @@ def _is_negative_zero(value: float) -> bool:
     return value == 0.0 and math.copysign(1.0, value) < 0.0
 
 
+def percent(share: float, digits: int = 3) -> str:
+    """Return a share in percent, to some significant digits and without an exponent."""
+    value = 100.0 * share
+    if abs(value) >= 10.0 ** (digits - 1):
+        return f"{value:.0f} %"
+    return f"{value:.{digits}g} %"
+
+
 def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
     """Return `intervals` + 1 levels from `low` to `high`, each the nearest float to its decimal.
 

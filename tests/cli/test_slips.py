@@ -1,0 +1,144 @@
+"""Slips of users: a word of another program, a number that nothing has, a missing file."""
+
+import shutil
+
+import pytest
+
+from fuzzyarm import shipped
+from fuzzyarm.cli import convert
+from fuzzyarm.cli.main import COMMANDS, MEANT, main
+from fuzzyarm.controller.catalogue import CATALOGUE, Choice, Entry
+from fuzzyarm.loop.experiments import controllers_of
+from fuzzyarm.requests import SimulateRequest
+from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from fuzzyarm.text.numbers import percent
+
+SERVO = str(shipped("servo.frb"))
+SHORT = ["--for", "10ms"]
+
+
+def said(capsys, *words, status):
+    assert main(list(words)) == status
+    return capsys.readouterr()
+
+
+def test_words_of_other_programs_are_understood(capsys):
+    assert "did you mean 'compile'?" in said(capsys, "export", "pd7.frb", status=2).err
+    assert set(MEANT.values()) <= set(COMMANDS)
+    assert not set(MEANT) & set(COMMANDS)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--quantise", "position=99bit"], "--quantise takes 1 to 32 bits, not 99bit"),
+        (["--quantise", "position=0bit"], "--quantise takes 1 to 32 bits, not 0bit"),
+        (["--sweep", "J=0.01..0.02:9999999999"], "a range of 'J' has 1 to 1,000,000 values, not"),
+        (["--sweep", "J=0.01..0.02:0"], "a range of 'J' has 1 to 1,000,000 values, not 0"),
+        (["--start", "cold"], "--start cold is for adaptive controllers (they are acdid, "),
+        (["--variant", "as-described"], "for controllers of which the study has two (they are ct"),
+    ],
+)
+def test_what_nothing_has_is_refused(words, sentence, capsys):
+    assert sentence in said(capsys, "simulate", SERVO, *SHORT, *words, status=2).err
+
+
+def test_a_time_that_is_not_one_of_set_points_is_said(capsys):
+    err = said(capsys, "simulate", str(shipped("heater.frb")), "--for", "1s", status=0).err
+    assert "1 s are not a whole number of set points of 10 s: 10 s are run" in err
+    assert "whole number" not in said(capsys, "simulate", SERVO, *SHORT, status=0).err
+
+
+def test_a_port_that_the_plant_has_needs_no_joining(capsys):
+    words = ["--for", "60s", "--connect", "temperature=air"]
+    err = said(capsys, "simulate", str(shipped("heater.frb")), *words, status=1).err
+    assert "no reference value 'air' (it has temperature)" in err
+
+
+def test_a_choice_that_a_controller_has_is_taken():
+    for entry in CATALOGUE.values():
+        if isinstance(entry, Entry):
+            printed, described = (
+                entry.make(Choice(variant=variant)) for variant in ("as-printed", "as-described")
+            )
+            gains = [
+                {name: str(gain) for name, gain in law.gains.items()}
+                for law in (printed, described)
+            ]
+            assert (gains[0] != gains[1]) == entry.described, entry.name
+    for name, choice in (
+        ("acdid", {"start": "cold"}),
+        (str(shipped("mrac+fuzzy.frb")), {"start": "cold"}),
+        ("ct", {"variant": "as-described"}),
+    ):
+        assert controllers_of(SimulateRequest(controller=(name,), **choice), [name])
+
+
+def test_a_rate_of_what_is_not_an_output_is_said_with_its_line(tmp_path, capsys):
+    plant = tmp_path / "mass.py"
+    plant.write_text(
+        "from fuzzyarm.plant import Plant, Port\n"
+        "class Mass(Plant):\n"
+        "    name = 'mass'\n"
+        "    inputs = {'force': Port('N')}\n"
+        "    outputs = {'way': Port('m'), 'v': Port('m/s', rate_of='wya')}\n"
+        "    states = {'x': 'm', 'v': 'm/s'}\n"
+        "    def derivative(self, t, x, u, p):\n"
+        "        return [x[1], u[0]]\n"
+    )
+    err = said(capsys, "simulate", SERVO, "--plant", str(plant), status=1).err
+    assert "mass.py:5: plant mass: output 'v' is the rate of 'wya'" in err
+    assert "did you mean 'way'?" in err
+
+
+def test_mistakes_do_not_hide_a_file_that_is_not_there(tmp_path, capsys):
+    file = tmp_path / "crane.frb"
+    file.write_text(
+        'controller crane\nuse rules from "nofile.frb"\nperiod 10 ms\n'
+        "axis m\n  e = eror of x\n  f = rules rules(e, e)\n  drive force = f\n"
+    )
+    out = said(capsys, "check", str(file), status=1).err
+    assert "2:1: error[missing-file]: cannot read 'nofile.frb'" in out
+    assert "unknown source 'eror'" in out
+    assert "did you mean 'error'?" in out
+
+
+def test_tables_in_a_text_end_without_blanks(capsys):
+    out = said(capsys, "show", str(shipped("pd7.frb")), status=0).out
+    assert "\n" in out
+    assert not [line for line in out.splitlines() if line != line.rstrip()]
+
+
+@pytest.mark.parametrize(
+    ("share", "digits", "text"),
+    [(1.0, 2, "100 %"), (0.0123, 2, "1.2 %"), (-33.28, 4, "-3328 %"), (0.12345, 3, "12.3 %"),
+     (-123456.0, 3, "-12345600 %"), (0.0, 3, "0 %")],
+)  # fmt: skip
+def test_a_share_in_percent_has_no_exponent(share, digits, text):
+    assert percent(share, digits) == text
+
+
+def test_a_constant_target_has_no_variance_to_explain(tmp_path, capsys):
+    rows = "".join(f"{k / 10},0,5.1\n" for k in range(41))
+    (tmp_path / "data.csv").write_text("e,ce,u\n" + rows)
+    # Of a controller it is the rule base that it uses, here in a file of its own.
+    for name in ("pd7.frb", "servo.frb"):
+        shutil.copy(shipped(name), tmp_path)
+        words = ["validate", str(tmp_path / name), str(tmp_path / "data.csv")]
+        out = said(capsys, *words, status=0).out
+        assert "'u' is constant, with no variance to explain" in out
+        assert "e+" not in out
+
+
+def test_a_controller_with_several_rule_bases_is_asked_which(tmp_path, capsys):
+    (tmp_path / "data.csv").write_text("e,ce,u\n0,0,0\n1,1,1\n")
+    words = ["validate", str(shipped("stfc.frb")), str(tmp_path / "data.csv")]
+    err = said(capsys, *words, status=1).err
+    assert "uses 2 rule bases (it uses " in err
+
+
+def test_what_is_left_out_is_not_nothing():
+    left_out = Diagnostic("dropped-expectations", "left out", severity=Severity.INFO)
+    choice = Diagnostic("assumed-producer", "read as of MATLAB", severity=Severity.INFO)
+    assert convert._summary([choice]) == "nothing lost"
+    assert convert._summary([left_out, choice]) == "numbers unchanged"
