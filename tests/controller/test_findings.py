@@ -235,6 +235,22 @@ def test_limits_of_the_actuator(limits, gain, found):
     assert names(servo(G_u=gain, limits=limits)) == found
 
 
+@pytest.mark.parametrize(
+    ("integral", "limits", "found"),
+    [
+        ("i = integral of e * K, within 0 .. 100", "", ["limit-before-factor"]),  # the actuator's
+        ("i = integral of e * K, within 0 .. 50", ", within 0 .. 50", ["limit-before-factor"]),
+        ("i = integral of e * K, within 0 .. 25", ", within 0 .. 50", []),
+        ("i = integral of e, within 0 .. 100", "", []),
+        ("w = e * K\n  i = integral of w, within 0 .. 100", "", []),
+    ],
+)
+def test_limits_that_hold_before_a_factor(integral, limits, found):
+    lines = ["e = error of temperature", *integral.split("\n  "), f"drive power = i{limits}"]
+    text = text_of(*lines, axis="room", head=["gain K = 2"])
+    assert [name for name in names(text) if "limit-" in name] == found
+
+
 def test_an_integral_behind_an_actuator_winds_up():
     heater = ["e = error of temperature", "i = integral of e", "drive power = i"]
     assert names(text_of(*heater, axis="room")) == ["windup"]

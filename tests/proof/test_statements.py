@@ -188,6 +188,38 @@ def test_mistakes(pd7: RuleBase, line: str, name: str, replacement: str | None) 
     assert str(error.value).startswith(f"prove('{line}'): error[{name}]: ")  # no position of a text
 
 
+BENT = """rulebase bent
+input e -6 .. 6
+input ce -6 .. 6
+input x 0 .. 1
+output u -6 .. 6
+terms e, ce: triangles N Z P
+terms x: triangles L H
+terms u: triangles N Z P
+inference and product, or probor, implication product, defuzzifier centroid exact, no-rule error
+rule if e is N or ce is N and x is L then u is N
+rule if e is Z and ce is Z then u is Z
+rule if e is P and ce is P and x is H then u is P
+"""
+"""Goes by boxes, which do not settle within a second whether some rule fires everywhere."""
+
+
+def test_a_corner_refutes_before_any_search() -> None:
+    rulebase = fuzzyarm.parse(BENT).rulebase
+    verdict = prove(rulebase, "u <= 1", budget=1e-6)  # no time for the search
+    assert verdict.verdict == "refuted"
+    assert verdict.evidence == ("expect e = 6, ce = 6, x = 1 -> u = 4",)
+    assert prove(rulebase, "e in -6 .. -5 -> u <= 1", budget=1e-6).verdict == "undecided"
+
+
+def test_bounds_are_told_where_it_is_open_whether_a_rule_fires() -> None:
+    verdict = prove(fuzzyarm.parse(BENT).rulebase, "u <= 5.9", budget=0.2)
+    assert verdict.verdict == "undecided"
+    assert verdict.bound is not None
+    low, high = verdict.bound
+    assert low <= -4.0 < 4.0 <= high
+
+
 def test_lines_are_read_and_written_alike() -> None:
     text = PD7 + "".join(f"prove   {line}  # why\n" for line in LINES)
     parsed = parse(text)

@@ -126,6 +126,7 @@ def doubts_of(
     reaches = reaches_of(text, site)
     diagnostics = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
     diagnostics += _unknown_of_claims(text)
+    diagnostics += _limits_before_factors(text.model, reaches, site)
     if site is not None:
         diagnostics += _missing_ports(text.model, site, given=plant is not None)
         if all(use.name in text.sheets for use in text.model.uses):
@@ -348,6 +349,53 @@ def _asking(model: ControllerModel, kind: str, asked: Address) -> tuple[Axes, Sp
             if asks and line.source.name == port:
                 return axes, line.span
     return None
+
+
+# --- Limits of integrals ---
+
+
+def _limits_before_factors(
+    model: ControllerModel, reaches: Reaches, site: Site | None
+) -> Iterator[Diagnostic]:
+    """Yield integrals with a factor whose limits are those of what reads the product."""
+    for axes, line in model.lines():
+        if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
+            continue
+        within = line.source.option("within")
+        if not isinstance(within, tuple) or not any(product_.factors for product_ in line.products):
+            continue
+        limits, name = Interval(*within), line.names[0]
+        for what, reader in _readers(model, reaches, site, axes, name):
+            if reader == limits:
+                yield Diagnostic(
+                    "limit-before-factor",
+                    f"{_range(limits)} bounds the integral before its factor; {what} takes as much"
+                    f" of {name}, after it",
+                    line.span,
+                    Severity.WARNING,
+                    hint=f"to bound {name} take the factor first, on a line of its own, and write "
+                    f" {name} = integral of that line, within {_range(limits)}",
+                )
+                break
+
+
+def _readers(
+    model: ControllerModel, reaches: Reaches, site: Site | None, axes: Axes, name: str
+) -> Iterator[tuple[str, Interval]]:
+    """Yield what reads a signal, and its range: universes, limits of drives and of actuators."""
+    for up in reaches.look_ups:
+        if up.axes is axes and up.signal == name:
+            yield up.sheet, up.universe
+    for line in axes.lines:
+        if not isinstance(line, Drive) or name not in {
+            factor.value for product_ in line.products for factor in product_.factors
+        }:
+            continue
+        if line.within is not None:
+            yield f"drive {line.port}", Interval(*line.within)
+        port = _port(model, site, (axes.names[0], line.port))
+        if port is not None:
+            yield f"the actuator of {line.port}", Interval(port.low, port.high)
 
 
 # --- Actuators ---

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
@@ -235,6 +236,11 @@ def prove_all(
         yield _Case(rulebase, claim, tolerance, budget, tell, provers, exact=exact).verdict()
 
 
+MOST_CORNERS = 729
+"""Points at which a statement is tried before it is searched by boxes: three for each of six
+inputs, or the first so many corners of a region of more."""
+
+
 class _Case:
     """One statement on trial."""
 
@@ -317,17 +323,46 @@ class _Case:
         outcome, prover = self.claim.outcome, self.prover
         assert outcome is not None
         low, high, strict = _interval(outcome.relation, outcome.value, outcome.other, prover.range)
-        no_rule = self._without_value()
+        sides = [(-1, low), (1, high)]
+        if prover.model is None:  # the search by boxes is long, a point cheap
+            evidence = self._at_corners(
+                _Beyond(sign, Fraction(limit), strict=strict)
+                for sign, limit in sides
+                if math.isfinite(limit)
+            )
+            if evidence is not None:
+                return self._said(REFUTED, evidence=evidence, way="boxes")
+        silence_open = ""
+        try:
+            no_rule = self._without_value()
+        except FuzzyarmError as error:  # the bounds may refute it all the same
+            no_rule, silence_open = None, _sentence(error)
         if no_rule is not None:
             return no_rule
-        bounds = prover.value(self.region)
-        for sign, limit in ((-1, low), (1, high)):
+        bounds = self.prover.value(self.region)
+        for sign, limit in sides:
             result, bounds = self._side(bounds, sign, limit, strict=strict)
             if result == UNDECIDED:
                 return self._said(UNDECIDED, bounds)
             if isinstance(result, tuple):
                 return self._said(REFUTED, bounds, evidence=result, reason=self.remark)
+        if silence_open:
+            return self._said(UNDECIDED, bounds, reason=silence_open)
         return self._said(PROVED, bounds)
+
+    def _at_corners(self, conditions: Iterable[_Beyond]) -> tuple[str, ...] | None:
+        """Return the first corner of the region, or middle of its sides, at which it fails."""
+        conditions = tuple(conditions)
+        ends = [(float(low), float(high)) for low, high in self.prover.box(self.region)]
+        middles = [(low, high, 0.5 * low + 0.5 * high) for low, high in ends]
+        levels = middles if 3 ** len(ends) <= MOST_CORNERS else ends
+        for values in islice(product(*levels), MOST_CORNERS):
+            at = dict(zip(self.prover.names, values, strict=True))
+            value = self._inferred(at)
+            for beyond in conditions:
+                if value is not None and self._clearly(beyond, value):
+                    return self._confirmed(at, beyond)
+        return None
 
     def _side(
         self, bounds: Bounds, sign: int, limit: float, *, strict: bool
@@ -379,7 +414,9 @@ class _Case:
         """Refute a statement on the value where the output has none."""
         if self.prover.output.no_rule != "error":
             return None
-        at = self.prover.without_value(self.region)
+        prover = self.prover
+        prover.stop = self.stop.half()  # the other half is for the bounds
+        at = prover.without_value(self.region)
         if at is None:
             return None
         return self._said(REFUTED, reason=self._silence(at))

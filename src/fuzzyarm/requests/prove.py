@@ -21,7 +21,10 @@ class ProveRequest(Request):
         Limits(0.0, is_open=True),
     )  # fmt: skip
     budget: float | None = option(
-        "--budget SECONDS", "how long each statement may take", None, Limits(0.0, is_open=True),
+        "--budget SECONDS",
+        "how long each statement may take; else as long as it needs, a tube a minute",
+        None,
+        Limits(0.0, is_open=True),
         unit="seconds",
     )  # fmt: skip
     exact: bool = option("--exact", "compute in rationals throughout", False)

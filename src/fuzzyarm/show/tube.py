@@ -48,7 +48,7 @@ def tube_chart(way: Tube, title: str, claim: LoopClaim | None = None) -> Chart:
             parts += _claimed(way, claim)
         rows.append([Panel(parts, up=Axis(name, output.unit))])
     size = 7.0, 1.4 + 1.7 * len(outputs)
-    return Chart(rows, size, title, key=True, below="s", heading=True)
+    return Chart(rows, size, title, key=True, below="time, s", heading=True)
 
 
 def _tube(way: Tube, name: str) -> Band:

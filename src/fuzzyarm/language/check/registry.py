@@ -259,6 +259,12 @@ CHECKS: dict[str, Check] = {
             "The limits of a drive are wider than those of the actuator.",
         ),
         Check(
+            "limit-before-factor",
+            Severity.WARNING,
+            "The limits of an integral with a factor are those of what reads the product, but hold "
+            "before the factor.",
+        ),
+        Check(
             "weak-drive",
             Severity.WARNING,
             "A drive never reaches a tenth of what the actuator can do.",
