@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fuzzyarm.loop.sweep import Range
-from fuzzyarm.picture import Area, Axis, Band, Cells, Dots, Level, Line, Panel, chart_data
+from fuzzyarm.picture import Area, Axis, Band, Cells, Chart, Dots, Level, Line, Panel, chart_data
 from fuzzyarm.show.drawing import plain_text, scale_of
 from fuzzyarm.show.figures.panels import chart_figure
 from fuzzyarm.show.panels import HATCH, LinePlot, SurfaceMap, panel_view
@@ -34,7 +35,7 @@ def many():
     diverged = np.where((payload == 2.0) & (gain >= 9.9), 0.5, np.nan)
     return Many(
         controller="pid", where="reach", outputs=["joint"], units=["degrees"],
-        changes={"payload": payload, "K": gain}, diverged=diverged,
+        changes={"payload": payload, "K": gain}, change_units={"K": "V"}, diverged=diverged,
         values=np.where(np.isnan(diverged), gain, np.nan),
     )  # fmt: skip
 
@@ -47,6 +48,7 @@ def test_a_map_hatches_what_diverged_and_parts_it_from_the_rest(many):
     np.testing.assert_array_equal(np.isnan(cells.values), [[0, 0, k >= 2] for k in range(5)])
     assert cells.value.logarithmic
     assert (cells.value.words, cells.missing) == ("rms, degrees", "diverged")
+    assert (panel.across.words, panel.up.words) == ("payload", "K, V")
     # Around a corner of 1 x 3 cells: three edges upright, one level.
     assert sum(map(math.isnan, border.x)) == 4
     assert {x for x in border.x if not math.isnan(x)} <= set(edges_of(PAYLOAD))
@@ -150,3 +152,24 @@ def test_without_a_target_only_rules_are_drawn_and_no_more_than_can_be_told_apar
     (panel,) = validation_chart(validation, "y", "title").panels
     assert "the first" in panel.title
     assert panel.across.high == MOST_RULES + 0.5
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "texts"),
+    [
+        (0.004, 0.036, ["0.005", "0.01", "0.02"]),
+        (0.0045, 0.0098, ["0.005", "0.006", "0.007", "0.008", "0.009"]),
+        (0.5, 4000.0, ["1", "10", "100", "1000"]),
+    ],
+)
+def test_numbers_along_a_logarithmic_axis_have_room(low, high, texts):
+    across = Axis("K", "V", low, high, logarithmic=True)
+    panel = Panel([Line((low, high), (0.0, 1.0), "ink", 1.0)], across)
+    figure = chart_figure(Chart([[panel]], (4.6, 4.0), "a title"))
+    axis = figure.axes[0].xaxis
+    figure.canvas.draw()
+    labels = [*axis.get_majorticklabels(), *axis.get_minorticklabels()]
+    shown = [text for text in labels if text.get_text() and low <= text.get_position()[0] <= high]
+    assert sorted((text.get_text() for text in shown), key=float) == texts
+    boxes = sorted((text.get_window_extent() for text in shown), key=lambda box: box.x0)
+    assert all(first.x1 < second.x0 for first, second in pairwise(boxes))

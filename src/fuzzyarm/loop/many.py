@@ -92,6 +92,8 @@ class Many:
         exist.
     along : bool
         Whether a trajectory of the plant was followed.
+    change_units : mapping of str to str
+        Of `changes`, where one is known.
     """
 
     controller: str
@@ -104,6 +106,7 @@ class Many:
     diverged: Vector
     values: Vector
     along: bool = False
+    change_units: Mapping[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.diverged)
@@ -267,9 +270,14 @@ class Bench:
         return shown_units(self.loop.course)
 
     @property
+    def change_units(self) -> dict[str, str]:
+        """Units of what differs, by name."""
+        return {name: self._unit_of(name) for name in self.owners}
+
+    @property
     def column_units(self) -> dict[str, str]:
         """Units of what differs and of all metrics, by name; without those that have none."""
-        units = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}
+        units = {"diverged": "s", **self.change_units}
         for output, units_ in metric_units(self.loop.course).items():
             units |= {f"{output}.{name}": unit for name, unit in units_.items()}
         return {name: unit for name, unit in units.items() if unit not in ("", "1")}
@@ -503,6 +511,7 @@ def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
         diverged=rows[:, 0],
         values=rows[:, 1:].reshape(count, len(bench.outputs), len(METRICS)),
         along=bench.motion.along,
+        change_units=bench.change_units,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,9 @@ from fuzzyarm.picture import Axis, Band, Cells, Chart, ChartPart, Dots, Line, Pa
 __all__ = ["sweep_chart", "worst"]
 
 DIVERGED = "diverged"
+
+Units = Mapping[str, str]
+"""Of what is swept, by name."""
 
 
 def sweep_chart(many: Many, over: Sequence[Range], metric: str = "rms") -> Chart:
@@ -39,7 +42,7 @@ def sweep_chart(many: Many, over: Sequence[Range], metric: str = "rms") -> Chart
         unit = many.units[at] if metric in ERRORS else ""
         value = Axis(metric, unit, logarithmic=_spreads(values[at]))
         draw = _map_panel if len(over) == 2 else _curve_panel
-        panels.append(draw(over, values[at], diverged, value, output))
+        panels.append(draw(over, values[at], diverged, value, output, many.change_units))
     width = 4.6 if len(over) == 2 else 4.2
     return Chart([panels], (max(5.0, width * len(panels)), 4.0), _title(many, over, diverged))
 
@@ -94,11 +97,17 @@ def edges_of(over: Range) -> Vector:
     return np.exp(edges) if over.log else edges
 
 
+def _axis(swept: Range, edges: Vector, units: Units) -> Axis:
+    """Return the axis of a swept name."""
+    unit = units.get(swept.name, "")
+    return Axis(swept.name, unit, edges[0], edges[-1], logarithmic=swept.log)
+
+
 # --- Over one name ---
 
 
 def _curve_panel(
-    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str
+    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str, units: Units
 ) -> Panel:
     (swept,) = over
     across, edges = swept.values(), edges_of(swept)
@@ -110,7 +119,7 @@ def _curve_panel(
         for number, k in enumerate(np.flatnonzero(diverged))
     ]  # fmt: skip
     parts += [Line(across, values, "first", 1.2), Dots(across, values, "o", "first", 3.5)]
-    axis = Axis(swept.name, low=edges[0], high=edges[-1], logarithmic=swept.log)
+    axis = _axis(swept, edges, units)
     return Panel(parts, axis, up, title, key="upper left" if diverged.any() else "")
 
 
@@ -131,17 +140,14 @@ def _ends(values: Vector, *, logarithmic: bool) -> tuple[float, float]:
 
 
 def _map_panel(
-    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str
+    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str, units: Units
 ) -> Panel:
     x, y = map(edges_of, over)
     missing = DIVERGED if diverged.any() else ""
     parts: list[ChartPart] = [Cells(x, y, values, value, missing=missing)]
     if missing:
         parts.append(_border(x, y, diverged))
-    across, up = (
-        Axis(swept.name, low=edges[0], high=edges[-1], logarithmic=swept.log)
-        for swept, edges in zip(over, (x, y), strict=True)
-    )
+    across, up = (_axis(swept, edges, units) for swept, edges in zip(over, (x, y), strict=True))
     return Panel(parts, across, up, title)
 
 

@@ -79,7 +79,7 @@ def _spread(axes: Axes, which: str, values: list[float]) -> None:
     """Give an axis steps of the logarithm where values spread widely, with plain numbers."""
     if spreads(values):
         axes.set(**{f"{which}scale": "log"})
-        plain_powers(axes, which, narrow=max(values) < 100.0 * min(values))
+        plain_powers(axes, which, min(values), max(values))
 
 
 def _draw_rows(axes: Axes, tuned: Tuned) -> None:
