@@ -240,6 +240,7 @@ def test_a_line_that_needs_more_says_what(line):
     said, hint = ADVICE[line]
     (finding,) = check_text(f"{TEXT}{line}\n", PATH).diagnostics
     assert finding.line == TEXT.count("\n") + 1
+    assert 1 < finding.column <= len(line)
     assert said in finding.message
     assert hint in finding.hint
 

@@ -423,9 +423,9 @@ ADVICE = (
         _LINE,
     ),
     Advice(
-        re.compile(rf"=\s*\S.*?[-+*/]\s*(?P<at>{_SOURCE})|=\s*-\s*(?P<two>{_SOURCE})"),
+        re.compile(rf"=\s*(?:\S.*?[-+*/]|-)\s*(?P<at>{_SOURCE})"),
         "a line has one source, at its start",
-        lambda m: f"write  x = {' '.join((m['at'] or m['two']).split())}  above, and x here",
+        lambda m: f"write  x = {' '.join(m['at'].split())}  above, and x here",
         (SIGNAL,),
     ),
     Advice(
