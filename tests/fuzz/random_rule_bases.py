@@ -11,7 +11,6 @@ precision to the bit); the module of JavaScript where there is node.
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import json
 import math
 import random
@@ -35,6 +34,7 @@ from fuzzyarm import compile_table, compiled, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.export import ExportError, routines_of  # noqa: E402
 from fuzzyarm.export.javascript import rule_base_module  # noqa: E402
+from fuzzyarm.export.routine import Accuracy  # noqa: E402
 from fuzzyarm.expression.kinds import DEFUZZIFIERS  # noqa: E402
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
@@ -155,6 +155,12 @@ def _without_hedges(rulebase: RuleBase) -> tuple[RuleBlock, ...]:
             for rule in block.rules))
         for block in rulebase.blocks
     )  # fmt: skip
+
+
+MODELS = models()
+"""Made once: a strategy is checked when it is first drawn from."""
+
+OTHER_THAN_THE_SIMPLEST = st.integers(0, 2**32)
 
 
 @st.composite
@@ -362,6 +368,11 @@ def in_c(pairs: list[tuple[Any, list[Any]]]) -> None:
     """Run routines as C and compare with what is interpreted here, to the bit."""
     if not pairs or not program("gcc"):
         return
+    for (
+        routine,
+        _,
+    ) in pairs:  # what the comment at its head says would take longer than all the rest
+        vars(routine)["accuracy"] = Accuracy(0.0, 0, "nothing: not measured here")
     with folder() as home:
         results = run_c([routine for routine, _ in pairs], [points for _, points in pairs], home)
     for (routine, points), found in zip(pairs, results, strict=True):
@@ -425,7 +436,6 @@ def case(r: random.Random, told: Told) -> None:
     """Draw one rule base by hypothesis (which makes it smaller where it fails)."""
     chance = r.random()
     with_c, with_node = chance < 0.04, chance > 0.97
-    calls = itertools.count()
 
     @seeded(r.getrandbits(64))
     @settings(
@@ -440,9 +450,9 @@ def case(r: random.Random, told: Told) -> None:
     @given(st.data())
     def one(data: st.DataObject) -> None:
         told.clear()
-        rulebase = data.draw(models())
-        if next(calls) == 0:
-            return  # hypothesis begins with the simplest of all rule bases, every time
+        if data.draw(OTHER_THAN_THE_SIMPLEST) == 0:
+            return  # hypothesis begins with the simplest of all, every time
+        rulebase = data.draw(MODELS)
         some = (input_points, points_at_edges, points_at_edges)
         values = data.draw(st.sampled_from(some).flatmap(lambda draw: draw(rulebase, POINTS)))
         for column in values.values():
