@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -145,6 +146,8 @@ def draw(browser: Any, address: str) -> None:
     page.close()
     draw_learning(browser, address)
     draw_tuning(browser, address)
+    draw_sweep(browser, address)
+    draw_fit(browser, address)
 
 
 def open_view(browser: Any, address: str, name: str, view: str, scheme: str = "light") -> Any:
@@ -176,9 +179,9 @@ def draw_tuning(browser: Any, address: str) -> None:
     tune.get_by_text("What may move, as the text says").wait_for()
     for name, value in {
         "Reference": "temperature=step:20",
-        "For, s": "3600",
+        "For": "1h",
         "Cost": "rms + overshoot",
-        "Trials": "60",
+        "Evals": "60",
         "Unseen": "6",
     }.items():
         tune.get_by_label(name, exact=True).fill(value)
@@ -186,6 +189,30 @@ def draw_tuning(browser: Any, address: str) -> None:
     tune.get_by_text("better than the file").wait_for()
     page.wait_for_timeout(400)
     page.screenshot(path=HERE / "designer_tune.png")
+    page.close()
+
+
+def draw_sweep(browser: Any, address: str) -> None:
+    """Draw the map of a sweep."""
+    page, sweep = open_view(browser, address, "servo", "Sweep")
+    sweep.get_by_text("takes N values").wait_for()
+    sweep.get_by_role("combobox", name="Sweep").fill("G_e=2..60:12 log J=0.005..0.05:9")
+    sweep.get_by_role("button", name="Start").click()
+    sweep.get_by_text("All runs are made").wait_for()
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_sweep.png")
+    page.close()
+
+
+def draw_fit(browser: Any, address: str) -> None:
+    """Draw a rule base that was learned from samples."""
+    page, fit = open_view(browser, address, "servo", "Fit", "dark")
+    fit.get_by_text("learned from samples").wait_for()
+    fit.get_by_label("Rules", exact=True).fill("9")
+    fit.get_by_role("button", name="Fit").click()
+    fit.get_by_text("It can be saved").wait_for()
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_fit.png")
     page.close()
 
 
@@ -225,6 +252,10 @@ def prepare(folder: str) -> None:
     (Path(folder) / "servo-soc.frb").write_text(
         lesson.split("```frb\n# servo-soc.frb\n")[1].split("```")[0], "utf-8"
     )
+    draw = random.Random(3)
+    pairs = [(draw.uniform(-2.0, 2.0), draw.uniform(0.0, 5.0)) for _ in range(300)]
+    rows = [f"{a:.4f},{b:.4f},{a * a - a * b + 0.3 * draw.gauss(0.0, 1.0):.4f}" for a, b in pairs]
+    (Path(folder) / "measured.csv").write_text("\n".join(["a,b,y", *rows]), "utf-8")
     compiling = [sys.executable, "-m", "fuzzyarm", "compile", "thermostat.frb"]
     subprocess.run([*compiling, "-o", "thermostat.lut"], cwd=folder, check=True)
     text = (Path(folder) / "pd7.frb").read_text(encoding="utf-8")

@@ -279,6 +279,16 @@ declare namespace Messages {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
+  /** Many runs; see `fuzzyarm.designer.forms.SWEEP`. */
+  interface SweepWork {
+    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
+  }
+
+  /** A rule base from samples; see `fuzzyarm.designer.forms.FIT`. */
+  interface FitWork {
+    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
+  }
+
   /** Something to be proved; see `fuzzyarm.designer.forms.PROVE`. */
   interface ProveWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
@@ -324,6 +334,13 @@ declare namespace Messages {
   interface TuneWord {
     enough?: boolean;
     take?: boolean;
+    replace?: boolean;
+  }
+
+  /** What a hand does to a fit: end it; `save` is the name of a rule base. */
+  interface FitWord {
+    enough?: boolean;
+    save?: string | null;
     replace?: boolean;
   }
 
@@ -750,6 +767,10 @@ declare namespace Messages {
     "tunable": BareMessage;
     "tune": TuneWork;
     "sheets": BareMessage;
+    "sweepable": BareMessage;
+    "sweep": SweepWork;
+    "fittable": BareMessage;
+    "fit": FitWork;
     "provable": BareMessage;
     "prove": ProveWork;
     "run": RunWork;
@@ -760,6 +781,7 @@ declare namespace Messages {
     "run": RunWord;
     "learn": LearnWord;
     "tune": TuneWord;
+    "fit": FitWord;
   }
 
   type Heard =

@@ -469,6 +469,29 @@ def frame(left: float, bottom: float, width: float, height: float, tone: str = "
     return Line((*area.x, left), (*area.y, bottom), tone)
 
 
+ROOM = 0.05
+"""Beyond what is drawn, of its width."""
+
+
+def ends_with_room(values: Numbers, *, logarithmic: bool = False) -> tuple[float, float]:
+    """Return the ends of an axis a little beyond some values, where signs are not cut off.
+
+    Parameters
+    ----------
+    values : sequence of float
+        NaN where there is none.
+    logarithmic : bool, optional
+        Whether equal lengths are equal ratios; the values are positive then.
+    """
+    finite = [value for value in _flat(values) if math.isfinite(value)]
+    low, high = min(finite, default=0.0), max(finite, default=1.0)
+    if logarithmic and 0.0 < low < high:
+        factor = (high / low) ** ROOM
+        return low / factor, high * factor
+    room = ROOM * (high - low) or ROOM * abs(high) or 1.0
+    return low - room, high + room
+
+
 # --- As JSON, for a page ---
 
 
@@ -605,7 +628,7 @@ def _axis_data(axis: Axis) -> AxisData:
     assert axis.low is not None
     assert axis.high is not None
     return {
-        "words": axis.words, "low": axis.low, "high": axis.high,
+        "words": axis.words, "low": float(axis.low), "high": float(axis.high),
         "logarithmic": axis.logarithmic, "whole": axis.whole,
     }  # fmt: skip
 

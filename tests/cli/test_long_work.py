@@ -149,7 +149,7 @@ def test_a_model_that_cannot_be_written_goes_elsewhere(folder, capsys, monkeypat
 
 def test_a_model_and_its_report_do_not_depend_on_the_test_samples(folder, capsys, monkeypatch):
     Path("set.csv").write_text(SAMPLES)
-    monkeypatch.setattr("fuzzyarm.cli.fit._tested", raising(MemoryError()))
+    monkeypatch.setattr("fuzzyarm.learning.report.tested", raising(MemoryError()))
     assert main(["fit", "set.csv", "-o", "x.frb", "--test", "set.csv", "--rules", "2"]) == 1
     said = capsys.readouterr()
     assert "x.frb: " in said.out

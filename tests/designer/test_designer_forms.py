@@ -44,9 +44,11 @@ def test_each_field_says_what_a_page_needs_of_it():
 
 def test_what_is_shown_by_default_is_the_request_by_default():
     for name, form in FORMS.items():
-        needed = {"file": "x.frb"} if name == "tune" else {}
+        needed = {form.open: "x.frb"} if form.open else {}
+        chosen = {"data": "x.csv"} if name == "fit" else {}
         shown = {field["name"]: field.get("default") for field in form.fields()}
-        assert form.request(shown, Path(), **needed) == form.kind(**needed)
+        request = form.request(shown | chosen, Path(), **needed)
+        assert request == form.kind(**needed, **chosen)
 
 
 def test_a_title_is_the_word_of_the_option():
@@ -83,7 +85,7 @@ def test_what_a_form_does_not_offer_is_not_asked_for():
     asked = FORMS["tune"].request({"out": "/x.frb", "dask": "tcp://x"}, Path(), file="y.frb")
     assert (asked.file, asked.out, asked.dask) == ("y.frb", None, None)
     with pytest.raises(MessageError, match="is not a form"):
-        judged("fit", {}, Path())
+        judged("dance", {}, Path())
 
 
 def test_a_file_of_a_signal_stands_in_the_folder(tmp_path):

@@ -86,3 +86,13 @@ test("the words of a command are those that differ from it", () => {
 test("words that a shell would take apart are quoted", () => {
   assert.deepEqual(["a=1", "it's", "a b"].map(quoted), ["a=1", "'it'\\''s'", "'a b'"]);
 });
+
+test("the log of a range belongs to it", () => {
+  const field = /** @type {any} */ ({
+    name: "sweep",
+    type: "array",
+    items: { type: "string" },
+    placeholder: "NAME=A..B:N",
+  });
+  assert.deepEqual(valueOf(field, " G_e=2..60:12 log  J=1..2:3 "), ["G_e=2..60:12 log", "J=1..2:3"]);
+});

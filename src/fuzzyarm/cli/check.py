@@ -19,7 +19,6 @@ from fuzzyarm.cli.command import (
     announced,
     argument,
     command,
-    counted,
     finding_data,
     flag,
     print_error,
@@ -35,6 +34,7 @@ from fuzzyarm.language.reading import decoded
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 from fuzzyarm.text.folders import READABLE, own_files
+from fuzzyarm.text.numbers import counted
 
 _IN_FOLDERS = (*READABLE, ".lut")
 """Files of a folder that are checked: other tables are any program's."""

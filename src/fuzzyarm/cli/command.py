@@ -376,11 +376,6 @@ def finding_data(found: Diagnostic) -> dict[str, Any]:
     }
 
 
-def counted(number: int, word: str) -> str:
-    """Return ``1 rule`` or ``2 rules``."""
-    return f"{number} {word}{'' if number == 1 else 's'}"
-
-
 # --- Long work: on a terminal, a line on the standard error that goes away again ---
 
 

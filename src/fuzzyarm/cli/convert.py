@@ -43,7 +43,6 @@ from fuzzyarm.cli.command import (
     argument,
     busy,
     command,
-    counted,
     finding_data,
     flag,
     group,
@@ -60,6 +59,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.numbers import counted
 
 if TYPE_CHECKING:
     from fuzzyarm.live import System

@@ -11,7 +11,6 @@ from fuzzyarm.cli.command import (
     announced,
     argument,
     command,
-    counted,
     flag,
     print_json,
     say,
@@ -19,6 +18,7 @@ from fuzzyarm.cli.command import (
 )
 from fuzzyarm.grading import Assignment, Grade, grade, read_assignment
 from fuzzyarm.text.columns import in_columns
+from fuzzyarm.text.numbers import counted
 
 _GRADE = """Grade the rule bases that students hand in.
 

@@ -21,7 +21,6 @@ from fuzzyarm.builder.starting import (
 from fuzzyarm.cli.command import (
     argument,
     command,
-    counted,
     flag,
     json_of,
     out,
@@ -35,6 +34,7 @@ from fuzzyarm.shipped_files import NotShippedError, shipped, shipped_names, what
 from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import typed
+from fuzzyarm.text.numbers import counted
 
 _NEW = r"""A commented rule base to start from, or a controller around one; both pass `check`.
 

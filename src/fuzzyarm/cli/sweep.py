@@ -20,7 +20,6 @@ Examples
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +30,6 @@ from fuzzyarm.cli.command import (
     UsageError,
     announced,
     attempted,
-    counted,
     demand_figure,
     print_error,
     print_json,
@@ -40,9 +38,11 @@ from fuzzyarm.cli.command import (
 )
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.runs import SweepRequest
+from fuzzyarm.text.numbers import counted
 
 if TYPE_CHECKING:
     from fuzzyarm.loop.many import Many
+    from fuzzyarm.loop.sweep import Range
     from fuzzyarm.loop.sweeps import Sweep
 
 
@@ -68,12 +68,12 @@ def sweep(asked: SweepWords) -> int:
     """Do what the words ask; return the exit status."""
     _require_sensible(asked)
     from fuzzyarm.loop.many import many_of
-    from fuzzyarm.loop.sweeps import answered, cluster, sweep_of
+    from fuzzyarm.loop.sweeps import answered, cluster, map_axes, sweep_of
 
     plan = sweep_of(asked)
     for note in plan.bench.loop.notes():
         print_error(f"note: {note}")
-    axes = _map_axes(asked, plan)
+    axes = map_axes(asked, plan) if asked.plot else ()
     file = plan.file(asked.out) if asked.out else None
     with (
         announced(f"sweeping {asked.controller}: {counted(plan.count, 'run')}"),
@@ -89,7 +89,7 @@ def sweep(asked: SweepWords) -> int:
         else:
             say(*_as_text(many, asked))
     if asked.plot and len(many) == plan.count:
-        faults += attempted(lambda: _plot(many, plan, axes, asked))
+        faults += attempted(lambda: _plot(many, axes, asked))
     for fault in faults:
         print_error(fault)
     if answer.interrupted:
@@ -101,7 +101,9 @@ def sweep(asked: SweepWords) -> int:
         return EXIT_INTERRUPTED
     if faults:
         return 1
-    return DIVERGED if 0 < len(many) == _lost(many) else 0
+    from fuzzyarm.show.sweep import lost_runs
+
+    return DIVERGED if 0 < len(many) == lost_runs(many) else 0
 
 
 def _require_sensible(asked: SweepWords) -> None:
@@ -117,82 +119,23 @@ def _require_sensible(asked: SweepWords) -> None:
 # --- What came of it ---
 
 
-def _map_axes(asked: SweepWords, plan: Sweep) -> tuple[str, ...]:
-    """Return the one or two names over which a figure is drawn."""
-    if not asked.plot:
-        return ()
-    names = [interval.name for interval in plan.ranges]
-    axes = tuple(names)
-    if asked.map:
-        axes = tuple(name.strip() for name in asked.map.split(","))
-    if asked.random is not None:
-        raise UsageError("a figure is drawn of a grid, not of --random")
-    for name in axes:
-        if name not in names:
-            raise UsageError(f"--map: '{name}' is not swept", hint=f"swept: {', '.join(names)}")
-    if asked.map and len(set(axes)) != 2:
-        raise UsageError("--map takes two names, as in payload,G_e")
-    if len(axes) > 2:
-        raise UsageError("--map says over which two the figure is drawn", hint=",".join(names[:2]))
-    return axes
-
-
-def _plot(many: Many, plan: Sweep, axes: tuple[str, ...], asked: SweepWords) -> None:
+def _plot(many: Many, axes: tuple[Range, ...], asked: SweepWords) -> None:
     from fuzzyarm.show.figures import save_figure
     from fuzzyarm.show.figures.sweep import sweep_figure
 
-    ranges = {interval.name: interval for interval in plan.ranges}
-    figure = sweep_figure(many, [ranges[name] for name in axes], asked.metric)
-    save_figure(figure, asked.plot or "")
-
-
-def _extremes(many: Many, metric: str) -> Iterator[tuple[str, str, int, int]]:
-    """Yield output, unit, and the runs with the smallest and the largest magnitude of a metric."""
-    import numpy as np
-
-    values = np.abs(many[metric])
-    # What a run measured until it diverged is not comparable.
-    values[~np.isnan(many.diverged)] = np.nan
-    for at, (output, unit) in enumerate(zip(many.outputs, many.units, strict=True)):
-        column = values[:, at]
-        if not np.isnan(column).all():
-            yield output, unit, int(np.nanargmin(column)), int(np.nanargmax(column))
-
-
-def _settings(many: Many, run: int) -> dict[str, float]:
-    """Return what a run was made with."""
-    return {name: float(values[run]) for name, values in many.changes.items()} or {
-        "seed": int(many.seeds[run])
-    }
-
-
-def _lost(many: Many) -> int:
-    import numpy as np
-
-    return int((~np.isnan(many.diverged)).sum())
+    save_figure(sweep_figure(many, axes, asked.metric), asked.plot or "")
 
 
 def _as_text(many: Many, asked: SweepWords) -> list[str]:
-    from fuzzyarm.loop.metrics import ERRORS
+    from fuzzyarm.show.sweep import sweep_lines
 
-    lost = _lost(many)
-    lines = [
-        f"{many.controller} on {many.where}: {counted(len(many), 'run')}, "
-        f"{f'{lost} diverged' if lost else 'none diverged'}"
-    ]
-    metric = asked.metric
-    for output, unit, least, most in _extremes(many, metric):
-        lines.append(f"{output}.{metric}, {unit}" if metric in ERRORS else f"{output}.{metric}")
-        for word, run in (("least", least), ("most", most)):
-            value = float(many[metric][run, many.outputs.index(output)])
-            with_what = ", ".join(f"{k} = {v:g}" for k, v in _settings(many, run).items())
-            lines.append(f"  {word:<6}{value:>12.4g}  run {run}: {with_what}")
-    if asked.out:
-        lines.append(f"wrote {asked.out}")
-    return lines
+    lines = sweep_lines(many, asked.metric)
+    return [*lines, f"wrote {asked.out}"] if asked.out else lines
 
 
 def _as_json(many: Many, plan: Sweep, asked: SweepWords) -> dict[str, Any]:
+    from fuzzyarm.show.sweep import extremes, lost_runs, settings_of
+
     metric = asked.metric
 
     found: dict[str, Any] = {
@@ -200,7 +143,7 @@ def _as_json(many: Many, plan: Sweep, asked: SweepWords) -> dict[str, Any]:
         "plant": many.plant,
         "trajectory": many.trajectory,
         "runs": len(many),
-        "diverged": _lost(many),
+        "diverged": lost_runs(many),
         "sweep": [asdict(interval) for interval in plan.ranges],
         "outputs": dict(zip(many.outputs, many.units, strict=True)),
         "metric": metric,
@@ -209,11 +152,11 @@ def _as_json(many: Many, plan: Sweep, asked: SweepWords) -> dict[str, Any]:
                 word: {
                     "run": run,
                     "value": float(many[metric][run, many.outputs.index(output)]),
-                    **_settings(many, run),
+                    **settings_of(many, run),
                 }
                 for word, run in (("least", least), ("most", most))
             }
-            for output, _, least, most in _extremes(many, metric)
+            for output, _, least, most in extremes(many, metric)
         },
         "file": asked.out,
     }

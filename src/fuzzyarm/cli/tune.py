@@ -45,7 +45,6 @@ from fuzzyarm.cli.command import (
     Pace,
     announced,
     attempted,
-    counted,
     demand_figure,
     demand_places,
     duration_words,
@@ -59,6 +58,7 @@ from fuzzyarm.errors import sentence_of
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import stamp_of
+from fuzzyarm.text.numbers import counted
 
 if TYPE_CHECKING:
     from fuzzyarm.tuning.search import Found

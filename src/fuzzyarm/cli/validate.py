@@ -23,7 +23,6 @@ from fuzzyarm.cli.command import (
     WordError,
     argument,
     command,
-    counted,
     demand_figure,
     flag,
     json_of,
@@ -31,7 +30,7 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.text.columns import in_columns
-from fuzzyarm.text.numbers import percent
+from fuzzyarm.text.numbers import counted, percent
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples

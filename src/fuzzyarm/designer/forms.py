@@ -19,13 +19,15 @@ from fuzzyarm.designer.requests import FormValues
 from fuzzyarm.requests.experiment import AROUND as FOLDED
 from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import AnyRequest
-from fuzzyarm.requests.learn import LearnRequest
+from fuzzyarm.requests.learn import FitRequest, LearnRequest
 from fuzzyarm.requests.making import ExportRequest
 from fuzzyarm.requests.prove import ProveRequest
+from fuzzyarm.requests.runs import SweepRequest
 from fuzzyarm.requests.schema import form_fields
 from fuzzyarm.requests.tune import TuneRequest
 
 __all__ = [
+    "FIT",
     "FORMS",
     "LEARN",
     "PICTURES",
@@ -33,6 +35,7 @@ __all__ = [
     "PROVE_LOOP",
     "RUN",
     "SOURCES",
+    "SWEEP",
     "TUNE",
     "RequestForm",
     "export_form",
@@ -55,18 +58,24 @@ class RequestForm(Generic[AnyRequest]):
         The fields that are seen at once, in their order.
     more : tuple of str
         Those that are folded away below the group that most of them have on the help page.
+    open : str
+        The field that is what is open; a page does not fill it in.
+    title : str
+        Above those that are folded away.
     """
 
     kind: type[AnyRequest]
     first: tuple[str, ...]
     more: tuple[str, ...] = ()
+    open: str = ""
+    title: str = FOLDED
 
     def fields(self, **defaults: Any) -> list[FormField]:
         """Return the fields for the page, some with another default than the command has."""
         found = []
         for field in form_fields(self.kind, *self.first, *self.more):
             name = field["name"]
-            folded = {"group": FOLDED if name in self.more else ""}
+            folded = {"group": self.title if name in self.more else ""}
             changed = {"default": defaults[name]} if name in defaults else {}
             found.append(field | folded | changed)
         return cast(list[FormField], found)
@@ -119,6 +128,20 @@ TUNE = RequestForm(
      "scenarios", "vary", "over", "evals", "time", "unseen", "seed", "digits", "method", "linear",
      "tune"),
     AROUND,
+    open="file",
+)  # fmt: skip
+SWEEP = RequestForm(
+    SweepRequest,
+    ("plant", "reference", "duration", "trajectory", "payload", "sweep", "random", "metric",
+     "map", "seed"),
+    AROUND,
+    open="controller",
+)  # fmt: skip
+FIT = RequestForm(
+    FitRequest,
+    ("data", "target", "inputs", "test", "series", "name", "rules", "words", "time"),
+    ("start", "terms", "shrink", "move", "merge", "digits", "outside", "folds", "nested", "seed"),
+    title="the model, and the search",
 )  # fmt: skip
 
 PROVE = RequestForm(
@@ -158,6 +181,8 @@ FORMS: Mapping[str, RequestForm[Any]] = {
     "run": RUN,
     "learn": LEARN,
     "tune": TUNE,
+    "sweep": SWEEP,
+    "fit": FIT,
     "prove": PROVE,
     "prove-loop": PROVE_LOOP,
 }
@@ -179,7 +204,8 @@ def judged(form: str, values: FormValues, folder: Path) -> dict[str, Any]:
     if form not in FORMS:
         raise MessageError("is not a form", "form")
     try:
-        FORMS[form].request(values, folder, **({"file": "x.frb"} if form == "tune" else {}))
+        known = FORMS[form]
+        known.request(values, folder, **({known.open: "x.frb"} if known.open else {}))
     except FieldError as error:
         return {"field": error.field, "message": str(error)}
     return {}

@@ -44,9 +44,11 @@ class FieldError(GroundsError):
 
 @contextlib.contextmanager
 def at_field(name: str) -> Iterator[None]:
-    """Say of what is refused here that it stands in a field."""
+    """Say of what is refused here that it stands in a field, unless it says so itself."""
     try:
         yield
+    except RequestError as error:
+        raise FieldError(error.message, field=error.field, hint=error.hint) from error
     except FuzzyarmError as error:
         raise FieldError(error.message, field=name, hint=error.hint) from error
 
@@ -118,10 +120,8 @@ def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
     FieldError
         If a field does not take its value.
     """
-    try:
+    with at_field(""):
         return kind.of(values)
-    except RequestError as error:
-        raise FieldError(error.message, field=error.field, hint=error.hint) from error
 
 
 def signal_of(folder: Path, word: str) -> str:

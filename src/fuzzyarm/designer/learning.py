@@ -24,7 +24,7 @@ from fuzzyarm.designer.grounds import (
 )
 from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.requests import BareMessage, LearnWord, LearnWork
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.designer.results import save_beside
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.picture import panel_data
@@ -303,22 +303,16 @@ class TrainingWork:
 
     def _save(self, name: str, *, replace: bool) -> None:
         """Write the tables as they are; an existing file only if the page says so."""
-        from fuzzyarm.table import write_table
 
-        snapshot = self.last
-        try:
-            path = self.job.folder.beside(name, ".lut")
+        def write(path: Path) -> None:
+            from fuzzyarm.table import write_table
+
+            snapshot = self.last
             if snapshot is None:
                 raise GroundsError("nothing has been learned yet")
-            if path.exists() and not replace:
-                self.job.tell({"exists": name})
-                return
             write_table(self.trainee.table(snapshot.learned, self._provenance(snapshot)), path)
-        except (FuzzyarmError, OSError) as error:
-            self.job.check()
-            self.job.tell({"unsaved": str(error)})
-        else:
-            self.job.tell({"saved": name})
+
+        save_beside(self.job, name, ".lut", write, replace=replace)
 
     def _provenance(self, snapshot: Snapshot) -> dict[str, str]:
         whole = snapshot.passage if snapshot.complete else snapshot.passage - 1

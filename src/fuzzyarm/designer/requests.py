@@ -513,6 +513,20 @@ class TuneWork:
 
 
 @dataclass(frozen=True)
+class SweepWork:
+    """Many runs; see `fuzzyarm.designer.forms.SWEEP`."""
+
+    form: FormValues = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class FitWork:
+    """A rule base from samples; see `fuzzyarm.designer.forms.FIT`."""
+
+    form: FormValues = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class ProveWork:
     """Something to be proved; see `fuzzyarm.designer.forms.PROVE`."""
 
@@ -529,6 +543,10 @@ WORKS: Mapping[str, type] = {
     "tunable": BareMessage,
     "tune": TuneWork,
     "sheets": BareMessage,
+    "sweepable": BareMessage,
+    "sweep": SweepWork,
+    "fittable": BareMessage,
+    "fit": FitWork,
     "provable": BareMessage,
     "prove": ProveWork,
     "run": RunWork,
@@ -589,4 +607,15 @@ class TuneWord:
     replace: bool = False
 
 
-WORDS: Mapping[str, type] = {"run": RunWord, "learn": LearnWord, "tune": TuneWord}
+@dataclass(frozen=True)
+class FitWord:
+    """What a hand does to a fit: end it; `save` is the name of a rule base."""
+
+    enough: bool = False
+    save: str | None = None
+    replace: bool = False
+
+
+WORDS: Mapping[str, type] = {
+    "run": RunWord, "learn": LearnWord, "tune": TuneWord, "fit": FitWord,
+}  # fmt: skip

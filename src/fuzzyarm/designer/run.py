@@ -103,7 +103,7 @@ class Running:
             )
         job.tell({"uses": _uses(text, session.path)})
         try:
-            controller = _controller_of(text, session.path)
+            controller = controller_of(text, session.path)
         except SourceError:
             if not _is_rule_base(text, session.path):
                 raise
@@ -111,7 +111,7 @@ class Running:
             return
         found = self.plants.described(controller)
         fitting = [each["name"] for each in found if not each["why"]]
-        site = site_by_axes(_text(controller).model)
+        site = site_by_axes(source_of(controller).model)
         chosen = site.name if site is not None and site.name in fitting else None
         job.tell(
             {
@@ -127,7 +127,7 @@ class Running:
         )
 
 
-def _controller_of(text: str, path: str) -> CompiledController:
+def controller_of(text: str, path: str) -> CompiledController:
     """Return the controller in a text; of a rule base the one that asks it directly."""
     try:
         return controller_in(text, path)
@@ -152,10 +152,11 @@ def _is_rule_base(text: str, path: str) -> bool:
 
 def _is_in(controller: CompiledController, text: str) -> bool:
     """Whether a controller stands in a text, which else is a rule base."""
-    return _text(controller).source == text
+    return source_of(controller).source == text
 
 
-def _text(controller: CompiledController) -> ControllerText:
+def source_of(controller: CompiledController) -> ControllerText:
+    """Return the text that a controller was read from."""
     law = text_law_of(controller)
     assert law is not None
     return law.text
@@ -191,7 +192,7 @@ class LiveRun:
 
     def _begin(self) -> None:
         """Make everything of the text as it is now, and tell the page."""
-        self.controller = _controller_of(self.text, self.path)
+        self.controller = controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()
         self.until: int | None = None  # the set point to stand at
@@ -356,7 +357,7 @@ class LiveRun:
     def _take_text(self) -> None:
         """Go on with the text as it is now, where that is possible."""
         try:
-            controller = _controller_of(self.text, self.path)
+            controller = controller_of(self.text, self.path)
             moved = {name: gain for name, gain in self.gains.items() if name in controller.gains}
             self.run.take_over(controller.with_gains(moved))
         except StructureError:
@@ -376,13 +377,13 @@ class LiveRun:
 
     def _own_gains(self) -> Sequence[Any]:
         """Return the gains that stand in the text: none, where it is a rule base."""
-        return _text(self.controller).model.gains if _is_in(self.controller, self.text) else ()
+        return source_of(self.controller).model.gains if _is_in(self.controller, self.text) else ()
 
     # --- The files that the controller uses ---
 
     def _used(self) -> dict[Path, int]:
         folder = Path(self.path).parent
-        text = _text(self.controller)
+        text = source_of(self.controller)
         files = [sheet_path(file, folder) for use in text.model.uses for file in use.files]
         return {path: path.stat().st_mtime_ns for path in files if path.exists()}
 
@@ -400,7 +401,7 @@ class LiveRun:
     # --- What the page is told ---
 
     def _gains(self) -> list[dict[str, Any]]:
-        text = _text(self.controller)
+        text = source_of(self.controller)
         tunes = {model.name: model.tune for model in text.model.gains}
         own = {own_gain.name for own_gain in self._own_gains()}
         return [

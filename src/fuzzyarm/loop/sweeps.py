@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.text import files_of
 from fuzzyarm.errors import FuzzyarmError, UsageError, WordError, demand_extra, sentence_of
@@ -63,8 +64,15 @@ class Sweep:
         return SweepFile(path, self.question, front, self.bench.outputs, self.bench.column_units)
 
 
-def sweep_of(asked: SweepRequest) -> Sweep:
+def sweep_of(asked: SweepRequest, controller: Controller | None = None) -> Sweep:
     """Return what a request asks for.
+
+    Parameters
+    ----------
+    asked : SweepRequest
+        Which runs.
+    controller : Controller, optional
+        Of these runs, where it is not read by its name.
 
     Raises
     ------
@@ -72,7 +80,8 @@ def sweep_of(asked: SweepRequest) -> Sweep:
         If something does not fit.
     """
     require_sensible(asked)
-    (controller,) = controllers_of(asked, [asked.controller])
+    if controller is None:
+        (controller,) = controllers_of(asked, [asked.controller])
     asked, plant = with_plant(asked, [controller])
     controller, plant = with_settings(asked, controller, plant)
     along = follows(asked, plant)
@@ -115,6 +124,28 @@ def require_sensible(asked: SweepRequest) -> None:
         raise unknown_choice("metric", asked.metric, METRICS)
     if asked.resume and not asked.out:
         raise UsageError("--resume goes on with the file of -o, and none is given")
+
+
+def map_axes(asked: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
+    """Return the one or two ranges over which a picture is drawn.
+
+    Raises
+    ------
+    UsageError
+        If the runs are drawn, not on a grid, or ``map`` does not say over which two.
+    """
+    ranges = {interval.name: interval for interval in sweep.ranges}
+    names = [name.strip() for name in asked.map.split(",")] if asked.map else list(ranges)
+    if asked.random is not None:
+        raise UsageError("a figure is drawn of a grid, not of --random")
+    for name in names:
+        if name not in ranges:
+            raise UsageError(f"--map: '{name}' is not swept", hint=f"swept: {', '.join(ranges)}")
+    if asked.map and len(set(names)) != 2:
+        raise UsageError("--map takes two names, as in payload,G_e")
+    if len(names) > 2:
+        raise UsageError("--map says over which two the figure is drawn", hint=",".join(names[:2]))
+    return tuple(ranges[name] for name in names)
 
 
 def _ranges(asked: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,10 @@ import numpy as np
 from fuzzyarm.loop.many import Many, Vector
 from fuzzyarm.loop.metrics import ERRORS
 from fuzzyarm.loop.sweep import Range
-from fuzzyarm.picture import Axis, Band, Cells, Chart, ChartPart, Dots, Line, Panel
+from fuzzyarm.picture import Axis, Band, Cells, Chart, ChartPart, Dots, Line, Panel, ends_with_room
+from fuzzyarm.text.numbers import counted
 
-__all__ = ["sweep_chart", "worst"]
+__all__ = ["extremes", "lost_runs", "settings_of", "sweep_chart", "sweep_lines", "worst"]
 
 DIVERGED = "diverged"
 
@@ -111,7 +112,7 @@ def _curve_panel(
 ) -> Panel:
     (swept,) = over
     across, edges = swept.values(), edges_of(swept)
-    low, high = _ends(values, logarithmic=value.logarithmic)
+    low, high = ends_with_room(values, logarithmic=value.logarithmic)
     up = Axis(value.name, value.unit, low, high, logarithmic=value.logarithmic)
     parts: list[ChartPart] = [
         Band([edges[k], edges[k + 1]], [low] * 2, [high] * 2, "wanted", 0.5,
@@ -121,19 +122,6 @@ def _curve_panel(
     parts += [Line(across, values, "first", 1.2), Dots(across, values, "o", "first", 3.5)]
     axis = _axis(swept, edges, units)
     return Panel(parts, axis, up, title, key="upper left" if diverged.any() else "")
-
-
-def _ends(values: Vector, *, logarithmic: bool) -> tuple[float, float]:
-    """Return the ends of an axis with a little room beyond the values."""
-    finite = values[~np.isnan(values)]
-    if not len(finite):
-        return 0.0, 1.0
-    low, high = float(finite.min()), float(finite.max())
-    if logarithmic:
-        room = math.exp(0.05 * math.log(high / low))
-        return low / room, high * room
-    room = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
-    return low - room, high + room
 
 
 # --- Over two ---
@@ -163,3 +151,45 @@ def _border(x: Vector, y: Vector, diverged: Any) -> Line:
         xs += [x[j], x[j + 1], gap]
         ys += [y[i + 1], y[i + 1], gap]
     return Line(xs, ys, "mark", 2.0)
+
+
+# --- In words ---
+
+
+def sweep_lines(many: Many, metric: str) -> list[str]:
+    """Return how many runs diverged, and the least and the greatest of a metric with their runs."""
+    lost = lost_runs(many)
+    lines = [
+        f"{many.controller} on {many.where}: {counted(len(many), 'run')}, "
+        f"{f'{lost} diverged' if lost else 'none diverged'}"
+    ]
+    for output, unit, least, most in extremes(many, metric):
+        lines.append(f"{output}.{metric}, {unit}" if metric in ERRORS else f"{output}.{metric}")
+        for word, run in (("least", least), ("most", most)):
+            value = float(many[metric][run, many.outputs.index(output)])
+            with_what = ", ".join(f"{k} = {v:g}" for k, v in settings_of(many, run).items())
+            lines.append(f"  {word:<6}{value:>12.4g}  run {run}: {with_what}")
+    return lines
+
+
+def lost_runs(many: Many) -> int:
+    """Return how many runs diverged."""
+    return int((~np.isnan(many.diverged)).sum())
+
+
+def extremes(many: Many, metric: str) -> Iterator[tuple[str, str, int, int]]:
+    """Yield output, unit, and the runs with the smallest and the largest magnitude of a metric."""
+    values = np.abs(many[metric])
+    # What a run measured until it diverged is not comparable.
+    values[~np.isnan(many.diverged)] = np.nan
+    for at, (output, unit) in enumerate(zip(many.outputs, many.units, strict=True)):
+        column = values[:, at]
+        if not np.isnan(column).all():
+            yield output, unit, int(np.nanargmin(column)), int(np.nanargmax(column))
+
+
+def settings_of(many: Many, run: int) -> dict[str, float]:
+    """Return what a run was made with."""
+    return {name: float(values[run]) for name, values in many.changes.items()} or {
+        "seed": int(many.seeds[run])
+    }

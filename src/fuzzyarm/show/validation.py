@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fuzzyarm.picture import Area, Axis, Chart, ChartPart, Dots, Level, Line, Panel
+from fuzzyarm.picture import Area, Axis, Chart, ChartPart, Dots, Level, Line, Panel, ends_with_room
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.validation import RuleUse, Validation
@@ -55,8 +55,10 @@ def _residuals(validation: Validation, target: str) -> Panel:
         Dots(validation.predicted, residual, "o", "first", size, opacity=0.5),
         *(Level(sign * validation.error, tone="mark", width=0.9, dash="--") for sign in (-1, 1)),
     ]
-    across = Axis(f"{target}, predicted")
-    return Panel(parts, across, Axis("observed − predicted"), "residuals (dashed: ± RMS error)")
+    heights = [*residual, validation.error, -validation.error]
+    across = Axis(f"{target}, predicted", "", *ends_with_room(validation.predicted))
+    up = Axis("observed − predicted", "", *ends_with_room(heights))
+    return Panel(parts, across, up, "residuals (dashed: ± RMS error)")
 
 
 def _calibration(validation: Validation, target: str) -> Panel:

@@ -30,6 +30,11 @@ def percent(share: float, digits: int = 3) -> str:
     return f"{value:.{digits}g} %"
 
 
+def counted(number: int, word: str) -> str:
+    """Return ``1 rule`` or ``2 rules``."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
 def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
     """Return `intervals` + 1 levels from `low` to `high`, each the nearest float to its decimal.
 

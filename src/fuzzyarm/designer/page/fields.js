@@ -63,10 +63,13 @@ export function shownDefault(field) {
 export function valueOf(field, shown) {
   if (typeof shown === "boolean") return shown;
   const text = shown.trim();
-  if (typeOf(field) === "array") return text.split(controlOf(field) === "lines" ? /\s*\n\s*/ : /\s+/).filter(Boolean);
+  if (typeOf(field) === "array") return text.split(controlOf(field) === "lines" ? /\s*\n\s*/ : BETWEEN).filter(Boolean);
   if (typeOf(field) === "boolean") return text === "" ? null : text === "true";
   return text;
 }
+
+/** Between the words of a list: the `log` of a range belongs to it. */
+const BETWEEN = /\s+(?!log(?:\s|$))/;
 
 /** Whether a value says no more than the default. */
 const saysNothing = (field, value) => [value ?? ""].flat().join(" ") === [field.default ?? ""].flat().join(" ");

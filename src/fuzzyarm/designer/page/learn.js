@@ -6,6 +6,7 @@ import { confirm } from "./dialogs.js";
 import { Form, refill } from "./form.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
+import { showGrounds } from "./work.js";
 
 const ROOM = { left: 46, right: 10, top: 8, bottom: 34 };
 
@@ -153,16 +154,10 @@ class LearnPanes {
   };
 
   chooseGrounds = () => {
-    const known = this.text()?.plants.find((each) => each.name === this.form.shown("plant"));
-    const moves = Boolean(known?.trajectories.length);
-    this.form.show(["trajectory"], moves);
-    this.form.show(["payload"], moves && known.carries);
-    this.form.show(["reference", "duration"], !moves);
-    this.form.choices(
-      "trajectory",
-      (known?.trajectories ?? []).map((each) => [each, each]),
+    showGrounds(
+      this.form,
+      this.text()?.plants.find((each) => each.name === this.form.shown("plant")),
     );
-    if (this.form.has("reference")) this.form.input("reference").placeholder = known?.reference ?? "";
   };
 
   ask = () => {

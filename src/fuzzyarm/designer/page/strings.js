@@ -258,6 +258,14 @@ export const S = {
       rows: [],
     },
     {
+      title: "Sweep, Fit and Prove",
+      view: "prove",
+      words: [
+        "Many runs over ranges, with a map; a rule base from samples; verdicts on `prove` lines, bounds, sectors and loops.",
+      ],
+      rows: [],
+    },
+    {
       title: "Compare",
       view: "compare",
       words: ["The file beside another one: surfaces, and what differs in meaning."],
@@ -525,6 +533,19 @@ export const S = {
   proveLines: (count) =>
     count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
   proveEnds: { done: "All is judged.", stopped: "Stopped." },
+  toLoad: "To load:",
+  savedAs: (name) => `Saved as ${name}.`,
+  sweep: "Sweep",
+  sweepEnds: { done: "All runs are made.", stopped: "Stopped." },
+  sweepReady: (gains) =>
+    `NAME=A..B:N takes N values from A to B of a gain${gains.length ? ` (${gains.join(", ")})` : ""} or a parameter of the plant.`,
+  fit: "Fit",
+  fitIt: "Fit",
+  fitEnds: { done: "It can be saved.", stopped: "Stopped." },
+  fitReady:
+    "A rule base is learned from samples of this folder; the last column is what is learned, unless a target is named.",
+  noSamples: "There is no .csv file in this folder; a table or a rule base can be learned as well.",
+  none: "none",
   tune: "Tune",
   needsConnect: (name) => `${name} (other axes)`,
   asCompared: "the usual ones",

@@ -6,6 +6,7 @@ import { confirm } from "./dialogs.js";
 import { Form } from "./form.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
+import { showGrounds } from "./work.js";
 
 const MOST_ROWS = 120; // of numbers that move
 /** Fields of a controller in its loop, and of a rule base on samples. */
@@ -120,14 +121,9 @@ class TunePanes {
 
   fit = () => {
     const known = this.facts?.plants.find((each) => each.name === this.form.shown("plant"));
-    const moves = Boolean(this.facts?.loop && known?.trajectories.length);
     this.form.show(IN_LOOP, Boolean(this.facts?.loop));
-    this.form.show(["reference", "duration"], Boolean(this.facts?.loop) && !moves);
-    this.form.show(["trajectory"], moves);
-    this.form.show(["payload"], moves && known.carries);
     this.form.show(ON_SAMPLES, Boolean(this.facts) && !this.facts.loop);
-    this.form.choices("trajectory", [["", S.asCompared], ...(known?.trajectories ?? []).map((each) => [each, each])]);
-    if (this.form.has("reference")) this.form.input("reference").placeholder = known?.reference ?? "";
+    showGrounds(this.form, this.facts?.loop ? known : undefined, [["", S.asCompared]]);
   };
 
   ask = () => {

@@ -885,6 +885,14 @@
         rows: []
       },
       {
+        title: "Sweep, Fit and Prove",
+        view: "prove",
+        words: [
+          "Many runs over ranges, with a map; a rule base from samples; verdicts on `prove` lines, bounds, sectors and loops."
+        ],
+        rows: []
+      },
+      {
         title: "Compare",
         view: "compare",
         words: ["The file beside another one: surfaces, and what differs in meaning."],
@@ -1129,6 +1137,17 @@
     proveIt: "Prove",
     proveLines: (count) => count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
     proveEnds: { done: "All is judged.", stopped: "Stopped." },
+    toLoad: "To load:",
+    savedAs: (name) => `Saved as ${name}.`,
+    sweep: "Sweep",
+    sweepEnds: { done: "All runs are made.", stopped: "Stopped." },
+    sweepReady: (gains) => `NAME=A..B:N takes N values from A to B of a gain${gains.length ? ` (${gains.join(", ")})` : ""} or a parameter of the plant.`,
+    fit: "Fit",
+    fitIt: "Fit",
+    fitEnds: { done: "It can be saved.", stopped: "Stopped." },
+    fitReady: "A rule base is learned from samples of this folder; the last column is what is learned, unless a target is named.",
+    noSamples: "There is no .csv file in this folder; a table or a rule base can be learned as well.",
+    none: "none",
     tune: "Tune",
     needsConnect: (name) => `${name} (other axes)`,
     asCompared: "the usual ones",
@@ -1474,10 +1493,11 @@
   function valueOf(field, shown) {
     if (typeof shown === "boolean") return shown;
     const text = shown.trim();
-    if (typeOf(field) === "array") return text.split(controlOf(field) === "lines" ? /\s*\n\s*/ : /\s+/).filter(Boolean);
+    if (typeOf(field) === "array") return text.split(controlOf(field) === "lines" ? /\s*\n\s*/ : BETWEEN).filter(Boolean);
     if (typeOf(field) === "boolean") return text === "" ? null : text === "true";
     return text;
   }
+  var BETWEEN = /\s+(?!log(?:\s|$))/;
   var saysNothing = (field, value) => [value ?? ""].flat().join(" ") === [field.default ?? ""].flat().join(" ");
   function optionsOf(fields, values) {
     return fields.flatMap((field) => {
@@ -18837,7 +18857,7 @@ ${name}`;
   // text.js
   var FROZEN = [_.readOnly.of(true), O.editable.of(false)];
   var WAIT2 = 15;
-  var [TRIES, BETWEEN] = [300, 20];
+  var [TRIES, BETWEEN2] = [300, 20];
   function explained(markdown) {
     const parts = markdown.split(/^```\w*\n([\s\S]*?)\n```$/m);
     return parts.flatMap((part, i) => i % 2 ? [el("pre", { textContent: part })] : words(part.trim()));
@@ -19044,7 +19064,7 @@ ${name}`;
           if (answer.version === void 0 || this.settled() && version === answer.version && Og(this.view.state) === version)
             return answer;
         }
-        await new Promise((resolve) => setTimeout(resolve, BETWEEN));
+        await new Promise((resolve) => setTimeout(resolve, BETWEEN2));
       }
       return { error: S.gone };
     };
@@ -19172,7 +19192,7 @@ ${each.hint}` : each.message
     sent = async () => {
       for (let tries = 0; tries < TRIES && !this.settled(); tries++) {
         this.send();
-        await new Promise((resolve) => setTimeout(resolve, BETWEEN));
+        await new Promise((resolve) => setTimeout(resolve, BETWEEN2));
       }
       return this.settled();
     };

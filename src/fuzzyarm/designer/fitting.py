@@ -1,0 +1,117 @@
+"""A rule base from samples of the folder: what ``fuzzyarm fit`` says, with its residuals.
+
+A page says ``enough``, which keeps the best so far, and ``save`` with the name of a file.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzyarm.designer.forms import FIT
+from fuzzyarm.designer.grounds import FieldError, at_field
+from fuzzyarm.designer.jobs import WindowJob
+from fuzzyarm.designer.requests import BareMessage, FitWord, FitWork
+from fuzzyarm.designer.results import save_beside, tell_result
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.requests.learn import FitRequest
+from fuzzyarm.text.files import write_atomically
+
+if TYPE_CHECKING:
+    from fuzzyarm.learning.data import Samples
+    from fuzzyarm.learning.fit import Fit
+    from fuzzyarm.picture import Chart
+
+SAMPLES = (".csv", ".parquet")
+MODELS = (".lut", ".frb")
+"""What is sampled: the result stands for it."""
+
+TELL_EVERY = 0.1
+"""Seconds between two words of how far it is."""
+
+
+def fittable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+    """Tell what the form is, and which files of the folder can be learned from."""
+    job.tell({
+        "samples": job.folder.listed(*SAMPLES),
+        "models": job.folder.listed(*MODELS),
+        "form": FIT.fields(),
+    })  # fmt: skip
+
+
+def fit(session: Session, asked: FitWork, job: WindowJob) -> None:
+    """Learn, tell, and write what a page takes; goes on until it wants no more."""
+    if not asked.form.get("data"):
+        raise FieldError("choose the samples to learn from", field="data")
+    request = FIT.request(asked.form, Path(session.path).parent)
+    named = request.name or Path(request.data).stem
+    request = request.replaced(
+        name=named,
+        data=_file_of(job, "data", request.data, (*SAMPLES, *MODELS)),
+        test=_file_of(job, "test", request.test, SAMPLES) if request.test else None,
+    )
+    model = _learned(request, job)
+    job.tell({"name": f"{named}.frb"})
+    while True:
+        word = job.word(FitWord)
+        if word.save is not None:
+            save_beside(
+                job, word.save, ".frb", lambda path: write_atomically(path, model.text),
+                replace=word.replace,
+            )  # fmt: skip
+
+
+def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -> str:
+    if name not in job.folder.listed(*suffixes):
+        raise FieldError(f"'{name}' is not a file of samples in this folder", field=field)
+    return str(job.folder.beside(name, Path(name).suffix.lower()))
+
+
+def _learned(request: FitRequest, job: WindowJob) -> Fit:
+    """Learn, and tell what came of it."""
+    from fuzzyarm.learning.asked import is_model, options_asked, samples_asked, test_asked
+    from fuzzyarm.learning.fit import fit as fit_it
+    from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
+
+    with at_field("time" if request.time else "words" if request.words else "terms"):
+        options = options_asked(request)
+    with at_field("inputs" if request.inputs else "target" if request.target else "data"):
+        samples = samples_asked(request)
+    with at_field("test"):
+        test = test_asked(request, samples)
+    model = fit_it(samples, options, _Teller(job))
+    report = report_of(f"{request.name}.frb", samples, model)
+    if test is not None:
+        report["test"] = tested(samples, model, test)
+    if is_model(request.data):
+        report["fidelity"] = faithful(samples, model)
+    lines = [*samples.notes, *report_lines(samples, model, report, options)]
+    if model.limits:
+        lines.append(broken_off(model.limits))
+    tell_result(job, lines, [_chart(model, test or samples, on_test=test is not None)])
+    return model
+
+
+class _Teller:
+    """Says how far it is; a hand that has enough ends it, and keeps the best."""
+
+    def __init__(self, job: WindowJob) -> None:
+        self.job = job
+        self.last = 0.0
+
+    def __call__(self, words: str) -> None:
+        if any(word.enough for word in self.job.heard(FitWord)):
+            raise KeyboardInterrupt
+        if time.monotonic() - self.last >= TELL_EVERY:
+            self.last = time.monotonic()
+            self.job.progress(words)
+        self.job.check()
+
+
+def _chart(model: Fit, samples: Samples, *, on_test: bool) -> Chart:
+    from fuzzyarm.learning.validation import validate
+    from fuzzyarm.show.validation import validation_chart
+
+    title = "on the samples of Test" if on_test else "on what it was learned from"
+    return validation_chart(validate(model.rulebase, samples), samples.target, title)

@@ -1,0 +1,122 @@
+"""Many runs of the text that is open: what ``fuzzyarm sweep`` says, with its map as a picture."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.designer.faults import TextRefusedError
+from fuzzyarm.designer.forms import SWEEP
+from fuzzyarm.designer.grounds import FieldError, at_field, check_words, plant_named, plants_for
+from fuzzyarm.designer.jobs import WindowJob
+from fuzzyarm.designer.requests import BareMessage, SweepWork
+from fuzzyarm.designer.results import tell_result
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.requests.runs import SweepRequest
+
+if TYPE_CHECKING:
+    from fuzzyarm.controller.controller import CompiledController
+    from fuzzyarm.loop.sweeps import Sweep
+    from fuzzyarm.model.controller import ControllerModel
+    from fuzzyarm.picture import Chart
+
+MOST_RUNS = 20_000
+"""A page is not left to itself for hours."""
+
+TELL_EVERY = 0.1
+"""Seconds between two words of how far it is."""
+
+
+def sweepable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+    """Tell what the form is, on what the text runs, and the names of its gains."""
+    controller, model = _controller(session)
+    job.tell({
+        "plants": plants_for(model, job.plants),
+        "gains": list(controller.gains),
+        "form": SWEEP.fields(),
+    })  # fmt: skip
+
+
+def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
+    """Return the controller of a text; of a rule base the one that asks it directly."""
+    from fuzzyarm.designer.run import controller_of, source_of
+
+    if session.path.lower().endswith(".lut"):
+        raise TextRefusedError("a table does not run by itself; open a controller")
+    controller = controller_of(session.text, session.path)
+    return controller, source_of(controller).model
+
+
+def sweep(session: Session, asked: SweepWork, job: WindowJob) -> None:
+    """Run, and tell what came of it."""
+    from fuzzyarm.loop.many import many_of
+    from fuzzyarm.loop.sweeps import answered
+    from fuzzyarm.show.sweep import sweep_lines
+
+    request, plan = _plan(session, asked, job)
+    last = time.monotonic()
+
+    def moved(done: int) -> None:
+        nonlocal last
+        if time.monotonic() - last >= TELL_EVERY:
+            last = time.monotonic()
+            job.progress(f"{done:,} of {plan.count:,} runs")
+
+    with tempfile.TemporaryDirectory() as folder:
+        file = plan.file(str(Path(folder) / f"{Path(session.path).stem}-sweep.csv"))
+        answer = answered(plan, file, request, None, moved)
+        job.check()  # a hand that stops it is not a fault of a run
+        many = many_of(plan.bench, plan.changes, answer.rows)
+        charts = _charts(plan, request, answer.rows) if len(many) == plan.count else []
+        lines = [*sweep_lines(many, request.metric), *answer.faults]
+        tell_result(job, lines, charts, files={file.path.name: file.path.read_bytes()})
+
+
+def _plan(session: Session, asked: SweepWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
+    """Return the request and its runs; a mistake is said at its field."""
+    from fuzzyarm.loop.sweep import read_range
+    from fuzzyarm.loop.sweeps import sweep_of
+
+    controller, model = _controller(session)
+    path = Path(session.path)
+    request = SWEEP.request(asked.form, path.parent, controller=path.name)
+    with at_field("plant"):
+        plant = plant_named(request.plant or "", model, job.plants)
+        request = request.replaced(plant=request.plant or plants_for(model, job.plants)[0]["name"])
+    check_words(request, plant)
+    with at_field("sweep"):
+        for word in request.sweep:
+            read_range(word)
+    if not plant.trajectories:
+        request = request.replaced(trajectory=None, payload=False)
+    with at_field("sweep"):
+        plan = sweep_of(request, controller)
+    if plan.count > MOST_RUNS:
+        words = f"{plan.count:,} runs are out of range here: up to {MOST_RUNS:,}"
+        raise FieldError(words, field="sweep", hint="fuzzyarm sweep takes more")
+    if request.map:
+        _axes(plan, request)
+    return request, plan
+
+
+def _axes(plan: Sweep, request: SweepRequest) -> Any:
+    """Return the ranges over which a map is drawn; of more than two the first, if none are said."""
+    from fuzzyarm.loop.sweeps import map_axes
+
+    if len(plan.ranges) > 2 and not request.map:
+        request = request.replaced(map=",".join(range_.name for range_ in plan.ranges[:2]))
+    with at_field("map"):
+        return map_axes(request, plan)
+
+
+def _charts(plan: Sweep, request: SweepRequest, rows: Any) -> list[Chart]:
+    """Return the picture of runs on a grid; of runs with drawn values there is none."""
+    from fuzzyarm.loop.many import many_of
+    from fuzzyarm.show.sweep import sweep_chart
+
+    if request.random is not None:
+        return []
+    many = many_of(plan.bench, plan.changes, rows)
+    return [sweep_chart(many, _axes(plan, request), request.metric)]

@@ -1,0 +1,112 @@
+"""What is said of a rule base that was learned from samples: as data, and in lines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.fit import OUTER, Fit, fidelity, linear_outputs, outputs_of, score
+from fuzzyarm.learning.fit_options import Options
+from fuzzyarm.text.columns import in_columns
+from fuzzyarm.text.numbers import counted, percent
+
+__all__ = ["broken_off", "faithful", "report_lines", "report_of", "tested"]
+
+
+def report_of(file: str, samples: Samples, made: Fit) -> dict[str, Any]:
+    """Return what was learned as JSON data."""
+    return {
+        "file": file,
+        "samples": len(samples),
+        "inputs": list(samples.names),
+        "target": samples.target,
+        "classes": list(samples.classes),
+        "rules": len(made.rulebase.rules),
+        "structure": made.structure,
+        "shrinkage": made.shrinkage,
+        "digits": made.digits,
+        "training": {
+            "error": made.error,
+            "error_of_numbers": made.error_of_numbers,
+            "linear": made.linear_error,
+        },
+        "cross_validation": {
+            "error": made.cross_validation,
+            "judged": made.judged,
+            "of_the_choice": made.choice,
+            "linear": made.linear_cross_validation,
+            "candidates": [
+                {"structure": words, "rules": rules, "error": error}
+                for words, rules, error in made.candidates
+            ],
+        },
+        "support": list(made.support),
+        "interrupted": made.interrupted,
+    }
+
+
+def tested(samples: Samples, made: Fit, test: Samples) -> dict[str, Any]:
+    """Return how it does on the samples of --test, beside linear regression."""
+    return {
+        "samples": len(test),
+        "error": score(test, outputs_of(made.rulebase, test)),
+        "linear": score(test, linear_outputs(samples, test)),
+    }
+
+
+def faithful(samples: Samples, made: Fit) -> dict[str, float]:
+    """Return how far it is from what it stands for."""
+    return fidelity(made.rulebase, samples)._asdict()
+
+
+def report_lines(
+    samples: Samples, made: Fit, report: dict[str, Any], options: Options
+) -> list[str]:
+    """Return a report in lines: errors beside those of linear regression."""
+    kind = "wrong answers" if samples.classes else "RMS error"
+    blocks = " in blocks" if options.series else ""
+    nested, parts = "", options.parts
+    if made.judged == "nested":
+        nested, parts = "nested ", min(parts, OUTER)
+    cross = f"{nested}cross-validation, {parts} parts{blocks} (RMS)"
+    rows = [("", "model", "linear regression")]
+    rows.append((f"training ({kind})", *_pair(made.error, made.linear_error)))
+    rows.append((cross, *_pair(made.cross_validation, made.linear_cross_validation)))
+    if "test" in report:
+        tested = report["test"]
+        rows.append(
+            (
+                f"test, {counted(tested['samples'], 'sample')} ({kind})",
+                *_pair(tested["error"], tested["linear"]),
+            )
+        )
+    lines = [
+        f"{report['file']}: {counted(report['rules'], 'rule')}, {made.structure}",
+        *in_columns(rows, "<>", indent="  ", least=(0, 10, 17)),
+    ]
+    if made.judged == "by the choice":
+        lines.append("  its structure was chosen on the same parts: on others it may be more")
+    if "fidelity" in report:
+        told = report["fidelity"]
+        worst, mean = (percent(told[key], 2) for key in ("worst_share", "rms_share"))
+        lines.append(
+            f"  fidelity: off by at most {told['worst']:.4g}, {told['rms']:.4g} RMS,"
+            f" {worst} and {mean} of the range"
+        )
+    if made.structure == "linear":
+        lines.append("  no terms earned their rules: the model is linear regression")
+    elif made.cross_validation > made.linear_cross_validation:
+        lines.append("  linear regression is better on samples not seen")
+    return lines
+
+
+def broken_off(limits: tuple[str, ...]) -> str:
+    """Say what Ctrl-C, or the end of the time, has left out."""
+    why = "the time is over" if "time" in limits else "interrupted"
+    if "search" in limits:
+        return f"{why}: the best so far is written"
+    return f"{why}: the model is written, and its error is that by which it was chosen"
+
+
+def _pair(model: float, linear: float) -> tuple[str, str]:
+    return f"{model:.4g}", f"{linear:.4g}"
