@@ -258,6 +258,7 @@ def _compared_lines(
 
 def _outputs_of(compared: Compared) -> list[int]:
     """Return which of the outputs that follow each error is of, counted from 1."""
+    # Errors stand one trajectory after the other, each with all outputs that follow it.
     outputs = len(compared.rms) // len(compared.diverged)
     return [1 + index % outputs for index in range(len(compared.rms))]
 

@@ -294,6 +294,7 @@ def _metric_lines(result: Run) -> list[str]:
     between = {"rms_periods": "  all periods", "rms_path": "  path"}
     shown = [name for name in columns[0] if name not in between]
     if result.every > 1:
+        # Behind the metric at the set points, of which they are other readings.
         shown[1:1] = between
     for metric in shown:
         cells = ["-" if column[metric] is None else f"{column[metric]:.4g}" for column in columns]
@@ -324,6 +325,7 @@ def _write_csv(results: list[Run], path: str) -> None:
     lines: list[str] = []
     several = len(results) > 1
     for index, result in enumerate(results):
+        # One file has the same columns for all runs.
         columns = _csv_columns(result, held=any(run.every > 1 for run in results))
         if not index:
             heads = [*["controller"] * several, *columns]

@@ -577,6 +577,8 @@ class RunWord:
         To begin anew, with what is `asked` for, if it says so.
     """
 
+    # None says something here, as fast as possible or that the hand lets go: what is not said needs
+    # a value of its own.
     speed: float | Absent | None = ABSENT
     pause: bool | None = None
     calm: bool | None = None

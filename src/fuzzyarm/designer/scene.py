@@ -271,6 +271,7 @@ def _rules(
                 "at": positions.of(rule.span)[0],
                 "inGrid": rule.in_grid,
                 "parts": list(_parts(rule, names)),
+                # Of type 2 a rule is read twice: by its upper degrees, then by the lower ones.
                 "readings": list(made.readings[number]),
                 "concludes": concluded.get(made.readings[number][0], []),
                 "concludesLower": [
@@ -307,6 +308,7 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
     for key in ("aggregation", "defuzzifier"):
         own = [each for each in rulebase.outputs if (each.name, key) in written]
         others = [each for each in rulebase.outputs if each not in own]
+        # Outputs without their own line share one row, told by the first of them.
         for output in [*others[:1], *own]:
             target = output.name if output in own else ""
             found.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))

@@ -65,6 +65,7 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
         lines: list[Line] = []
         source_sheets = text.sheets[source.name]
         for number, name in enumerate(line.names):
+            # Each axis may have its own rule base under the name, with other names of outputs.
             outputs = [
                 sheet.outputs[number].name for sheet in source_sheets if isinstance(sheet, RuleBase)
             ]

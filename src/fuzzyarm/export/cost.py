@@ -204,6 +204,7 @@ class _Programs:
         return total + _SETTLE + _times(_MEAN, int(k[head + at.IS_MEAN] != 0)), here
 
     def _closed(self, here: int) -> tuple[Operations, int]:
+        # As `closed_centroid` reads them: unions, each a count and its rows; then terms.
         unions, here = self.k[here], here + 1
         others = 0
         for _ in range(unions):

@@ -41,9 +41,6 @@ from fuzzyarm.version import __version__
 
 __all__ = ["engine_source", "numbers_of", "rule_base_module"]
 
-OWN_NORMS = 4
-"""Numbers below are norms that the kernel does by itself."""
-
 
 class KindNames(NamedTuple):
     """The kinds that a module has."""
@@ -72,7 +69,8 @@ class Functions:
     def _number(self, described: dict[str, Any]) -> int:
         key = json.dumps(described, sort_keys=True)
         if key not in self._known:
-            self._known[key] = OWN_NORMS + len(self.described)
+            # The numbers in front are norms that the kernel does by itself.
+            self._known[key] = len(block.BY_ITSELF) + len(self.described)
             self.described.append(described)
         return self._known[key]
 
@@ -235,6 +233,7 @@ def kernel_source() -> str:
 
 def _constants() -> str:
     """Return what stands where in a block, by name."""
+    # What engine.js asks for by name; the translated kernel has the numbers themselves in its text.
     names = (
         "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
         " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"
@@ -339,8 +338,8 @@ def rule_base_module(rulebase: RuleBase, source: str = "") -> str:
     parts = [
         *origin,
         engine_source(_used(numbers["functions"])),
-        *(f"export const {name} = {_json(limits)};" for name, limits in ranges.items()),
-        f"const engine = new Engine({_json(numbers)});",
+        *(f"export const {name} = {script_json(limits)};" for name, limits in ranges.items()),
+        f"const engine = new Engine({script_json(numbers)});",
         _INTERFACE,
     ]
     return "\n".join(parts)
@@ -371,11 +370,6 @@ def _comment(title: str, source: str) -> list[str]:
 def _range(variable: Any) -> dict[str, Any]:
     low, high = jsonable((variable.low, variable.high))
     return {"name": variable.name, "low": low, "high": high, "description": variable.description}
-
-
-def _json(data: Any) -> str:
-    """Return JSON that may also stand inside an element of HTML."""
-    return script_json(data)
 
 
 def script_json(data: Any) -> str:

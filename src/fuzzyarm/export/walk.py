@@ -192,6 +192,8 @@ class DefuzzifierWalk:
         whole, floats = len(layout.whole), len(layout.floats)
         room = (layout.rows + at.WORK_ROWS) * points + 2 * layout.samples
         block = np.zeros(whole + floats + room)
+        # One block holds all: whole numbers, each in the place of a float; the floats; and the
+        # room in rows, a number for each point, of which the first are the parts.
         k = block.view(np.int64)
         k[:whole] = layout.whole
         k[at.POINTS] = k[at.WIDTH] = k[at.COUNT] = points

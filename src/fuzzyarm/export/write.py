@@ -223,6 +223,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
         raise ExportError(f"{path.name!r} cannot be used in an #include", hint="take another name")
     if name is None:
         return suffix, identifier(path.stem)
+    # Structured Text does not tell small letters from capitals.
     reserved = name in C_RESERVED or (suffix in _STRUCTURED and name.lower() in ST_RESERVED)
     if identifier(name) != name or reserved:
         raise ExportError(

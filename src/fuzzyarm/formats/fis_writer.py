@@ -274,6 +274,7 @@ class _Writer(SystemWriter):
         order = [self.inputs.index(part.variable) for part in propositions]
         if len(propositions) != len(parts) or len(set(order)) != len(order):
             return None
+        # Two operands give the same bits in either order; of three, products are rounded otherwise.
         if order != sorted(order) and len(order) > 2:
             message = "the conditions of a rule are put in the order of the inputs"
             self.findings.info("reordered-conditions", message)

@@ -353,6 +353,7 @@ class _Joint:
         roots = {variable.name: self.root(key, variable.name) for variable in part.inputs}
         if shape.kind == "linear":
             *factors, constant = shape.parameters
+            # An input with the factor 0 is not read: it alone does not make a formula of the sum.
             terms = [(f, roots[v.name]) for f, v in zip(factors, part.inputs, strict=True) if f]
             if all(isinstance(root.variable, Input) for _, root in terms):
                 return replace(shape, parameters=(*self._factors(terms), constant))

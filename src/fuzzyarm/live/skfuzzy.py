@@ -427,6 +427,7 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
         variable_ = control.Consequent(
             _universe(output, samples),
             output.name,
+            # What is to be said of the method has been said by `_check`.
             word_of_method(output, "skfuzzy", "scikit-fuzzy", Findings(lossy=True)),
         )
         variables[output.name] = _with_terms(variable_, output)

@@ -108,6 +108,7 @@ class WorkJournal:
         if not content.startswith(head):
             hint = f"give another {self.option}"
             raise JournalError(f"{self.path} {self._difference(content)}", hint=hint)
+        # Who wrote was ended within a line: the next one would go on in it.
         if not content.endswith(b"\n"):
             os.truncate(self.path, content.rfind(b"\n") + 1)
         return self.rows()

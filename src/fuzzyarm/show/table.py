@@ -132,6 +132,7 @@ def table_grids(
     if excerpt.size < array.size:
         drawings.append(Text(_thinned_words(table, indices) + more, "dim"))
     size = excerpt.shape[-1] * (excerpt.shape[-2] if excerpt.ndim > 1 else 1)
+    # In the order in which the values lie: `product`, too, counts the last index fastest.
     pages = list(product(*indices[:-2]))
     for k, page in enumerate(pages):
         if page:

@@ -69,6 +69,7 @@ def parse_lut(text: str, path: str = "<text>") -> ParsedTable:
     diagnostics: list[Diagnostic] = []
     header, grids = _scan(text, diagnostics)
     if header.version is None:
+        # A file that is no table at all has a mistake in every line: a few of them are enough.
         return finish(None, None, [_no_format(text), *diagnostics][:20], path)
     head = resolve(header, diagnostics)
     values = read_grids(head, grids, diagnostics) if head else None

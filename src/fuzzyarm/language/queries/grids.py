@@ -229,6 +229,7 @@ def remove_column(reading: Reading, line: int, term: str) -> list[Edit]:
     spans = [grid.columns[place].span]
     for number in range(len(grid.rows)):
         cells = _cells(grid, number)
+        # While a text is written, a row may be shorter than its heads.
         spans += [cells[place]] if place < len(cells) else []
     return demand_sound(reading, [without_word(reading, span) for span in spans])
 

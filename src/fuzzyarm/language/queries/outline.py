@@ -139,6 +139,7 @@ def _blocks(reading: Reading) -> list[Fold]:
     ends = [*(i - 1 for i in starts[1:]), len(extents) - 1]
     return [
         Fold(extents[start][1], extents[end][2])
+        # Without blocks there is an end all the same.
         for start, end in zip(starts, ends, strict=False)
         if end > start
     ]

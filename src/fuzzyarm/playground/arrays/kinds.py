@@ -176,6 +176,7 @@ class DType:
 
     def __init__(self, of: type, name: str, code: str, kind: str, rank: int) -> None:
         self.type, self.name, self.code, self.kind, self.rank = of, name, code, kind, rank
+        # NumPy counts an object as a pointer.
         self.itemsize = struct.calcsize(code.replace("O", "P"))
 
     def newbyteorder(self, order: str) -> DType:
@@ -222,6 +223,7 @@ _BY_TYPE: dict[Any, DType] = {each.type: each for each in DTYPES}
 _BY_TYPE |= {each.name: each for each in DTYPES}
 _BY_TYPE |= {float: _BY_TYPE["float64"], int: _BY_TYPE["int64"], bool: _BY_TYPE["bool"]}
 _BY_TYPE |= {"float": _BY_TYPE[float], "int": _BY_TYPE[int], "d": _BY_TYPE[float]}
+# To NumPy, too, a kind that is not given is float64.
 _BY_TYPE |= {None: _BY_TYPE[float]}
 
 

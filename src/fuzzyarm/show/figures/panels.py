@@ -91,8 +91,9 @@ def chart_figure(chart: Chart) -> Figure:
                     axes.set_visible(False)
                 else:
                     draw_panel(axes, panel, room)
-        for axes in places[-1]:
-            axes.set_xlabel(chart.below, fontsize=LABEL) if chart.below else None
+        if chart.below:
+            for axes in places[-1]:
+                axes.set_xlabel(chart.below, fontsize=LABEL)
         if chart.key:
             _key_below(figure, places.ravel(), chart.size[0])
     if chart.title:
