@@ -263,13 +263,7 @@ def certificate_of(whole: Field) -> Certificate:
 
 
 def unsealed(whole: Field, wanted: str) -> Field:
-    """Return the data of a sealed file of a format, without its seal.
-
-    Raises
-    ------
-    CertificateError
-        If it is not of that format, or is damaged.
-    """
+    """Return the data of a sealed file of a format, without its seal."""
     path = whole.file
     version = whole["format"].text
     if version != wanted:

@@ -132,20 +132,7 @@ class Field:
 
 
 def read_fields(path: str) -> Field:
-    """Return what is in a file of JSON, which has to be an object.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    CertificateError
-        If it is not an object of JSON.
-    """
+    """Return what is in a file of JSON, which has to be an object."""
     try:
         value = json.loads(Path(path).read_text("utf-8"))
     except json.JSONDecodeError as error:

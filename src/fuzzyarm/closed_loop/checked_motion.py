@@ -88,17 +88,7 @@ def around_motion(
 def output_between_samples(
     problem: LoopProblem, around: Mapping[str, RationalInterval], output: str
 ) -> RationalInterval:
-    """Return where an output can be from one sample to the next.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    around : mapping of str to RationalInterval
-        By state, where it is at the sample.
-    output : str
-        A port of the plant.
-    """
+    """Return where an output can be from one sample to the next."""
     equations, interface = problem.equations, problem.site.interface
     ranges = {
         key: RationalInterval(Fraction(span.low), Fraction(span.high))

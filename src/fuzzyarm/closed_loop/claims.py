@@ -90,20 +90,7 @@ def problem_of(
     connect: Mapping[str, str] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
 ) -> LoopProblem:
-    """Return the loop of a claim.
-
-    Parameters
-    ----------
-    text, claim, plant, connect, sensors
-        As for :func:`fuzzyarm.closed_loop.prove_loop`.
-
-    Raises
-    ------
-    PlantError
-        If there is no such plant, or it has no such port.
-    ClaimError
-        If it names another state or parameter, or has ends in the wrong order.
-    """
+    """Return the loop of a claim."""
     problem = loop_problem(
         text,
         plant if plant is not None else find_plant(claim.plant),
@@ -122,12 +109,6 @@ def problem_of(
 
 
 def claimed_port(problem: LoopProblem, claim: LoopClaim) -> str:
-    """Return the output or the drive that is claimed of, as tubes and runs call it.
-
-    Raises
-    ------
-    PlantError
-        If the plant has no such port.
-    """
+    """Return the output or the drive that is claimed of, as tubes and runs call it."""
     interface = problem.site.interface
     return interface.label(interface.port(claim.output))

@@ -123,17 +123,7 @@ class Form:
 
 
 def row_of(signal: Affine, names: Sequence[str], answers: int) -> tuple[Fraction, ...]:
-    """Return the weights of variables and of answers in a signal.
-
-    Parameters
-    ----------
-    signal : Affine
-        Which; its constant is left out.
-    names : sequence of str
-        Of the variables.
-    answers : int
-        How many blocks there are.
-    """
+    """Return the weights of variables and of answers in a signal."""
     every = [*names, *(f"w{k}" for k in range(answers))]
     if unknown := set(signal.parts) - set(every):
         raise LoopProofError(f"a signal depends on {', '.join(sorted(unknown))}")

@@ -53,13 +53,7 @@ def _unheard(_statement: str, _count: int, _gap: float) -> None:
 
 
 def proofs_of(asked: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
-    """Return all that a request asks for.
-
-    Raises
-    ------
-    FuzzyarmError
-        If something does not fit.
-    """
+    """Return all that a request asks for."""
     require_sensible(asked)
     if asked.check is not None or asked.sector or wants_loop(asked) or bounds_one(asked):
         return tuple(_single(asked, asked.files[0] if asked.files else "", tell))
@@ -94,13 +88,7 @@ def _single(asked: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
 
 
 def require_sensible(asked: ProveRequest) -> None:
-    """Tell mistakes before anything is read.
-
-    Raises
-    ------
-    UsageError
-        If fields do not fit each other.
-    """
+    """Tell mistakes before anything is read."""
     if asked.check is not None:
         return
     if not asked.files:

@@ -63,17 +63,7 @@ class RegionPlane:
 def region_planes(
     text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None
 ) -> list[RegionPlane]:
-    """Return the planes of a proved region: of the first two states, and of the next two.
-
-    Parameters
-    ----------
-    text : ControllerText
-        The controller.
-    verdict : LoopVerdict
-        One that is proved.
-    plant : Plant, optional
-        In place of the one that the claim names.
-    """
+    """Return the planes of a proved region: of the first two states, and of the next two."""
     certificate = verdict.certificate
     if not isinstance(certificate, Certificate):
         return []

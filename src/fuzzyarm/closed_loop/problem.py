@@ -120,13 +120,7 @@ class LoopProblem:
 
     @cached_property
     def equations(self) -> PlantEquations:
-        """The equations of the plant.
-
-        Raises
-        ------
-        LoopProofError
-            If they cannot be traced.
-        """
+        """The equations of the plant; LoopProofError if they cannot be traced."""
         plant = self.plant
         roots = expressions_of(plant)
         if roots is None:

@@ -49,13 +49,7 @@ class UnenclosedError(FuzzyarmError, ValueError):
 
 
 def readable(root: Node) -> Node:
-    """Return an expression in the operations that forms have.
-
-    Raises
-    ------
-    UnenclosedError
-        If it has another one.
-    """
+    """Return an expression in the operations that forms have."""
     nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if not isinstance(node, Apply):

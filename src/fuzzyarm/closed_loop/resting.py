@@ -71,22 +71,7 @@ def rest_in_floats(
     memory: Sequence[str],
     conclusion: Callable[[RuleBase, str, Mapping[str, float]], float],
 ) -> dict[str, float]:
-    """Return where a loop nearly rests: states of the plant, then memory.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    memory : sequence of str
-        What is remembered and moves.
-    conclusion : callable
-        What a rule base concludes at a point.
-
-    Raises
-    ------
-    LoopProofError
-        If Newton's method does not find a rest.
-    """
+    """Return where a loop nearly rests: states of the plant, then memory."""
     names = [*problem.states, *memory]
     period = ControlPeriod[float](problem, _Floats(conclusion))
 

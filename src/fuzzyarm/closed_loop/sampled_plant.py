@@ -30,18 +30,7 @@ __all__ = ["SampledPlant", "require_still"]
 
 
 def require_still(problem: LoopProblem) -> None:
-    """Refuse equations that change with time, jump, or let an input through at once.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-
-    Raises
-    ------
-    LoopProofError
-        If they do.
-    """
+    """Refuse equations that change with time, jump, or let an input through at once."""
     equations, name = problem.equations, problem.plant.name
     for root in (*equations.rates, *equations.outputs):
         if "t" in symbols(root):

@@ -64,21 +64,7 @@ def proposals(
     continuous: bool,
     wanted: tuple[float, float] | None,
 ) -> Iterator[Proposal | str]:
-    """Yield proposals, and in words why an attempt came to nothing.
-
-    Parameters
-    ----------
-    maker : FormMaker
-        Of the loop.
-    claim : LoopClaim
-        What is to be proved.
-    stop : Stop
-        When to give up.
-    continuous : bool
-        Whether the loop is taken in continuous time.
-    wanted : (float, float) or None
-        Where the output of the claim is to stay.
-    """
+    """Yield proposals, and in words why an attempt came to nothing."""
     search = _Search(maker, claim, stop, continuous, wanted)
     yield from search.affine() if maker.plant.is_affine else search.boxes()
 
@@ -382,13 +368,7 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
 
 
 def rate_of(form: Matrices, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
-    """Return a share by which V falls in each period: a power of 2, then somewhat more.
-
-    Parameters
-    ----------
-    form, p, multipliers
-        See :mod:`fuzzyarm.closed_loop.checker`; in discrete time.
-    """
+    """Return a share by which V falls in each period: a power of 2, then somewhat more."""
     low, high = 0, 48  # exponents: 1 and what is as good as nothing
     while high - low > 1:
         middle = (low + high) // 2

@@ -138,20 +138,7 @@ def applied(operation: str, arguments: Sequence[Slope]) -> Any:
 
 
 def slopes_of(roots: Sequence[Node], values: Mapping[str, Slope]) -> list[Slope]:
-    """Return expressions with their slopes.
-
-    Parameters
-    ----------
-    roots : sequence of Node
-        Which.
-    values : mapping of str to Slope
-        Of the symbols.
-
-    Raises
-    ------
-    SpanError
-        If they have an operation that is not read, a choice that is open, or no value.
-    """
+    """Return expressions with their slopes."""
     results: dict[Node, Any] = {}
     for node in postorder(*roots):
         if isinstance(node, Constant):

@@ -291,19 +291,7 @@ def start_of(loop: TubeLoop, path: Sequence[tuple[int, bool]]) -> list[RationalI
 
 
 def tube_refutation(loop: TubeLoop, claim: LoopClaim, port: str, boxes: Sequence[BoxProof]) -> str:
-    """Return why a certificate does not prove a claim for a bounded time; empty where it does.
-
-    Parameters
-    ----------
-    loop : TubeLoop
-        The loop of the claim.
-    claim : LoopClaim
-        With an end.
-    port : str
-        What is claimed of, as the loop calls it.
-    boxes : sequence of BoxProof
-        What is said.
-    """
+    """Return why a certificate does not prove a claim for a bounded time; empty where it does."""
     if not _is_all(tuple(box.path for box in boxes)):
         return "its boxes are not all of the starts"
     period = Fraction(loop.problem.period)

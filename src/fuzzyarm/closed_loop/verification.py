@@ -122,15 +122,7 @@ def _value(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
 
 
 def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[tuple[Fraction, ...]]:
-    """Return the corners of the start, as deviations from rest; memory as the loop starts with it.
-
-    Parameters
-    ----------
-    problem : LoopProblem
-        The loop.
-    loop : CheckedLoop
-        As the checker derived it.
-    """
+    """Return the corners of the start, as deviations from rest; memory as it is at the start."""
     ends = [
         tuple(
             dict.fromkeys((Fraction(problem.start[name].low), Fraction(problem.start[name].high)))

@@ -255,13 +255,7 @@ class Forms:
         return self.scaled(1.0 / other)  # two roundings, which is what is counted there
 
     def function(self, name: str) -> Forms:
-        """Return a function of :data:`FUNCTIONS`.
-
-        Raises
-        ------
-        EnclosureError
-            Where it has no value, or no derivatives.
-        """
+        """Return a function of :data:`FUNCTIONS`."""
         derivatives = FUNCTIONS[name]
         radius, zero = self.radius, Intervals.at(np.zeros(self.shape))
         start, slope, bend, _ = derivatives(Intervals.at(self.centre))

@@ -373,19 +373,7 @@ def text_controller(
     change: Change | None = None,
     source: str | None = None,
 ) -> CompiledController:
-    """Make the controller in a file, for the arm; `source` is its text, where it is another.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be read.
-    RuleBaseError
-        If it has mistakes; `diagnostics` has all of them.
-    SourceError
-        If nothing reads a given source, or the arm does not have what it drives or measures.
-    WrongKindError
-        If it is a rule base or a table.
-    """
+    """Make the controller in a file, for the arm; `source` is its text, where it is another."""
     demand_text_file(path)
     source = read_text(path) if source is None else source
     parsed = parse(source, os.fspath(path))
@@ -576,13 +564,7 @@ def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sour
 
 
 def entries_of(name: str) -> list[Entry | TextEntry]:
-    """Return the entry of a name, or those of the addends of a sum.
-
-    Raises
-    ------
-    UnknownControllerError
-        With near names.
-    """
+    """Return the entry of a name, or those of the addends of a sum."""
     names = [part.strip() for part in name.split("+")]
     name_of_sum = "+".join(names)
     if name_of_sum in CATALOGUE:

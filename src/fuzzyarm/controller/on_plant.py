@@ -93,13 +93,7 @@ class Site:
         return CLOCK + len(interface.references) + len(interface.outputs) + self.extra
 
     def wiring(self, model: ControllerModel) -> Wiring:
-        """Give the ports that a controller asks for their cells.
-
-        Raises
-        ------
-        SourceError
-            If the plant does not have one.
-        """
+        """Give the ports that a controller asks for their cells."""
         interface, first_told, size = self.interface, self.told, len(self.interface.inputs)
         first = {"reference": CLOCK, "measured": CLOCK + len(interface.references)}
         first["drive"] = first_told + size
@@ -125,11 +119,6 @@ class Site:
 
         One axis on both sides is the same one, whatever it is called; an axis may be joined as
         a whole, to run on one of several.
-
-        Raises
-        ------
-        SourceError
-            If the plant does not have it.
         """
         axis, port = asked
         joined = self.connect.get(axis, axis)
@@ -360,13 +349,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
 
 
 def controller_on(controller: Controller, site: Site) -> Controller:
-    """Return a controller, or a sum of them, for a plant.
-
-    Raises
-    ------
-    SourceError
-        If the plant does not have what one measures or drives.
-    """
+    """Return a controller, or a sum of them, for a plant."""
     if isinstance(controller, Sum):
         return Sum([controller_on(addend, site) for addend in controller.addends], controller.name)
     law = text_law_of(controller)
@@ -431,13 +414,7 @@ def driven_plainly(site: Site) -> frozenset[Address]:
 
 
 def own_timing(controller: Controller) -> Timing | None:
-    """Return the period and the set points that a controller asks for; None of a law.
-
-    Raises
-    ------
-    SourceError
-        If two addends ask for different ones.
-    """
+    """Return the period and the set points that a controller asks for; None of a law."""
     timings: dict[Timing, Timed] = {}
     for part in controller.parts():
         model = timed(part)
@@ -492,24 +469,12 @@ def timing_words(model: Timed) -> str:
 
 
 def timing_of(controller: Controller) -> Timing:
-    """Return how often a controller runs: as it says, or as the study's laws.
-
-    Raises
-    ------
-    SourceError
-        If two addends say it and differ.
-    """
+    """Return how often a controller runs: as it says, or as the study's laws."""
     return own_timing(controller) or STUDY_TIMING
 
 
 def timing_on(controller: Controller, site: Site) -> Timing:
-    """Return how often a controller runs on a plant, which it has to say but where laws run.
-
-    Raises
-    ------
-    SourceError
-        If it does not say it, or two addends differ.
-    """
+    """Return how often a controller runs on a plant, which it has to say but where laws run."""
     timing = own_timing(controller)
     if timing is None and lacking(site):
         hint = "write  period = 0.01  into its class, in s"

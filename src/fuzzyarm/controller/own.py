@@ -86,15 +86,7 @@ def find_controllers(
     variant: Variant = "as-printed",
     sources: Sources = NONE_GIVEN,
 ) -> list[Controller]:
-    """Make several controllers; where two would be called the same, those of files say which file.
-
-    Parameters
-    ----------
-    names : sequence of str
-        See :func:`find_controller`.
-    start, variant, sources
-        Of all of them.
-    """
+    """Make several controllers; where two have the same name, those of files say which file."""
     controllers = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
     names_by_law: dict[str, set[str]] = {}
     for name, law in zip(names, controllers, strict=True):
@@ -135,13 +127,7 @@ def _part(word: str, choice: Choice) -> Controller:
 
 
 def load_own(place: str) -> Controller:
-    """Load ``FILE.py`` or ``FILE.py:CLASS``; the file is executed.
-
-    Raises
-    ------
-    OwnControllerError
-        If the file cannot be read or run, or has no such controller.
-    """
+    """Load ``FILE.py`` or ``FILE.py:CLASS``; the file is executed."""
     path, _, class_name = place.partition(":")
     module = executed(path, _fault(path))
     classes = {

@@ -621,13 +621,7 @@ class KernelRuleBlock(NamedTuple):
 
 
 def rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
-    """Write down a rule base for :func:`inference_address`.
-
-    Raises
-    ------
-    SourceError
-        If the kernel cannot evaluate it; it says why.
-    """
+    """Write down a rule base for :func:`inference_address`."""
     try:
         layout = lay_out(plan(rulebase), compiled=compiled, alone=True)
     except NotCoveredError as error:

@@ -171,15 +171,7 @@ def with_files(
     path: str = "",
     instead: Mapping[str, tuple[Sheet, ...]] | None = None,
 ) -> tuple[ControllerText, list[Diagnostic]]:
-    """Read the files that a controller uses: beside it, or among the shipped ones.
-
-    Returns
-    -------
-    ControllerText
-        With what could be read.
-    list of Diagnostic
-        What could not, and what does not fit.
-    """
+    """Return a controller with the files that it uses, and what is unreadable or does not fit."""
     sheets, faults = used_files(model, folder, path, instead)
     for use in model.uses:
         if use.name not in sheets and use.files == (ZERO,):
@@ -226,13 +218,7 @@ def read_sheet(file: str, folder: Path) -> Sheet:
 
 
 def sheet_path(file: str, folder: Path) -> Path:
-    """Return where a rule base or a table is that a controller in a folder names.
-
-    Raises
-    ------
-    OutsideFolderError
-        If it may not be used, see `fuzzyarm.text.files.confined`.
-    """
+    """Return where a rule base or a table is that a controller in a folder names."""
     path = folder / file
     demand_allowed(path)
     return shipped(file) if not path.exists() and file in shipped_names() else path
@@ -289,13 +275,7 @@ def zeros_like(table: LookupTable) -> LookupTable:
 
 
 def by_name(name: str, sheet: Sheet) -> Change:
-    """Return what asks a rule base or a table in another's place for its inputs by name.
-
-    Raises
-    ------
-    SourceError
-        When it is called: if an input is not a signal of the axis.
-    """
+    """Return what asks a rule base or a table in another's place for its inputs by name."""
     wanted = tuple(input_name for input_name in input_names(sheet) if input_name != AXIS)
 
     def change(model: ControllerModel) -> ControllerModel:
@@ -424,15 +404,7 @@ class PortError(FuzzyarmError, KeyError):
 
 
 def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
-    """Yield axis and port of what a controller asks for.
-
-    Parameters
-    ----------
-    model : ControllerModel
-        Without mistakes.
-    kind : str
-        ``reference``, ``measured`` or ``drive``.
-    """
+    """Yield axis and port of what a controller asks for."""
     ports: dict[tuple[str, str], None] = {}
     for axes, line in model.lines():
         port = ""

@@ -92,19 +92,7 @@ MOST_PERIODS = 32
 def range_of_source(
     kind: SourceKind, near: Surroundings, settings: dict[str, Interval], starts: list[float]
 ) -> Interval:
-    """Return an interval of all values that a source gives.
-
-    Parameters
-    ----------
-    kind : SourceKind
-        One with an update.
-    near : Surroundings
-        What it is taken of.
-    settings : dict of str to Interval
-        The arguments of its update that its options say.
-    starts : list of float
-        Its states before the first period.
-    """
+    """Return an interval of all values that a source gives."""
     if kind.bounds is not None:
         return kind.bounds(near)
     period = Interval(near.period, near.period)

@@ -323,13 +323,7 @@ def may_lack_values(root: Node) -> bool:
 
 
 def has_value(root: Node, ranges: Mapping[str, tuple[float, float]]) -> bool:
-    """Whether an expression is known to have a finite value all over a box.
-
-    Parameters
-    ----------
-    root, ranges
-        As for :func:`bounds`.
-    """
+    """Whether an expression is known to have a finite value all over a box."""
     intervals = _bounds_of_nodes(root, ranges)
     for node, interval in intervals.items():
         if not (math.isfinite(interval.low) and math.isfinite(interval.high)):

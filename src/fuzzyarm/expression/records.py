@@ -390,13 +390,7 @@ _emptied: list[Callable[[], object]] = []
 
 
 def emptied_with_kinds(clear: Callable[[], object]) -> None:
-    """Have something cleared whenever a kind is registered or taken back: what was made of kinds.
-
-    Parameters
-    ----------
-    clear : callable
-        As the `cache_clear` of a function that remembers.
-    """
+    """Have what was made of kinds cleared whenever a kind is registered or taken back."""
     _emptied.append(clear)
 
 
@@ -454,13 +448,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         return spellings
 
     def add(self, kind: _Kind) -> _Kind:
-        """Register a kind; one of the user's own may be replaced.
-
-        Raises
-        ------
-        KindError
-            If the name is not a word, or that of a built-in kind.
-        """
+        """Register a kind; one of the user's own may be replaced."""
         earlier = self._kinds.get(kind.name)
         if earlier is not None and not earlier.own:
             raise KindError(f"'{kind.name}' is a built-in {self.sort}", kind.name)

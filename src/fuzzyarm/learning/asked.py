@@ -27,13 +27,7 @@ _MAYBE = {"yes": True, "no": False, "auto": None}
 
 
 def options_asked(asked: FitRequest) -> Options:
-    """Return how the model is found.
-
-    Raises
-    ------
-    WordError
-        If a word is not understood, or fields do not fit each other.
-    """
+    """Return how the model is found."""
     words = _words(asked.words) if asked.words else Options.words
     if asked.words and (asked.terms or asked.start != "grid"):
         raise UsageError("--words is for Wang and Mendel's rules, --terms and --start are not")

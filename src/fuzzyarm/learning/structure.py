@@ -215,17 +215,7 @@ def smallest_good(candidates: Iterable[StructureCandidate]) -> StructureCandidat
 def grown_grids(
     judge: CrossValidation, most: int, names: Sequence[str]
 ) -> Iterator[StructureCandidate]:
-    """Yield grids, each with one term more than the one before: the one that helps most.
-
-    Parameters
-    ----------
-    judge : CrossValidation
-        By which they are compared.
-    most : int
-        Rules.
-    names : sequence of str
-        Of the inputs, for words.
-    """
+    """Yield grids, each with one term more than the one before: the one that helps most."""
     counts = [1] * judge.inputs.shape[1]
     yield judge.judged("linear", grid_premises(judge.inputs, counts))
     varying = [k for k in range(len(counts)) if np.ptp(judge.inputs[:, k]) > 0.0]
@@ -260,19 +250,7 @@ def grid_words(counts: Sequence[int], names: Sequence[str]) -> str:
 def clustered(
     judge: CrossValidation, start: str, most: int, seed: int
 ) -> Iterator[StructureCandidate]:
-    """Yield clusters as rules, from few to many.
-
-    Parameters
-    ----------
-    judge : CrossValidation
-        By which they are compared.
-    start : str
-        ``fcm`` or ``subtractive``.
-    most : int
-        Rules.
-    seed : int
-        Of fuzzy c-means.
-    """
+    """Yield clusters as rules, from few to many."""
     linear = grid_premises(judge.inputs, [1] * judge.inputs.shape[1])
     yield judge.judged("linear", linear)
     counts = set()

@@ -142,13 +142,7 @@ class Training:
 
     @classmethod
     def of(cls, asked: LearnRequest) -> Training:
-        """Read what is asked for.
-
-        Raises
-        ------
-        FuzzyarmError
-            If something does not fit.
-        """
+        """Read what is asked for."""
         name = asked.controller or ("soc-table" if asked.begin == ("table",) else "soc-zero")
         entry = CATALOGUE.get(name)
         path = entry.file() if isinstance(entry, TextEntry) else name

@@ -74,13 +74,7 @@ def way_of(
 
 
 def equipped(plant: Plant, options: Options) -> Plant:
-    """Return a plant with the drives that the options ask for.
-
-    Raises
-    ------
-    PlantError
-        If it does not know one of them.
-    """
+    """Return a plant with the drives that the options ask for."""
     usual = Options()
     for name in DRIVE_OPTIONS:
         is_given = getattr(options, name) != getattr(usual, name)

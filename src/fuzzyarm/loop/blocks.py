@@ -103,13 +103,7 @@ HERE = "--workers 1, or workers=1, runs in this process"
 
 
 def default_processes(workers: int) -> Executor:
-    """Start processes of this machine: loky's where it is installed.
-
-    Raises
-    ------
-    WorkersError
-        If none can be started.
-    """
+    """Start processes of this machine: loky's where it is installed."""
     with _safe_path():
         pool = _processes(workers)
         try:
@@ -186,13 +180,7 @@ class TravelError(FuzzyarmError, TypeError):
 
 
 def packed(thing: object) -> bytes:
-    """Return the bytes of a thing.
-
-    Raises
-    ------
-    TravelError
-        If something in it has none.
-    """
+    """Return the bytes of a thing; TravelError if something in it has none."""
     buffer = io.BytesIO()
     try:
         _pickler()(buffer, protocol=5).dump(thing)

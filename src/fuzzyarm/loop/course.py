@@ -219,13 +219,7 @@ MOST_POINTS = 20_000_000
 
 
 def require_points(duration: float, set_point: float) -> int:
-    """Return how many set points fill a time.
-
-    Raises
-    ------
-    PlantError
-        If they are none, or too many.
-    """
+    """Return how many set points fill a time; PlantError if they are none, or too many."""
     count = math.ceil(duration / set_point - 1e-9) if duration < math.inf else 0
     if not 1 <= count <= MOST_POINTS:
         hint = f"up to {MOST_POINTS:,} set points of {set_point:g} s"

@@ -203,13 +203,7 @@ def given_option(asked: ExperimentRequest, names: Iterable[str]) -> str:
 
 
 def follows(asked: ExperimentRequest, plant: Plant) -> bool:
-    """Whether a plant is to follow a trajectory, and not references.
-
-    Raises
-    ------
-    WordError
-        If something is asked for that the plant does not understand, with what it has instead.
-    """
+    """Whether a plant is to follow a trajectory, and not references."""
     _require_known(asked, plant)
     if not plant.trajectories:
         return False
@@ -267,15 +261,7 @@ def set_points(asked: ExperimentRequest, controller: Controller, plant: Plant) -
 
 
 def trajectory_asked(asked: ExperimentRequest, plant: Plant) -> Trajectory:
-    """Return the trajectory that is named; by default the first of the plant.
-
-    Raises
-    ------
-    RequestError
-        If the plant has none of this name.
-    WordError
-        If a way point is not numbers.
-    """
+    """Return the trajectory that is named; by default the first of the plant."""
     arguments: dict[str, Any] = {}
     if asked.segment is not None:
         arguments["segment"] = asked.segment

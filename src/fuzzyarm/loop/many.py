@@ -365,19 +365,7 @@ class Bench:
     def rows(
         self, first: int, changes: Columns, count: int, stop: threading.Event | None = None
     ) -> Block:
-        """Run a block.
-
-        Parameters
-        ----------
-        first : int
-            Number of its first run.
-        changes : mapping of str to ndarray
-            Of its runs.
-        count : int
-            How many they are.
-        stop : Event, optional
-            Ends it early, with the rows until then.
-        """
+        """Run a block."""
         begin = time.perf_counter()
         rows = np.full((count, 1 + len(self.outputs) * len(METRICS)), np.nan)
         for at in range(count):
@@ -447,13 +435,7 @@ def _refuse(name: str, controller: Controller, plant: Plant) -> NoReturn:
 
 
 def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[str, Vector], int]:
-    """Return what differs as arrays, and the number of runs.
-
-    Raises
-    ------
-    SweepError
-        If there are no runs or too many, or arrays do not match.
-    """
+    """Return what differs as arrays, and the number of runs."""
     if isinstance(runs, Mapping):
         columns = {name: np.atleast_1d(_numbers(name, values)) for name, values in runs.items()}
         counts = {name: len(values) for name, values in columns.items()}
@@ -625,15 +607,7 @@ def cut(changes: Columns, first: int, last: int) -> dict[str, Vector]:
 
 
 def run_block(question: bytes, first: int, changes: Columns, count: int) -> Block:
-    """Run a block in any process.
-
-    Parameters
-    ----------
-    question : bytes
-        The experiment and what differs, see :func:`fuzzyarm.loop.blocks.packed`.
-    first, changes, count
-        See :meth:`Bench.rows`.
-    """
+    """Run a block in any process."""
     return _bench_of(question).rows(first, changes, count)
 
 

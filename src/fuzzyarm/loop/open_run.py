@@ -90,18 +90,7 @@ class OpenRun:
         return self.record.lost is not None or self.next >= self.count
 
     def advance(self, until: int | None = None) -> None:
-        """Go on before a set point; by default to the end.
-
-        Parameters
-        ----------
-        until : int, optional
-            Of the set points, counted from 0.
-
-        Raises
-        ------
-        PlantError
-            If a plant in plain Python fails.
-        """
+        """Go on before a set point; by default to the end."""
         if self.over:
             return
         end = self.count if until is None else min(until, self.count)
@@ -140,18 +129,6 @@ class OpenRun:
         """Go on with another controller of the same structure; what is remembered stays.
 
         So gains, terms and tables are changed while a run goes on.
-
-        Parameters
-        ----------
-        controller : Controller
-            For the plant of this run.
-
-        Raises
-        ------
-        StructureError
-            If its instructions are others, see :meth:`fuzzyarm.loop.program.LoopProgram.structure`.
-        SourceError
-            If the plant does not have what it measures or drives.
         """
         program = LoopProgram(controller_on(controller, self.site), self.program.arithmetic)
         if not program.compilable or program.structure() != self.program.structure():

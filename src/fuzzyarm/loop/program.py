@@ -248,24 +248,12 @@ class RunRecord:
         self.progress[UNTIL] = until
 
     def changes(self, kind: int) -> NDArray[np.float64]:
-        """Return for each drive the mean of what the loop added up of its changes.
-
-        Parameters
-        ----------
-        kind : int
-            ``MAGNITUDES`` or ``SQUARES`` of :mod:`fuzzyarm.loop.loop`.
-        """
+        """Return for each drive the mean of what the loop added up of its changes."""
         sums = np.array(self.clock[CLOCK_SIZE : self._errors]).reshape(CHANGES, -1)[kind]
         return np.asarray(sums / max(self.ticks - 1, 1))
 
     def squares(self, kind: int) -> NDArray[np.float64]:
-        """Return for each tracked output the mean square of its errors in all control periods.
-
-        Parameters
-        ----------
-        kind : int
-            ``HELD`` or ``LED`` of :mod:`fuzzyarm.loop.loop`.
-        """
+        """Return for each tracked output the mean square of its errors in all control periods."""
         sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)[kind]
         return np.asarray(sums / self.ticks if self.ticks else np.full(len(sums), np.nan))
 

@@ -158,20 +158,7 @@ def as_number(value: float, what: str, wanted: str = "a number") -> float:
 
 
 def read_time(text: str, option: str) -> float:
-    """Read a time with its unit, s.
-
-    Parameters
-    ----------
-    text : str
-        As in ``2s`` or ``500ms``.
-    option : str
-        What takes it, for the message.
-
-    Raises
-    ------
-    WordError
-        If it is not one.
-    """
+    """Read a time with its unit, s."""
     match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
     try:
         if match is None or match[2] not in TIMES:

@@ -293,13 +293,7 @@ AnyController = Controller | ControllerText | str | os.PathLike[str]
 
 
 def as_controller(controller: AnyController) -> Controller:
-    """Return a controller, of its name, file or text where that is what is given.
-
-    Raises
-    ------
-    WrongKindError
-        For a rule base, a table or anything else.
-    """
+    """Return a controller, of its name, file or text where that is what is given."""
     if isinstance(controller, Controller):
         return controller
     if isinstance(controller, str | os.PathLike):
@@ -343,13 +337,7 @@ def stepped(
     reference: Mapping[str, AnySignal] | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> dict[str, Signal]:
-    """Return the reference that steps: of the output that a controller follows.
-
-    Raises
-    ------
-    WordError
-        If references are given as well.
-    """
+    """Return the reference that steps: of the output that a controller follows."""
     if reference:
         raise UsageError("a step and references say the same thing", hint="give one of them")
     require_sound(plant)
@@ -371,13 +359,7 @@ def followed_by(controller: Controller, site: Site) -> Address:
 
 
 def text_of(controller: Controller, site: Site) -> ControllerText:
-    """Return the text of a controller, or of the first addend.
-
-    Raises
-    ------
-    SourceError
-        If the plant does not have what it asks for, or it is in Python.
-    """
+    """Return the text of a controller, or of the first addend."""
     first_part = next(iter(controller_on(controller, site).parts()))
     law = text_law_of(first_part)
     if law is None:
@@ -502,13 +484,7 @@ class ClosedLoop:
         course: Course | None = None,
         seed: int | None = None,
     ) -> Judged:
-        """Run once, and return no more than errors and chatter: for searches, in less time.
-
-        Parameters
-        ----------
-        program, course, seed : optional
-            See :meth:`run`.
-        """
+        """Run once, and return no more than errors and chatter: for searches, in less time."""
         program, course = program or self.program, course or self.course
         taps = self.taps[: 2 * len(course.motion.tracked)]
         run = OpenRun(self.site, program, course, taps, seed, between=False)

@@ -79,13 +79,7 @@ class RangeError(SweepError, UsageError):
 
 
 def read_range(word: str) -> Range:
-    """Read ``NAME=A..B:N``, ``NAME=A..B`` or ``NAME=A..B:N log``.
-
-    Raises
-    ------
-    SweepError
-        If it is none of these.
-    """
+    """Read ``NAME=A..B:N``, ``NAME=A..B`` or ``NAME=A..B:N log``."""
     hint = "as in payload=0..2:21, G_e=100..3000:10 log, or J=0.01..0.03 where values are drawn"
     name, equals, text = word.strip().partition("=")
     text, log = text.strip(), text.strip().endswith("log")
@@ -104,13 +98,7 @@ def read_range(word: str) -> Range:
 
 
 def grid(ranges: Sequence[Range]) -> dict[str, Vector]:
-    """Return the runs of a grid as columns; the last range varies fastest.
-
-    Raises
-    ------
-    SweepError
-        If a name comes twice, or a range does not say how many values it has.
-    """
+    """Return the runs of a grid as columns; the last range varies fastest."""
     require_different(ranges)
     for interval in ranges:
         if not interval.count:
@@ -126,13 +114,7 @@ def grid(ranges: Sequence[Range]) -> dict[str, Vector]:
 
 
 def drawn(ranges: Sequence[Range], count: int, seed: int) -> dict[str, Vector]:
-    """Return runs drawn from ranges, evenly, as columns; more runs begin with the same ones.
-
-    Raises
-    ------
-    SweepError
-        If a name comes twice, or a range has a number of values.
-    """
+    """Return runs drawn from ranges, evenly, as columns; more runs begin with the same ones."""
     require_different(ranges)
     for interval in ranges:
         if interval.count:
@@ -195,25 +177,11 @@ class SweepFile:
         self.path = self.journal.path
 
     def begin(self) -> None:
-        """Write the head; what was there is gone.
-
-        Raises
-        ------
-        JournalError
-            If the file holds a part of the same sweep.
-        """
+        """Write the head; what was there is gone."""
         self.journal.begin(self.count)
 
     def resume(self) -> Vector:
-        """Return the rows of the file: divergence and metrics; a line that is torn is cut off.
-
-        Raises
-        ------
-        JournalError
-            If something else was asked, or a line is damaged.
-        OSError
-            If the file cannot be read.
-        """
+        """Return the rows of the file: divergence and metrics; a line that is torn is cut off."""
         front = len(self.columns) + 1
 
         def values(run: int, cells: Sequence[str]) -> list[float]:

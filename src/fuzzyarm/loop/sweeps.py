@@ -65,20 +65,7 @@ class Sweep:
 
 
 def sweep_of(asked: SweepRequest, controller: Controller | None = None) -> Sweep:
-    """Return what a request asks for.
-
-    Parameters
-    ----------
-    asked : SweepRequest
-        Which runs.
-    controller : Controller, optional
-        Of these runs, where it is not read by its name.
-
-    Raises
-    ------
-    FuzzyarmError
-        If something does not fit.
-    """
+    """Return what a request asks for; `controller` stands in place of the one that it names."""
     require_sensible(asked)
     if controller is None:
         (controller,) = controllers_of(asked, [asked.controller])
@@ -113,13 +100,7 @@ def sweep_of(asked: SweepRequest, controller: Controller | None = None) -> Sweep
 
 
 def require_sensible(asked: SweepRequest) -> None:
-    """Tell mistakes before anything is loaded.
-
-    Raises
-    ------
-    RequestError, WordError
-        If the metric is unknown, or fields do not fit each other.
-    """
+    """Tell mistakes before anything is loaded."""
     if asked.metric not in METRICS:
         raise unknown_choice("metric", asked.metric, METRICS)
     if asked.resume and not asked.out:
@@ -265,13 +246,7 @@ def cluster(asked: Workers) -> Iterator[tuple[Executor | None, int | None]]:
 
 
 def swept(asked: SweepRequest) -> Many:
-    """Return the runs of a request; with a file they are written there, too.
-
-    Raises
-    ------
-    FuzzyarmError
-        If something does not fit, or a run fails.
-    """
+    """Return the runs of a request; with a file they are written there, too."""
     sweep = sweep_of(asked)
     file = sweep.file(asked.out) if asked.out else None
     with cluster(asked) as (executor, workers):

@@ -27,15 +27,7 @@ _Value = TypeVar("_Value")
 
 
 def driven(asked: ExperimentRequest, plant: Plant) -> Plant:
-    """Return a plant with the actuators that are asked for.
-
-    Raises
-    ------
-    WordError
-        If a word is not understood.
-    PlantError
-        If there is no such input.
-    """
+    """Return a plant with the actuators that are asked for."""
     actuators = read_pairs(asked.actuator, "--actuator", _actuator)
     return with_actuators(plant, actuators) if actuators else plant
 
@@ -51,15 +43,7 @@ def connections(asked: ExperimentRequest) -> dict[str, str]:
 
 
 def signals(asked: ExperimentRequest) -> dict[str, Signal]:
-    """Return the references, by port.
-
-    Raises
-    ------
-    WordError
-        If a word is not understood.
-    PlantError
-        If there is no such signal.
-    """
+    """Return the references, by port."""
     return read_pairs(asked.reference, "--reference", read_signal)
 
 
@@ -69,13 +53,7 @@ def seconds(asked: ExperimentRequest) -> float | None:
 
 
 def options_of(asked: ExperimentRequest, plant: Plant) -> Options:
-    """Return sensors, disturbances and the rest of how to run.
-
-    Raises
-    ------
-    WordError
-        If a word is not understood.
-    """
+    """Return sensors, disturbances and the rest of how to run."""
     arguments: dict[str, Any] = {}
     if asked.limits is not None:
         arguments["torque_limits"] = asked.limits
@@ -93,15 +71,7 @@ def options_of(asked: ExperimentRequest, plant: Plant) -> Options:
 
 
 def motion_of(asked: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
-    """Return the set points of a plant that follows references.
-
-    Raises
-    ------
-    WordError
-        If a word is not understood, or two say the same thing.
-    PlantError
-        If there is no such port, signal or duration.
-    """
+    """Return the set points of a plant that follows references."""
     references, connect = references_of(asked, controller, plant), connections(asked)
     return plant_motion(controller, plant, references, seconds(asked), connect)
 
@@ -150,13 +120,7 @@ def conventions_of(asked: ExperimentRequest) -> Conventions:
 
 
 def sensors_of(asked: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
-    """Return the sensors that are not exact, by port.
-
-    Raises
-    ------
-    WordError
-        If a word is not understood.
-    """
+    """Return the sensors that are not exact, by port; WordError if a word is not understood."""
     sensors: dict[str, Sensor] = {}
 
     def change(values: Mapping[str, float], field: str) -> None:

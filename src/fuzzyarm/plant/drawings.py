@@ -62,34 +62,16 @@ class PlantScene:
     index: int
 
     def output(self, name: str) -> float:
-        """Return an output in the units of the plant.
-
-        Parameters
-        ----------
-        name : str
-            Of the port.
-        """
+        """Return an output in the units of the plant."""
         return float(self.run.outputs[name][self.index])
 
     def wanted(self, name: str) -> float | None:
-        """Return the reference of an output; None where it is not tracked.
-
-        Parameters
-        ----------
-        name : str
-            Of the port.
-        """
+        """Return the reference of an output; None where it is not tracked."""
         values = self.run.wanted.get(name)
         return None if values is None else float(values[self.index])
 
     def drive(self, name: str) -> float:
-        """Return an input in the units of the plant.
-
-        Parameters
-        ----------
-        name : str
-            Of the port.
-        """
+        """Return an input in the units of the plant."""
         return float(self.run.drives[name][self.index])
 
 
@@ -104,13 +86,7 @@ def is_drawn(plant: object) -> bool:
 
 
 def drawing_of(plant: Plant, scene: PlantScene) -> Drawing | None:
-    """Return what a plant looks like at a sample of a run; None where it has no drawing.
-
-    Raises
-    ------
-    PlantError
-        If the drawing of a user's plant fails, or is something else.
-    """
+    """Return what a plant looks like at a sample of a run; None where it has no drawing."""
     if not is_drawn(plant):
         return None
     draw: Any = plant.draw

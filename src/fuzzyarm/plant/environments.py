@@ -161,13 +161,7 @@ class EnvironmentPlant(Plant):
 
 
 def made(name: str) -> Any:
-    """Make an environment by its id, without the limit of its time.
-
-    Raises
-    ------
-    PlantError
-        If there is none, or what it needs is not installed.
-    """
+    """Make an environment by its id, without the limit of its time."""
     import gymnasium
 
     try:

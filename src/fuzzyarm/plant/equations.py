@@ -395,13 +395,7 @@ def _compiled(
 def compiled_by_numba(
     function: Callable[..., None], types: str, bindings: Mapping[str, Callable[..., Any]]
 ) -> Callable[..., None]:
-    """Return a kernel that numba compiles now, with an address for the loop.
-
-    Parameters
-    ----------
-    function, types, bindings
-        See :func:`fuzzyarm.kernels.address_of`; arrays of floats.
-    """
+    """Return a kernel that numba compiles now, with an address for the loop."""
     return _compiled(function, types, tuple(sorted(bindings.items(), key=lambda pair: pair[0])))
 
 

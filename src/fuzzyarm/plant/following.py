@@ -119,13 +119,7 @@ def shortest_trajectory(plant: Plant) -> str:
 
 
 def followed(plant: Plant, trajectory: Trajectory) -> tuple[Address, ...]:
-    """Return the outputs of a plant that follow a trajectory.
-
-    Raises
-    ------
-    PlantError
-        If they are not as many as the numbers of its points.
-    """
+    """Return the outputs of a plant that follow a trajectory."""
     interface = interface_of(plant)
     first: dict[str, Address] = {}
     for port in interface.outputs:
@@ -155,13 +149,7 @@ def at_rest(plant: Plant) -> dict[Address, float]:
 def way_points(
     plant: Plant, points: Sequence[Point], segment: float = 2.0, hold: float = 0.0
 ) -> Trajectory:
-    """Return a trajectory through way points from where a plant rests; see :func:`through`.
-
-    Raises
-    ------
-    PlantError
-        If the plant does not follow with as many outputs as a point has numbers.
-    """
+    """Return a trajectory through way points from where a plant rests; see :func:`through`."""
     outputs, resting = interface_of(plant).outputs, at_rest(plant)
     ports = followed(plant, through(points, segment, hold))
     turns = {port: 180.0 / math.pi if outputs[port].unit == "rad" else 1.0 for port in ports}

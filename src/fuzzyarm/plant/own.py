@@ -86,11 +86,6 @@ def own_plant(place: str) -> Plant:
 
     A class with ports, states and equations, a plant that is made of one, or a python-control
     system.
-
-    Raises
-    ------
-    PlantError
-        If the file cannot be read or run, or has no such plant.
     """
     path, _, class_name = place.partition(":")
     module = executed(path, PlantError)
@@ -290,13 +285,7 @@ def starting_at(plant: Plant, states: Sequence[float]) -> Plant:
 
 
 def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
-    """Return the states of a plant at its start.
-
-    Raises
-    ------
-    PlantError
-        If it fails, or gives another number of values than it has states.
-    """
+    """Return the states of a plant at its start."""
     begun = vars(plant).get(BEGUN)
     if begun is not None:
         state_kept = {name: vars(plant)[name] for name in (BEGUN, TRACED)}

@@ -307,18 +307,7 @@ class Interface:
     references: Mapping[Address, ReferenceQuantity]
 
     def port(self, name: str) -> Address:
-        """Return axis and port of an output or input that a user names.
-
-        Parameters
-        ----------
-        name : str
-            ``axis.port``, or ``port`` where one axis has it.
-
-        Raises
-        ------
-        PlantError
-            If there is no such port, or several.
-        """
+        """Return axis and port of an output or input that a user names."""
         all_ports = [*self.outputs, *self.inputs]
         ports = [each for each in all_ports if name in (each[1], ".".join(each))]
         if len(ports) == 1:
@@ -331,13 +320,7 @@ class Interface:
         raise PlantError(f"no port '{name}'", name=name, hint=hint)
 
     def every_port(self, name: str) -> list[Address]:
-        """Return the ports that a user means by a name: without an axis those of all axes.
-
-        Raises
-        ------
-        PlantError
-            If there is no such port.
-        """
+        """Return the ports that a user means by a name: without an axis those of all axes."""
         same = [output for output in (*self.outputs, *self.inputs) if output[1] == name]
         return same or [self.port(name)]
 
@@ -347,13 +330,7 @@ class Interface:
 
 
 def interface_of(plant: Plant) -> Interface:
-    """Sort the ports of a plant by axis.
-
-    Raises
-    ------
-    PlantError
-        If the plant does not say what it has, or says it in two ways.
-    """
+    """Sort the ports of a plant by axis."""
     _require_complete(plant)
     inputs = {_address(plant, name): port for name, port in plant.inputs.items()}
     outputs = {_address(plant, name): port for name, port in plant.outputs.items()}
@@ -398,13 +375,7 @@ def _require_complete(plant: Plant) -> None:
 
 
 def parameter(plant: Plant, name: str) -> Parameter:
-    """Return a parameter of a plant.
-
-    Raises
-    ------
-    PlantError
-        If it has none of this name.
-    """
+    """Return a parameter of a plant; PlantError if it has none of this name."""
     found = plant.parameters.get(name)
     if found is None:
         hint = near_hint(name, plant.parameters)[0]
@@ -670,17 +641,7 @@ def _address_in(arithmetic: RunArithmetic) -> Callable[..., int]:
 def numbers_of(
     plant: Plant, driven: Collection[Address], arithmetic: RunArithmetic
 ) -> NDArray[np.float64]:
-    """Return the numbers that the equations of a plant read.
-
-    Parameters
-    ----------
-    plant : Plant
-        Any.
-    driven : collection of (str, str)
-        Axes and ports that the controller drives.
-    arithmetic : RunArithmetic
-        Of the run.
-    """
+    """Return the numbers that the equations of a plant read."""
     pack = getattr(plant, "pack", None)
     if pack is not None:
         return np.asarray(pack(driven, arithmetic), float)
@@ -693,13 +654,7 @@ def numbers_of(
 
 
 def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
-    """Return a plant with other actuators; by input, of every axis where none is named.
-
-    Raises
-    ------
-    PlantError
-        If there is no such input.
-    """
+    """Return a plant with other actuators; by input, of every axis where none is named."""
     if plant.dynamics is not None:
         hint = "the options --limits and --supply bound its torques and voltages"
         raise PlantError(f"the {plant.name} makes its drives itself", name="actuator", hint=hint)
@@ -717,13 +672,7 @@ def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
 
 
 def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:
-    """Return a plant with some parameters changed; what is set holds with its load, too.
-
-    Raises
-    ------
-    PlantError
-        If it has none of this name, or a value is not a finite number.
-    """
+    """Return a plant with some parameters changed; what is set holds with its load, too."""
     changed = dict(plant.parameters)
     for name, value in values.items():
         old = parameter(plant, name)

@@ -173,13 +173,7 @@ def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
 
 
 def require_sound(plant: Plant) -> None:
-    """Raise PlantError where a plant of a user does not fit: its ports first, then its equations.
-
-    Parameters
-    ----------
-    plant : Plant
-        Any.
-    """
+    """Raise PlantError where a user's plant does not fit: its ports first, then its equations."""
     if not is_of_package(type(plant)):
         require_ports(plant)
         interface_of(plant)
@@ -381,13 +375,7 @@ def _words(value: object) -> str:
 
 
 def lacks(found: Mapping[str, object]) -> Sequence[str]:
-    """Return why the classes of a file are not plants, a sentence each.
-
-    Parameters
-    ----------
-    found : mapping of str to object
-        The classes that the file defines.
-    """
+    """Return why the classes of a file are not plants, a sentence each."""
     sentences = []
     for name, kind in found.items():
         has = {what for what in (*EXAMPLES, *ARGUMENTS, "dynamics") if hasattr(kind, what)}

@@ -179,11 +179,6 @@ class Boxes:
         """Return a point at which no rule fires; None if some rule fires everywhere.
 
         `valued`: at which there is no value, for what fires leaves no area either.
-
-        Raises
-        ------
-        UnprovableError
-            If it is still open when the search stops.
         """
         low, high = self._first([[] for _ in self.names])
         count = 0

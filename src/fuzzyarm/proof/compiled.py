@@ -104,13 +104,7 @@ class Making:
 
 
 def making_of(asked: ExportRequest) -> Making:
-    """Return what a request says of how something is made.
-
-    Raises
-    ------
-    RequestError
-        If the levels are not understood, or a tolerance is given beside them.
-    """
+    """Return what a request says of how something is made."""
     if asked.levels is not None and asked.tolerance is not None:
         raise RequestError("tolerance", "and levels exclude each other")
     return Making(
@@ -263,22 +257,7 @@ def _refuse_precision(suffix: str, how: Making) -> None:
 def program_of(
     controller: ControllerText, path: str | Path, how: Making, progress: Tell | None = None
 ) -> tuple[ExportedController, tuple[CompileReport, ...]]:
-    """Return a controller as a program, not yet written, and the tables that it looks up.
-
-    Parameters
-    ----------
-    controller : ControllerText
-        The controller with the files that it uses.
-    path : str or Path
-        Its suffix is the language, one of `fuzzyarm.export.CONTROLLER_EXPORTS`.
-    how, progress
-        As for :func:`source_of`.
-
-    Raises
-    ------
-    FuzzyarmError
-        If something cannot be exported so, or no C compiler is there for an FMU.
-    """
+    """Return a controller as a program, not yet written, and the tables that it looks up."""
     from fuzzyarm.export import export_controller
 
     suffix = Path(path).suffix.lower()

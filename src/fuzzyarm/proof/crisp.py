@@ -205,22 +205,7 @@ class Crisp:
 
 
 def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
-    """Return what bounds the value of an output.
-
-    Parameters
-    ----------
-    output : OutputPlan
-        The output.
-    names : sequence of str
-        The inputs.
-    stop : Stop
-        When to give up.
-
-    Raises
-    ------
-    UnprovableError
-        If the defuzzifier cannot take one of the sets.
-    """
+    """Return what bounds the value of an output."""
     defuzzifier, way = output.output.defuzzifier, WAYS[output.record.of]
     if output.discrete:
         return _OfNumbers(output, way, names)

@@ -366,15 +366,7 @@ BESIDE = 6.0
 def place_labels(
     spots: Sequence[tuple[float, float]], labels: Sequence[str]
 ) -> list[tuple[float, float]]:
-    """Return the offset of each label from its spot, at which it covers as little as possible.
-
-    Parameters
-    ----------
-    spots : sequence of (float, float)
-        Where the marks are, points.
-    labels : sequence of str
-        One for each.
-    """
+    """Return the offset of each label from its spot, at which it covers as little as possible."""
     # Rectangles that are taken: left, bottom, right, top. The marks first, then labels in turn.
     boxes = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
     positions = []

@@ -63,13 +63,7 @@ class Order(NamedTuple):
 
 
 def order_of(asked: TuneRequest) -> Order:
-    """Read what is asked for; a journal is begun.
-
-    Raises
-    ------
-    FuzzyarmError
-        If something does not fit.
-    """
+    """Read what is asked for; a journal is begun."""
     require_sensible(asked)
     path, subject = _subject(asked.file)
     if asked.out is not None:  # before the search, whose result would be lost
@@ -87,13 +81,7 @@ def order_of(asked: TuneRequest) -> Order:
 
 
 def require_sensible(asked: TuneRequest) -> None:
-    """Tell mistakes before anything is loaded.
-
-    Raises
-    ------
-    WordError
-        If fields do not fit each other.
-    """
+    """Tell mistakes before anything is loaded."""
     if asked.resume and not asked.journal:
         raise UsageError("--resume goes on with the file of --journal, and none is given")
     if asked.test and not asked.data:
@@ -120,13 +108,7 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
 
 
 def stage_asked(asked: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
-    """Return where a controller runs.
-
-    Raises
-    ------
-    WordError, PlantError, SweepError
-        If a word is not understood, or the plant does not have what is asked for.
-    """
+    """Return where a controller runs."""
     along = follows(asked, plant)
     plant, options = with_drives(asked, plant)
     connect, vary = connections(asked), tuple(map(read_range, asked.vary))
@@ -146,13 +128,7 @@ def stage_asked(asked: TuneRequest, text: ControllerText, plant: Plant) -> Stage
 
 
 def samples_asked(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
-    """Return the samples for a rule base alone, by ``data`` and ``test``.
-
-    Raises
-    ------
-    WordError
-        If there are none, and nothing else says what is good.
-    """
+    """Return the samples for a rule base alone, by ``data`` and ``test``."""
     if not asked.data:
         if asked.cost is not None and ".py:" in asked.cost:
             return {}

@@ -83,13 +83,7 @@ class Cost:
         return all(name.rpartition(".")[2] in (*BRIEF, *CONSTANTS) for name in self.formula.names)
 
     def of(self, values: Mapping[str, float]) -> float:
-        """Return the cost of some values by name.
-
-        Raises
-        ------
-        CostFormulaError
-            If one of its names has no value.
-        """
+        """Return the cost of some values by name."""
         for name in self.formula.names:
             if name not in values and name not in CONSTANTS:
                 axes = sorted({label.rpartition(".")[0] for label in values} - {""})
@@ -171,13 +165,7 @@ OwnCost = Callable[[Any], float]
 
 
 def read_cost(text: str, known: tuple[str, ...] = METRICS) -> Cost | OwnCost:
-    """Return the cost that a user names: a formula, or ``FILE.py:FUNCTION``, which is executed.
-
-    Raises
-    ------
-    CostFormulaError
-        If the formula cannot be read, or the file has no such function.
-    """
+    """Return the cost that a user names: a formula, or ``FILE.py:FUNCTION``, which is executed."""
     path, _, name = text.rpartition(":")
     if not path.endswith(".py"):
         if text.endswith(".py"):

@@ -119,17 +119,7 @@ def _rescored(examining: ExaminerPool, candidate: Candidate) -> Score:
 def with_judgement(
     job: TuningJob, plan: TuningPlan, means: Means, made: Tuned, which: tuple[Candidate, Candidate]
 ) -> Tuned:
-    """Return what came of a search with the rest of its table.
-
-    Parameters
-    ----------
-    job, plan, means
-        As for the search.
-    made : Tuned
-        What came of it.
-    which : pair of Candidate
-        The file as it is, and tuned.
-    """
+    """Return what came of a search with the rest of its table."""
     search, faults = made.found, list(made.faults)
     rows = [ComparedRow(row.name, dict(row.scores)) for row in made.rows]
     linear, line = None, None
@@ -224,13 +214,7 @@ def _told(faults: list[str], what: str) -> Iterator[None]:
 def _linear(
     problem: TuningProblem, plan: TuningPlan, means: Means
 ) -> tuple[Found, Candidate, ComparedRow]:
-    """Tune the linear opponent on the same cost and scenarios, by the same means.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If its search is ended: to beat half an opponent would say nothing.
-    """
+    """Tune the linear opponent on the same cost and scenarios, by the same means."""
     with panel(problem, means.workers, means.executor) as examining:
         budget = plan.shared(judged=plan.unseen > 0, linear=True)
         search = Search(examining, None, budget, watch=means.watch_linear)

@@ -75,13 +75,7 @@ def is_movable(kind: str) -> bool:
 
 
 def moved(shape: Shape, to: Map) -> Shape:
-    """Return a shape after a map of its axis.
-
-    Raises
-    ------
-    TuneError
-        If its numbers are not positions: a linear consequent, a formula.
-    """
+    """Return a shape after a map of its axis."""
     if shape.kind == "points":
         numbers = list(shape.parameters)
         numbers[0::2] = map(to, numbers[0::2])

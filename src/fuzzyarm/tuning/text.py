@@ -143,15 +143,7 @@ class Originals(NamedTuple):
 
 
 def originals_of(subject: ControllerText | RuleBase, path: str = "", text: str = "") -> Originals:
-    """Read the texts of a subject.
-
-    Parameters
-    ----------
-    subject : ControllerText or RuleBase
-        As in the files.
-    path, text : str, optional
-        Of its file, where they are known.
-    """
+    """Read the texts of a subject."""
     if isinstance(subject, RuleBase):
         return Originals(path, text or (read_text(path) if path else write(subject)), {})
     path = path or subject.path
@@ -171,19 +163,7 @@ def rewritten(
     originals: Originals,
     notes: Sequence[str] = (),
 ) -> list[Rewritten]:
-    """Return the files of a subject with the numbers of a candidate, the subject's own first.
-
-    Parameters
-    ----------
-    subject : ControllerText or RuleBase
-        As in the files.
-    candidate : Candidate
-        The numbers.
-    originals : Originals
-        The texts as they were.
-    notes : sequence of str
-        What is said of the numbers, in comments.
-    """
+    """Return the files of a subject with the numbers of a candidate, the subject's own first."""
     path, old = originals.path, originals.text
     if isinstance(subject, RuleBase):
         new = candidate.rulebases.get(subject.name, subject)

@@ -296,13 +296,7 @@ def _loaded(
 
 
 def read_tuning(lines: Sequence[str]) -> Tuning:
-    """Read lines of a ``tune`` block that stand in no file.
-
-    Raises
-    ------
-    TuneError
-        If one is not such a line.
-    """
+    """Read lines of a ``tune`` block that stand in no file; TuneError if one is not such a line."""
     from fuzzyarm.language.tokens import Fault
     from fuzzyarm.language.tune import TUNE_ROW
     from fuzzyarm.model.rulebase import GainTuning, PeakTuning
@@ -349,13 +343,7 @@ def stage_of(
     keywords: TuneKeywords,
     seed: int = 1,
 ) -> Stage:
-    """Return where a controller runs, by the keywords of `tune`.
-
-    Raises
-    ------
-    TuneError
-        If no plant is named, and no shipped one has the axes of the controller.
-    """
+    """Return where a controller runs, by the keywords of `tune`."""
     options = keywords.get("options") or Options(seed=seed)
     reference, step = keywords.get("reference"), keywords.get("step")
     duration, connect = keywords.get("duration"), keywords.get("connect")
