@@ -158,6 +158,8 @@ class DefuzzifierWalk:
     @property
     def steps(self) -> int:
         """About how many heights of sets are asked for at one point."""
+        # An export is compared at fewer points the more there are; interpreted, each takes a
+        # hundred times as long.
         count = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.room
         return count * max(1, len(self.layout.groups)) * (1 if has_machine_code() else 100)
 
@@ -171,6 +173,7 @@ class DefuzzifierWalk:
     @cached_property
     def _in_memory(self) -> tuple[OutputLayout, Callable[..., None]]:
         compiled = has_machine_code()
+        # The same tables once more, with addresses in this process where an export has numbers.
         layout = lay_out_output(self.plan, self.output, InMemory(compiled))
         program = layout.program
         return layout, routine(program.block, 1, program.bindings, compiled=compiled)
@@ -188,6 +191,9 @@ class DefuzzifierWalk:
         return {self.total: total.reshape(shape), self.value: value.reshape(shape)}
 
     def _some(self, rows: Sequence[Array], points: int) -> tuple[Array, Array]:
+        # A block as in `inference.block`, without inputs: whole numbers, floats, the room. In the
+        # room the strengths, a row each; then total and moment among the rows to work in; then the
+        # heap, for one point, since the kernel goes from point to point.
         layout, defuzzify = self._in_memory
         whole, floats = len(layout.whole), len(layout.floats)
         room = (layout.rows + at.WORK_ROWS) * points + 2 * layout.samples

@@ -164,6 +164,7 @@ def export_files(
             files=((path, _project_text(project, suffix, xml)),),
             calls=project.blocks,
         )
+    # A header alone holds the functions as `static inline`; a source keeps them out of its header.
     if suffix == ".h":
         header, prototypes = c_header(routine_list, prefix, path.name)
         files = ((path, header),)
@@ -214,6 +215,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
     suffix = path.suffix.lower()
     if suffix not in known:
         raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(known))
+    # All that cannot be is refused here, before a routine is printed and measured.
     if path.stem.upper() in DEVICES:
         raise ExportError(
             f"'{path.name}' is a device of Windows, where no file may be called so",

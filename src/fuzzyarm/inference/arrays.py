@@ -174,6 +174,8 @@ def working_shape(arrays: dict[str, NDArray[Any]], shape: tuple[int, ...]) -> tu
         The shape to go through; `arrays` is changed to fit it.
     """
     size = int(np.prod(shape))
+    # All are one number, or one for each point: a single axis will do. Else the axes stay, so that
+    # an input along one of them keeps its own small shape.
     flat = all(array.size in {1, size} for array in arrays.values())
     for name, array in arrays.items():
         filled = (1,) * (len(shape) - array.ndim) + array.shape
@@ -234,6 +236,7 @@ def _chunk_size(prepared: Plan) -> int:
         if output.discrete or output.closed is not None:
             continue
         resolution = output.output.defuzzifier.resolution
+        # An adaptive integral looks at hundreds of positions, too.
         samples = resolution if resolution is not None else 512
         size = min(size, max(1, SAMPLES_AT_ONCE // samples))
     return size
@@ -263,6 +266,7 @@ class _Chunk:
         self.shape = tuple(part.stop - part.start for part in block)
         self.held = held
         self.values = {name: part_of(array, working, block) for name, array in arrays.items()}
+        # Inputs of which this block has all: other blocks have the same numbers.
         whole = {name for name, array in arrays.items() if self.values[name].size == array.size}
         self._shared, self._whole = shared, whole
         self._degrees: Degrees = {}
@@ -271,6 +275,7 @@ class _Chunk:
         for name, output in prepared.outputs.items():
             folded = output.output.aggregation == "max"
             self._strengths[name] = Strengths(self.shape, folded=folded)
+            # For each rule what it concludes: output, number among its contributions, member.
             for number, (member, rule) in enumerate(output.contributions):
                 self._members.setdefault(rule, []).append((name, number, member))
 
@@ -360,6 +365,7 @@ class _Chunk:
         inputs = tuple(variable.name for variable in self.plan.rulebase.inputs)
         value, fired = defuzzify_over_arrays(output_plan, strengths, self.values, inputs)
         value = np.broadcast_to(value, self.shape)
+        # What is stated for silence is not brought into the range: it may lie outside on purpose.
         if not fired.all():
             value = np.where(fired, value, self._no_rule(output, ~fired))
         if stands_in_for_nan(output):

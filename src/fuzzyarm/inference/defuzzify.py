@@ -75,6 +75,7 @@ def _figures_at_point(
 ) -> Figures | None:
     """Return what a defuzzifier takes of an aggregate, by name."""
     record = plan.record
+    # By what is taken of the aggregate, then by what that is made of; ends have their own of each.
     if record.of == "ends":
         ends = ends_of_output(plan, fired, values, inputs)
         return None if ends is None else dict(zip(record.aspect.figures, ends, strict=True))
@@ -111,6 +112,7 @@ def ends_of_output(
 
 
 def _centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    # The cheapest way that is exact: polynomials, an envelope, at last the quadrature.
     exact = plan.output.defuzzifier.resolution is None
     if exact and plan.closed is not None:
         return closed_centroid_at_point(plan, fired)

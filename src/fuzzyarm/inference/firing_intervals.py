@@ -127,6 +127,7 @@ class _Doubling:
                 if term.lower is not None:
                     self.intervals.add((variable.name, term.name))
                 if variable.name in self.two_sided or term.lower is not None:
+                    # A term of a file may be called so, in quotes: then with a prime.
                     name = f"{term.name} (lower)"
                     while name in names:
                         name += "'"
@@ -166,6 +167,7 @@ class _Doubling:
         terms: list[Term] = []
         for term in variable.terms:
             lower, upper = term.lower or term.shape, term.shape
+            # Nie and Tan: of a value between two the middle, once for both readings.
             if averaged and is_value(upper):
                 lower = upper = middle_value(lower, upper)
             terms.append(replace(term, shape=upper, lower=None))
@@ -204,6 +206,7 @@ class _Doubling:
                 return expression
             return replace(expression, term=self.lower_names[key])
         if isinstance(expression, Hedged):
+            # Only over an interval has a hedge to rise or to fall.
             if self._is_interval(expression.operand):
                 side = _turned(side, expression.hedges)
             return replace(expression, operand=self._read(expression.operand, side))
@@ -309,7 +312,7 @@ def ends(rulebase: RuleBase) -> Ends:
             continue
         own_names = [_free(f"{output.name} ({side})", used_names) for side in ("left", "right")]
         names[output.name] = own_names[0], own_names[1]
-        if _is_read(rulebase, output.name):
+        if _is_read(rulebase, output.name):  # else its middle would be computed for nothing
             outputs.append(output)
         outputs += [
             replace(

@@ -93,6 +93,7 @@ def _outputs(
 
         return dict(infer_many(rulebase, given, held))
     prepared = prepare(rulebase)
+    # The kernel leaves alone what is not an ordinary value; plain Python then says what it is.
     if prepared.is_worth_a_kernel():
         from fuzzyarm.inference.engine import infer_one
 
@@ -219,7 +220,7 @@ def check_expectations(
         return []
     try:
         prepared = prepare(rulebase)
-    except FuzzyarmError as error:
+    except FuzzyarmError as error:  # the same for all of them: said once
         return [_failed(rulebase.expectations[0], str(error))]
     samples = sum(output.defuzzifier.resolution or 0 for output in rulebase.outputs)
     many = samples * len(rulebase.expectations) > MANY_SAMPLES
@@ -279,6 +280,7 @@ def holds(outcome: Outcome, value: float, output: Output) -> bool:
     target = outcome.value
     if outcome.relation == "=":
         width = output.high - output.low
+        # Of a range without an end there is no share.
         scale = width if math.isfinite(width) else max(1.0, abs(target))
         tolerance = DEFAULT_TOLERANCE * scale if outcome.other is None else outcome.other
         return abs(value - target) <= tolerance

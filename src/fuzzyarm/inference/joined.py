@@ -65,6 +65,7 @@ def joined_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
         return None
     if plan.record.of == "area":
         return {"half": _half(xs, ys, areas, 0.5 * total)}
+    # Six times the moment about 0 of a trapezoid over a .. b, as high as y at a and as z at b.
     moment = added_up(
         (b - a) * (a * (2.0 * y + z) + b * (y + 2.0 * z))
         for (a, b), (y, z) in zip(pairwise(xs), pairwise(ys))  # noqa: B905
@@ -88,6 +89,8 @@ def _vertices(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]
 
     xs, ys = [samples[0]], [height([part.degrees[0] for part in parts])]
     for i, (a, b) in enumerate(pairwise(samples)):
+        # A vertex of one set is one of all: on the way to the next sample every line is looked at
+        # wherever any of them is cut off.
         before = [part.degrees[i] for part in parts]
         after = [part.degrees[i + 1] for part in parts]
         shares = {
@@ -165,12 +168,14 @@ def _some(plan: OutputPlan, entries: list[tuple[int, Array]]) -> tuple[Array, Ar
 
     output = plan.output
     samples = np.array(sample_positions(output.low, output.high, output.defuzzifier))
+    # Degrees alone are wanted here, which do not depend on the strength.
     sets = [np.array(_part(plan, member, 1.0, samples.size).degrees) for member, _ in entries]
     shares = [np.zeros((len(entries[0][1]), samples.size - 1))]
     for (member, strength), degree in zip(entries, sets, strict=True):
         if plan.members[member].implication == "min":
             s, y, z = strength[:, None], degree[:-1], degree[1:]
             crosses = ((y >= s) != (z >= s)) & (s > 0.0)
+            # One that is not cut off in a cell gets share 0 there: a vertex twice, without a width.
             rise = np.where(crosses, z - y, 1.0)
             shares.append(np.where(crosses, (s - y) / rise, 0.0))
     shares.append(np.ones_like(shares[0]))

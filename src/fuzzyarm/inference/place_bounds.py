@@ -82,6 +82,7 @@ def _furthest(edges: Array, lower: Array, upper: Array) -> Array:
     """Return up to where the area on the left need not be more than that on the right."""
     import numpy as np
 
+    # As far to the right as it can be: least area on its left, most on its right.
     lower, upper = lower * (1.0 - TIE), upper * (1.0 + TIE)
     widths = np.diff(edges)
     left = sums_from_left(0.5 * widths * lower.sum(axis=-1))
@@ -94,6 +95,8 @@ def _furthest(edges: Array, lower: Array, upper: Array) -> Array:
     start, end = edges[panel], edges[panel + 1]
     before, behind = pick(left), pick(right, 1)
     (a, b), (c, d) = ([pick(curve[..., side]) for side in (0, 1)] for curve in (lower, upper))
+    # Inside that panel both sides are quadratic in the position: halved, which needs no case for
+    # a slope near 0. The lower curve goes from a to b, the upper one from c to d.
     low, high = start, end
     for _ in range(_STEPS):
         middle = 0.5 * (low + high)
@@ -127,6 +130,7 @@ def halving_bounds(
     def furthest(numbers: Array) -> Array:
         order = np.argsort(numbers, axis=-1, kind="stable")
         x, low, high = (np.take_along_axis(array, order, -1) for array in (numbers, lower, upper))
+        # At least up to a number, its own weight with it; at most behind it.
         left = sums_from_left(low)[..., 1:] * (1.0 - TIE)
         right = sums_from_right(high)[..., 1:] * (1.0 + TIE)
         beyond = ((left <= right) & (right > 0.0)).sum(axis=-1, keepdims=True)

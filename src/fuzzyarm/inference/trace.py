@@ -109,6 +109,7 @@ class RuleTrace:
 
 def place_of(number: int, line: int, column: int) -> str:
     """Return what a rule is called: its line and column, or its number where it has no text."""
+    # No rule stands at the first character of a file: one that was made in Python has that place.
     return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
 
 
@@ -345,6 +346,7 @@ def explain_silence(
 
 def _distance(near: NearRule) -> tuple[int, float]:
     degrees = [degree for _, degree in near.propositions]
+    # Fewest propositions that fail; of equals the one whose weakest other one holds most.
     holding = [degree for degree in degrees if degree > 0.0]
     return len(degrees) - len(holding), -min(holding, default=0.0)
 
@@ -372,6 +374,7 @@ def _rules(rulebase: RuleBase, prepared: PointEngine, point: Point) -> tuple[Rul
     traces: list[RuleTrace] = []
     for block in rulebase.blocks:
         for rule in block.rules:
+            # A rule of type 2 is two in the plan: its upper reading, then its lower one.
             strengths = [prepared.strength(i, point) for i in prepared.plan.readings[len(traces)]]
             trace = _rule_trace(len(traces) + 1, block, rule, strengths[0])
             traces.append(trace if len(strengths) == 1 else replace(trace, lower=strengths[1]))
@@ -436,6 +439,7 @@ def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> Out
     folded = fold_at_point(plan, fired)
     names = {term.name for term in rulebase.output(name).terms}
     consequents = []
+    # Each pair is a term of the file: the member of its upper set and that of its lower one.
     for pair in plan.pairs:
         if folded.get(pair[0], 0.0) <= 0.0:
             continue
@@ -497,6 +501,8 @@ def _clipped(member: Member, strength: float) -> Curve:
 def _along(piece: Piece, member: Member, strength: float) -> list[tuple[float, float]]:
     """Return the corners of a piece, its bend at the clipping level among them."""
     stops = [(piece.x0, piece.y0), (piece.x1, piece.y1)]
+    # Where a cut set bends: `bounded` leaves max(0, y + strength − 1), `nilpotent` the smaller of
+    # both where their sum exceeds 1.
     levels = {"min": [strength], "bounded": [1.0 - strength], "nilpotent": [strength, 1 - strength]}
     inside = [
         (crossing(piece, member.membership, level), level)
@@ -517,6 +523,7 @@ def _union(function: Any, corners: set[float], low: float, high: float) -> Curve
     xs = sorted(corners | even)
     curve = [(xs[0], function(xs[0]))]
     for a, b in pairwise(xs):
+        # At an edge itself the higher side counts; a picture shows both.
         start, end = function(math.nextafter(a, b)), function(math.nextafter(b, a))
         if not math.isclose(start, curve[-1][1], abs_tol=1e-9):
             curve.append((a, start))
