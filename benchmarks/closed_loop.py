@@ -34,16 +34,20 @@ from fuzzyarm.inference.sets import polyline, straight_pieces
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.loop import simulate, simulate_many
 from fuzzyarm.loop.many import Bench
-from fuzzyarm.loop.program import RunRecord, loop_for
+from fuzzyarm.loop.program import loop_for
 from fuzzyarm.model.rulebase import RuleBase, Variable, propositions
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.plant import reach_return
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 
+try:  # a tree of before, which `beside.py` measures with these scripts, may have other names
+    from fuzzyarm.loop.program import RunRecord
+except ImportError:
+    from fuzzyarm.loop.program import Record as RunRecord
 try:
     from fuzzyarm.loop.simulation import experiment_of
-except ImportError:  # a tree of before, which `beside.py` measures with these scripts
+except ImportError:
     from fuzzyarm.loop.many import experiment_of
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -393,6 +393,8 @@ class Course:
         self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
         self.driven = driven
         self.steps = int(motion.iterations.sum())
+        # Indices of the set points that are sampled, if a run gets so far: those of all periods.
+        self.whole = np.flatnonzero(motion.iterations == motion.every)
         self.dynamics = self._dynamics()
         self._links = self._write_links()
         self._points = (

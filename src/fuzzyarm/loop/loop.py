@@ -148,7 +148,8 @@ def run_loop(
         Time, control period, steps of the integrator and precision, for the plant; behind them
         what :func:`note_changes` and :func:`note_errors` add up.
     record : float
-        Filled with the taps in the last period of each set point.
+        Filled with the taps in the last period of each set point: a row for each of them, with room
+        for a sample of every set point.
     progress : int, length 7
         In and out, see above.
     """
@@ -310,8 +311,10 @@ def refer(
 @kernel
 def tap(board: list[float], taps: list[int], record: list[float], samples: int) -> None:
     """Record a sample."""
+    room = len(record) // max(len(taps), 1)
+    # A row for each tap: whoever reads them goes along one of them.
     for i in range(len(taps)):
-        record[samples * len(taps) + i] = board[taps[i]]
+        record[room * i + samples] = board[taps[i]]
 
 
 # What the loop calls of a plant and of the laws; plain Python is bound to these names.
@@ -603,7 +606,7 @@ def rms(errors: Vector) -> Vector:
 
     Parameters
     ----------
-    errors : ndarray, shape (n, 2)
+    errors : ndarray, shape (n, k) or (n,)
         Samples of the tracking error; no samples give not a number.
     """
     if not len(errors):

@@ -31,8 +31,8 @@ from fuzzyarm.loop.blocks import (
     unpacked,
 )
 from fuzzyarm.loop.course import Course, Motion, Options, Sensor
-from fuzzyarm.loop.metrics import METRICS
-from fuzzyarm.loop.program import shown_units
+from fuzzyarm.loop.metrics import METRICS, Metrics
+from fuzzyarm.loop.program import LoopProgram, shown_units
 from fuzzyarm.loop.reference import AnySignal, AnyTime
 from fuzzyarm.loop.run import (
     ClosedLoop,
@@ -322,6 +322,10 @@ class Bench:
 
     def run(self, index: int, changes: Changes) -> Run:
         """Run once; what is not changed is as in the experiment."""
+        return self.loop.run(*self._changed(index, changes))
+
+    def _changed(self, index: int, changes: Changes) -> tuple[LoopProgram | None, Course, int]:
+        """Return program, course and seed of a run."""
         changes = {**self.experiment.shared, **changes}
         gains = self._of("gain", changes)
         program = None
@@ -329,7 +333,7 @@ class Bench:
             gain_values = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
             program = self.loop.program_with(gain_values)
         seed = int(changes.get("seed", self.experiment.options.seed + index))
-        return self.loop.run(program, self.course(changes), seed)
+        return program, self.course(changes), seed
 
     def course(self, changes: Changes) -> Course:
         """Return the experiment with some changes of plants, sensors and disturbances."""
@@ -372,23 +376,26 @@ class Bench:
             if stop is not None and stop.is_set():
                 return rows[:at], 0.0
             row_changes = {name: values[at] for name, values in changes.items()}
-            run = self.one(first + at, row_changes)
-            if run.diverged is not None:
-                rows[at, 0] = run.diverged
-            metric_values = [vars(metric).values() for metric in run.metrics.values()]
+            metrics, diverged = self.one(first + at, row_changes)
+            if diverged is not None:
+                rows[at, 0] = diverged
+            metric_values = [vars(metric).values() for metric in metrics.values()]
             rows[at, 1:] = [
                 np.nan if value is None else value for row in metric_values for value in row
             ]
         return rows, time.perf_counter() - begin
 
-    def one(self, index: int, values: Mapping[str, Any]) -> Run:
-        """Run once with an entry of each column; entries that are not a number change nothing."""
+    def one(self, index: int, values: Mapping[str, Any]) -> tuple[dict[str, Metrics], float | None]:
+        """Run once with an entry of each column; return metrics, and when it diverged.
+
+        Entries that are not a number change nothing.
+        """
         changes = {name: value for name, value in values.items() if not np.isnan(value).any()}
         try:
             if self.loop.compiled and not begins_by_itself(self.loop.course.plant):
-                return self.run(index, changes)
+                return self.loop.measured(*self._changed(index, changes))
             with self.interpreted:  # what a user wrote may remember things
-                return self.run(index, changes)
+                return self.loop.measured(*self._changed(index, changes))
         except FuzzyarmError as error:
             error.at(f"run {index}")
             raise

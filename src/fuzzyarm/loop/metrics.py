@@ -159,6 +159,7 @@ def metrics_of(
     elapsed = time - time[0]
     rise, overshoot, settling = _step_response(time, reference, errors)
     at_limit = np.zeros(len(errors), bool)
+    limited = any(low > -math.inf or high < math.inf for low, high in limits)
     for column, (low, high) in enumerate(limits):
         # What a run in single precision stores may lie a last bit inside.
         if low > -math.inf:
@@ -167,7 +168,7 @@ def metrics_of(
             at_limit |= drives[:, column] >= high - NEAR * abs(high)
     span = len(errors) * period
     return Metrics(
-        float(rms(errors[:, None])[0]),
+        float(rms(errors)),
         float(signed_maximum(errors[:, None], maximum)[0]),
         float(errors[-1]),
         rise,
@@ -177,8 +178,8 @@ def metrics_of(
         float(np.sum(magnitude) * period),
         float(np.sum(elapsed * magnitude) * period),
         float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
-        float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
-        float(at_limit.mean()),
+        float(np.abs(drives[1:] - drives[:-1]).sum() / span) if drives.size else 0.0,
+        float(at_limit.mean()) if limited else 0.0,
         *counted,
     )
 
@@ -187,12 +188,12 @@ def _step_response(
     time: Vector, reference: Vector, errors: Vector
 ) -> tuple[float | None, float | None, float | None]:
     """Return rise time, overshoot and settling time, where the reference is one step."""
-    output = reference - errors
-    jumps = np.flatnonzero(np.diff(reference))
+    jumps = np.flatnonzero(reference[1:] != reference[:-1])
     # A step at the first sample has no jump: the output there is where it starts from.
     begin = 0 if not len(jumps) else int(jumps[0]) + 1
     if len(jumps) > 1 or reference[-1] != reference[begin]:
         return None, None, None
+    output = reference - errors
     start, target = float(output[max(begin - 1, 0)]), float(reference[-1])
     size = target - start
     if size == 0.0:

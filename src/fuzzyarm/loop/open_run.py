@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import Site, controller_on
@@ -45,6 +46,8 @@ class OpenRun:
         Whether :meth:`push` is to be used, which needs a number for each drive and period.
     between : bool, optional
         Whether errors of control periods that are not sampled are added up.
+    room : ndarray, optional
+        Where samples are recorded, see :class:`fuzzyarm.loop.program.RunRecord`.
 
     Attributes
     ----------
@@ -66,10 +69,11 @@ class OpenRun:
         *,
         loaded: bool = False,
         between: bool = True,
+        room: NDArray[np.float64] | None = None,
     ) -> None:
         self.site, self.course = site, course
         self.seed = seed
-        self.record = RunRecord(course, program.memory, taps, seed, between=between)
+        self.record = RunRecord(course, program.memory, taps, seed, between=between, room=room)
         self.seconds = 0.0
         self.count = len(course.motion.time)
         self._loads = course.loads() if loaded else None

@@ -186,6 +186,8 @@ class RunRecord:
         Of the start.
     between : bool, optional
         Whether errors of control periods that are not sampled are added up, see :meth:`squares`.
+    room : ndarray, optional
+        Where the taps are recorded, at least a number for each and each set point; by default new.
     """
 
     def __init__(
@@ -196,6 +198,7 @@ class RunRecord:
         seed: int | None = None,
         *,
         between: bool = True,
+        room: NDArray[np.float64] | None = None,
     ) -> None:
         self.course = course
         count = len(course.motion.time)
@@ -209,7 +212,8 @@ class RunRecord:
         self.board = new(np.zeros(course.board_size))
         self.state = course.state(seed)
         self.clock = course.clock(between=between)
-        room = np.zeros(self.columns * count)  # large: not copied
+        size = self.columns * count
+        room = np.zeros(size) if room is None else room[:size]  # large: not copied
         self.record: Any = room if course.as_array else view(room)
         self.progress = new([0, -1, -1, 0, 0, count, 0], np.int64)
 
@@ -229,14 +233,13 @@ class RunRecord:
     @property
     def rows(self) -> NDArray[np.float64]:
         """What was recorded so far, shape (samples, taps): a view."""
-        filled = np.asarray(self.record)[: int(self.progress[SAMPLES]) * self.columns]
-        return np.asarray(filled.reshape(-1, self.columns))
+        every = np.asarray(self.record).reshape(self.columns, len(self.course.motion.time))
+        return np.asarray(every[:, : int(self.progress[SAMPLES])].T)
 
     @property
     def taken(self) -> NDArray[np.int64]:
         """Indices of the set points that were sampled."""
-        whole = np.flatnonzero(self.course.motion.iterations == self.course.motion.every)
-        return whole[: int(self.progress[SAMPLES])]
+        return self.course.whole[: int(self.progress[SAMPLES])]
 
     @property
     def next(self) -> int:

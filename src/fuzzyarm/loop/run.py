@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,6 +88,50 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
         drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
         units[name] = {metric: metric_unit(metric, unit, drives) for metric in METRICS}
     return units
+
+
+class Measured(NamedTuple):
+    """What metrics are made of, of a run; see :class:`Run`, which has it all, for the fields."""
+
+    conventions: Conventions
+    axes: tuple[str, ...]
+    labels: tuple[str, ...]
+    period: float
+    set_point_time: Vector
+    reference: Vector
+    errors: Vector
+    drives: Mapping[str, Vector]
+    driven: tuple[str, ...]
+    limits: Mapping[str, tuple[float, float]]
+    chatter: Mapping[str, float]
+    rms_periods: Vector
+    rms_path: Vector
+
+
+def metrics_by_output(of: Measured | Run) -> dict[str, Metrics]:
+    """Return the metrics of each tracked output, by the names of :func:`judged_names`."""
+    metrics = {}
+    shown = judged_names(of.axes, of.labels)
+    for column, label in enumerate(of.labels):
+        axis = label.rpartition(".")[0]
+        driven = [name for name in of.drives if not of.driven or name in of.driven]
+        names = [name for name in driven if name.rpartition(".")[0] == axis]
+        drives = np.column_stack([of.drives[name] for name in names] or [np.zeros((0, 0))])
+        metrics[shown[column]] = metrics_of(
+            of.set_point_time,
+            of.reference[:, column],
+            of.errors[:, column],
+            drives,
+            [of.limits[name] for name in names],
+            of.period,
+            of.conventions.maximum,
+            PeriodFigures(
+                of.chatter.get(names[0], 0.0) if names else 0.0,
+                float(of.rms_periods[column]),
+                float(of.rms_path[column]),
+            ),
+        )
+    return metrics
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -229,28 +275,7 @@ class Run(Plotted):
     @property
     def metrics(self) -> dict[str, Metrics]:
         """Metrics of each axis; of each output where one axis has several that are tracked."""
-        found = {}
-        shown = judged_names(self.axes, self.labels)
-        for column, label in enumerate(self.labels):
-            axis = label.rpartition(".")[0]
-            driven = [name for name in self.drives if not self.driven or name in self.driven]
-            names = [name for name in driven if name.rpartition(".")[0] == axis]
-            drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
-            found[shown[column]] = metrics_of(
-                self.set_point_time,
-                self.reference[:, column],
-                self.errors[:, column],
-                drives,
-                [self.limits[name] for name in names],
-                self.period,
-                self.conventions.maximum,
-                PeriodFigures(
-                    self.chatter.get(names[0], 0.0) if names else 0.0,
-                    float(self.rms_periods[column]),
-                    float(self.rms_path[column]),
-                ),
-            )
-        return found
+        return metrics_by_output(self)
 
     def frame(self) -> Any:
         """Return the samples as a pandas DataFrame with the time as its index."""
@@ -399,6 +424,18 @@ def _coarse(course: Course) -> tuple[str, ...]:
     )
 
 
+_rooms = threading.local()
+
+
+def _room(size: int) -> Vector:
+    """Return an array of so many numbers, of each thread the same one: for what nobody keeps."""
+    # New memory of that size comes from the system, page by page, for every run.
+    array: Vector | None = getattr(_rooms, "array", None)
+    if array is None or len(array) < size:
+        array = _rooms.array = np.zeros(size)
+    return array
+
+
 class ClosedLoop:
     """A controller, set points and a plant, made ready for one run or many.
 
@@ -529,6 +566,50 @@ class ClosedLoop:
         program, course = program or self.program, course or self.course
         return OpenRun(self.site, program, course, self.taps, seed, loaded=loaded)
 
+    def measured(
+        self,
+        program: LoopProgram | None = None,
+        course: Course | None = None,
+        seed: int | None = None,
+    ) -> tuple[dict[str, Metrics], float | None]:
+        """Run once, and return metrics and when it diverged: for many runs, in less time.
+
+        Parameters
+        ----------
+        program, course, seed : optional
+            See :meth:`run`.
+        """
+        program, course = program or self.program, course or self.course
+        room = _room(len(self.taps) * len(course.motion.time))
+        open_run = OpenRun(self.site, program, course, self.taps, seed, room=room)
+        open_run.advance()
+        taps = np.ascontiguousarray(open_run.record.rows.T)
+        metrics = metrics_by_output(self._measured(open_run, taps))
+        over = open_run.course.plant.ended
+        return metrics, None if over else open_run.record.diverged()
+
+    def _measured(self, found: OpenRun, taps: Vector) -> Measured:
+        """Return what metrics are made of, of a row for each tap."""
+        record, course = found.record, found.course
+        followed, label = course.motion, self.site.interface.label
+        count, inputs = len(followed.tracked), self.site.interface.inputs
+        own = found.program is self.program
+        return Measured(
+            conventions=course.conventions,
+            axes=tuple(axis for axis, _ in followed.tracked),
+            labels=tuple(map(label, followed.tracked)),
+            period=followed.period * followed.every,
+            set_point_time=followed.time[record.taken],
+            reference=taps[count : 2 * count].T * scales(course),
+            errors=shown_errors(course, taps.T),
+            drives=dict(zip(map(label, inputs), taps[-len(inputs) :], strict=True)),
+            driven=self._driven,
+            limits=dict(self._own_limits) if own else self._limits(found.program),
+            chatter=self._chatter(record),
+            rms_periods=shown_means(course, record, HELD),
+            rms_path=shown_means(course, record, LED),
+        )
+
     def answer(self, found: OpenRun) -> Run:
         """Return what has come of a run so far."""
         program, record, course = found.program, found.record, found.course
@@ -537,41 +618,28 @@ class ClosedLoop:
         taken = record.taken
         # A row for each tap, for all that follows goes along one of them.
         taps = np.ascontiguousarray(record.rows.T)
-        count = len(followed.tracked)
         # A plant that ends a run by itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
-        references, outputs, drives = self._by_port(course, taps)
+        references, outputs, _ = self._by_port(course, taps)
         return Run(
+            **self._measured(found, taps)._asdict(),
             controller=program.controller.name,
             trajectory=followed.name,
-            conventions=course.conventions,
             time=followed.sampled[taken],
-            reference=taps[count : 2 * count].T * scales(course),
-            errors=shown_errors(course, taps.T),
             diverged=None if over else stopped,
             seconds=found.seconds,
             compiled=self.compiled,
             memory=program.remembered(record.memory),
             plant=course.plant.name,
-            axes=tuple(axis for axis, _ in followed.tracked),
-            labels=tuple(map(label, followed.tracked)),
             units=shown_units(course),
             wanted=references,
             outputs=outputs,
-            drives=drives,
-            limits=self._limits(program),
             drive_units={label(port): variable.unit for port, variable in inputs.items()},
-            driven=self._driven,
             cause="" if over or stopped is None else self._cause(record),
             loaded=tuple((followed.block[taken] != 0).tolist()),
-            period=followed.period * followed.every,
             seed=course.options.seed if found.seed is None else found.seed,
             ended=stopped if over else None,
-            chatter=self._chatter(record),
             every=followed.every,
-            set_point_time=followed.time[taken],
-            rms_periods=shown_means(course, record, HELD),
-            rms_path=shown_means(course, record, LED),
             output_units={label(port): output.unit for port, output in interface.outputs.items()},
             along=followed.along,
             notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
@@ -614,6 +682,11 @@ class ClosedLoop:
         idle = {axis for axis, _ in site.interface.inputs} - {axis for axis, _ in course.driven}
         notes += [f"nothing drives {axis}" for axis in sorted(idle)]
         return tuple(notes)
+
+    @cached_property
+    def _own_limits(self) -> dict[str, tuple[float, float]]:
+        """Those of its own program, for all runs that change no gain."""
+        return self._limits(self.program)
 
     def _limits(self, program: LoopProgram) -> dict[str, tuple[float, float]]:
         """Return the limits of each drive: the actuator's, or the text's where narrower."""
