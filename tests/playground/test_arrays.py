@@ -76,6 +76,26 @@ SAME = {
         x.random.default_rng(7).random(5), x.random.default_rng(1).uniform(-6.0, 6.0, 4),
         x.random.default_rng(0).integers(0, 49, 20), x.random.default_rng(3).choice(B, 9),
     ],
+    "division by nothing": lambda x: [
+        x.array([3, -3, 0]) // 0, x.array([3, 0]) % x.array([0, 2]), x.array(B) // 0.0,
+        x.array(B) % 0.0, x.array([0.0]) // 0.0,
+    ],
+    "powers beyond": lambda x: x.power(x.array([-4.0, -4.0, 4.0]), x.array([8656.3, 8657.0, 9e9])),
+    "signs of zeros": lambda x: [
+        rounded(x.array([-0.3, -0.0, 0.3])) for rounded in (x.floor, x.ceil, x.trunc, x.rint)
+    ],
+    "NaN among others": lambda x: [
+        x.searchsorted(x.array([0.0, 1.0, math.nan]), x.array([0.5, 2.0, math.nan]), side=side)
+        for side in ("left", "right")
+    ],
+    "a line at NaN": lambda x: x.interp(x.array([math.nan, 0.5]), [0.0, 1.0], [2.0, 3.0]),
+    "near or not": lambda x: [
+        x.allclose([math.inf, 1.0], [math.inf, 1.0 + 1e-9]), x.allclose([1.0], [math.inf]),
+        x.allclose([math.nan], [math.nan]),
+    ],
+    "evenly spaced": lambda x: [
+        x.arange(-3.8, -1.9, 0.7), x.arange(0.0, 1.0, 0.1), x.arange(1.5, 0),
+    ],
     "a large seed": lambda x: x.random.default_rng(2**200 + 17).random(3),
 }  # fmt: skip
 
@@ -104,6 +124,28 @@ def test_a_view_shares_its_memory():
     other = own.asanyarray(memoryview(bytearray(16)).cast("d"))
     other[1] = 2.0
     assert other.data.tolist() == [0.0, 2.0]
+
+
+def test_a_mask_that_is_nowhere_true_writes_nothing():
+    array = own.array(B)
+    array[array > 9.0] = 7.0
+    assert array.tolist() == B
+
+
+@pytest.mark.parametrize(
+    "choose",
+    [
+        lambda x, a: a[0, :, x.array([1, 2, 3])],
+        lambda x, a: a[:, 1, x.array([1, 2, 3])],
+        lambda x, a: a[x.array([0, 1]), 1:, x.array([1, 2])],
+        lambda x, a: a[:, x.array([True, False, True]), -1],
+        lambda x, a: a[:, :, 4:],
+        lambda x, a: a[:, :0, 0],
+    ],
+)
+def test_numbers_beside_arrays_of_indices_choose_what_numpy_does(choose):
+    found, expected = (choose(x, x.arange(24).reshape(2, 3, 4)) for x in (own, np))
+    assert (tuple(found.shape), found.tolist()) == (expected.shape, expected.tolist())
 
 
 @pytest.mark.parametrize("value", [0.1, 1e-5, 3.0, 1.17e38, -2.5e-7, 16777216.0, math.inf])

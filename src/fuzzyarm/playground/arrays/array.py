@@ -265,7 +265,7 @@ class ndarray:
         if indices is not None:
             shape, places = _gathered(view, indices)
         else:
-            shape, places = view.shape, []
+            shape, places = view.shape, None
         if not isinstance(value, ndarray | list | tuple) and not hasattr(value, "__array__"):
             values: Iterable[Any] = repeat(_cast(value, view.dtype))
         else:
@@ -280,7 +280,8 @@ class ndarray:
             full = list(values) if not isinstance(values, repeat) else [next(values)] * size
             memory[view._start : view._start + size] = _memory(full, view.dtype)
             return
-        for place, one in zip(places or view._places(), values, strict=False):
+        # Where a mask is nowhere true there is no place at all.
+        for place, one in zip(view._places() if places is None else places, values, strict=False):
             memory[place] = one
 
     # --- Shape ---
@@ -367,10 +368,9 @@ def _cast(value: Any, kind: DType) -> Any:
 
 
 def _nested(flat: list[Any], shape: Shape) -> list[Any]:
-    for size in reversed(shape[1:]):
-        if size == 0:
-            return [[] for _ in range(math.prod(shape[:-1]))]
-        flat = [flat[start : start + size] for start in range(0, len(flat), size)]
+    for axis in range(len(shape) - 1, 0, -1):
+        size, count = shape[axis], math.prod(shape[:axis])
+        flat = [flat[k * size : (k + 1) * size] for k in range(count)]
     return flat
 
 
@@ -460,7 +460,7 @@ def array_of(value: Any, kind: Any = None) -> ndarray:  # noqa: C901
 def _viewed(of: ndarray, key: Any) -> tuple[ndarray, dict[int, ndarray] | None]:
     """Return the view of the plain indices, and arrays of indices by its axis."""
     keys = list(key) if isinstance(key, tuple) else [key]
-    keys = [_index_of(key_part) for key_part in keys]
+    keys = _indices_of(keys)
     axis_count = sum(_axes_of(key_part) for key_part in keys)
     places = [k for k, key_part in enumerate(keys) if isinstance(key_part, EllipsisType)]
     rest = [slice(None)] * (of.ndim - axis_count)
@@ -508,6 +508,14 @@ def _axes_of(key: Any) -> int:
     if key is None or isinstance(key, EllipsisType):
         return 0
     return key.ndim if isinstance(key, ndarray) and key.dtype is BOOL else 1
+
+
+def _indices_of(keys: Sequence[Any]) -> list[Any]:
+    """Return indices as `_index_of` does; beside arrays numbers are arrays, too, as in NumPy."""
+    indices = [_index_of(key) for key in keys]
+    if any(isinstance(index, ndarray) for index in indices):
+        return [made([k], WHOLE, ()) if isinstance(k, int) else k for k in indices]
+    return indices
 
 
 def _index_of(key: Any) -> Any:

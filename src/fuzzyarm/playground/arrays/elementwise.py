@@ -42,10 +42,17 @@ def _raised(a: Any, b: Any) -> Any:
     try:
         result = a**b
     except OverflowError:
-        return inf if a > 0 or b % 2 == 0 else -inf
+        if a > 0 or b % 2 == 0:
+            return inf
+        return -inf if b % 2 == 1 else nan
     except ZeroDivisionError:
         return math.copysign(inf, a) if b % 2 == 1 else inf
     return nan if isinstance(result, complex) else result
+
+
+def _is_float(a: Any, b: Any) -> bool:
+    """Whether a division is one of floats: that of whole numbers by 0 is 0 in NumPy."""
+    return isinstance(a, float) or isinstance(b, float)
 
 
 def largest(a: Any, b: Any) -> Any:
@@ -71,6 +78,11 @@ def _quiet(act: Callable[[float], float], beyond: float) -> Callable[[float], fl
             return beyond
 
     return quiet
+
+
+def _signed(act: Callable[[float], int]) -> Callable[[float], float]:
+    """Return a way of rounding that keeps the sign of a zero."""
+    return lambda x: math.copysign(float(act(x)), x) if math.isfinite(x) else x
 
 
 class ufunc:
@@ -145,8 +157,8 @@ divide = true_divide = ufunc(_divided, floats=True)
 negative, absolute = ufunc(operator.neg), ufunc(builtins.abs)
 square, power = ufunc(lambda x: x * x), ufunc(_raised)
 maximum, minimum = ufunc(largest), ufunc(least)
-mod = remainder = ufunc(lambda a, b: a % b if b else nan)
-floor_divide = ufunc(lambda a, b: a // b if b else nan)
+mod = remainder = ufunc(lambda a, b: a % b if b else nan if _is_float(a, b) else 0)
+floor_divide = ufunc(lambda a, b: a // b if b else _divided(a, b) if _is_float(a, b) else 0)
 equal, not_equal = ufunc(operator.eq, BOOL), ufunc(operator.ne, BOOL)
 less, less_equal = ufunc(operator.lt, BOOL), ufunc(operator.le, BOOL)
 greater, greater_equal = ufunc(operator.gt, BOOL), ufunc(operator.ge, BOOL)
@@ -165,16 +177,10 @@ tanh, arctan2 = ufunc(math.tanh, floats=True), ufunc(math.atan2, floats=True)
 exp = ufunc(_quiet(math.exp, inf), floats=True)
 log = ufunc(lambda x: math.log(x) if x > 0.0 else (nan if x else -inf), floats=True)
 hypot = ufunc(math.hypot, floats=True)
-floor = ufunc(lambda x: float(math.floor(x)) if math.isfinite(x) else x, floats=True)
-ceil = ufunc(lambda x: float(math.ceil(x)) if math.isfinite(x) else x, floats=True)
-trunc = ufunc(lambda x: float(math.trunc(x)) if math.isfinite(x) else x, floats=True)
-rint = ufunc(lambda x: math.copysign(float(_nearest(x)), x) if math.isfinite(x) else x, floats=True)
+floor, ceil = ufunc(_signed(math.floor), floats=True), ufunc(_signed(math.ceil), floats=True)
+trunc, rint = ufunc(_signed(math.trunc), floats=True), ufunc(_signed(builtins.round), floats=True)
 sign = ufunc(lambda x: x if x != x else type(x)((x > 0) - (x < 0)))
 copysign = ufunc(math.copysign, floats=True)
-
-
-def _nearest(x: float) -> int:
-    return builtins.round(x)
 
 
 def nextafter(a: Any, b: Any) -> Any:
@@ -220,6 +226,8 @@ def interp(at: Any, x: Any, y: Any) -> Any:
     xs, ys = elements(array_of(x)), elements(array_of(y))
 
     def height(place: float) -> float:
+        if place != place:
+            return nan
         if place >= xs[-1]:
             return float(ys[-1])
         if place <= xs[0]:

@@ -89,9 +89,11 @@ def arange(*ends: Any, dtype: Any = None) -> ndarray:
     if builtins.all(isinstance(number, int) for number in (start, stop, step)):
         values: list[Any] = list(range(start, stop, step))
     else:
-        values = [
-            start + k * step for k in range(builtins.max(math.ceil((stop - start) / step), 0))
-        ]
+        count = builtins.max(math.ceil((stop - start) / step), 0)
+        # NumPy goes on by the difference of the first two numbers, which is rounded.
+        step = (start + step) - start
+        values = [start + k * step for k in range(count)]
+        dtype = dtype or (None if values else FLOAT)
     return array_of(values, dtype or (WHOLE if not values else None))
 
 

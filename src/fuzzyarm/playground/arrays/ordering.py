@@ -57,7 +57,10 @@ def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
     row = elements(array_of(points))
     find = bisect_left if side == "left" else bisect_right
     size = len(row)
-    return operate(lambda x: size if x != x else find(row, x), (values,), WHOLE)
+    # Each NaN stands behind all numbers, which nothing may be compared with.
+    numbers = size - builtins.sum(x != x for x in row)
+    of_nan = numbers if side == "left" else size
+    return operate(lambda x: of_nan if x != x else find(row, x, 0, numbers), (values,), WHOLE)
 
 
 def bincount(given: Any, minlength: int = 0) -> ndarray:

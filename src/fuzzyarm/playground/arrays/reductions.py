@@ -14,10 +14,14 @@ from fuzzyarm.playground.arrays.elementwise import (
     absolute,
     add,
     divide,
+    equal,
+    isfinite,
     isnan,
     largest,
     least,
     less_equal,
+    logical_and,
+    logical_or,
     multiply,
     sqrt,
     square,
@@ -192,4 +196,6 @@ def array_equal(a: Any, b: Any) -> bool:
 
 def allclose(a: Any, b: Any, rtol: float = 1e-5, atol: float = 1e-8) -> bool:
     """Whether two arrays are nearly the same."""
-    return bool(all(less_equal(absolute(subtract(a, b)), add(atol, multiply(rtol, absolute(b))))))
+    near = less_equal(absolute(subtract(a, b)), add(atol, multiply(rtol, absolute(b))))
+    # Equal infinities are near, though their difference is NaN; nothing else is near to one.
+    return bool(all(logical_or(equal(a, b), logical_and(near, isfinite(b)))))
