@@ -114,6 +114,7 @@ def falls(loop: Matrices, p: Rows, multipliers: Sequence[Fraction], rate: Fracti
         return False
     else:
         total, spread = _fall_of_rate(loop, p)
+    # Less Σ τ (v² − w²): v is a row over z and w, w one coordinate.
     for k, tau in enumerate(multipliers):
         v = loop.blocks[k]
         for i in range(size):
@@ -179,6 +180,7 @@ def is_positive_definite(matrix: Rows) -> bool:
             return False
         for i in range(k + 1, size):
             for j in range(k + 1, size):
+                # Bareiss: the division leaves no rest, and each pivot is the next leading minor.
                 whole[i][j] = (whole[i][j] * pivot - whole[i][k] * whole[k][j]) // before
         before = pivot
     return True

@@ -266,6 +266,7 @@ class Follower:
                 for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
             }
             intervals = self._driven(drives)
+            # The period may have made new symbols, as for the band around a plane.
             states = states.with_symbols(max(algebra.count, len(states.parts)))
             states, steps, parts = self._moved(
                 states, {**constants, **drives}, period * self.period, parts
@@ -418,6 +419,8 @@ class Follower:
                     if remainder > LARGE and parts < self._most(step):
                         break
                     state = _with_own_symbols(step.end)
+                # Where the last term is too large the order goes up first, then the steps get
+                # shorter; where it is far below, both are taken back, one at a time.
                 if remainder > LARGE and self.order < ORDER:
                     self.order = ORDER
                     continue
@@ -455,6 +458,8 @@ class Follower:
             algebra.forms(memory[name]) for name in names
         ])  # fmt: skip
         count = len(joint.parts)
+        # Rests become symbols, so that what they do to several states in the next period stays
+        # together.
         if joint.rest.any():
             joint = joint.with_symbols(count + joint.shape[0], range(count, count + joint.shape[0]))
         joint = joint.reduced(kept, kept + MOST_SYMBOLS * joint.shape[0])

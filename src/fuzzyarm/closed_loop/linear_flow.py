@@ -132,6 +132,7 @@ class LinearFlow:
         box = Intervals.between(start.low - far, start.high + far)
         box = Intervals(np.nextafter(box.low, -np.inf), np.nextafter(box.high, np.inf))
         span = Intervals.between(0.0, length)
+        # It holds the solutions already; each pass of Picard's operator makes it narrower.
         for _ in range(3):
             box = (start + self._rates_over(box, bounds) * span).meet(box)
         return box

@@ -274,6 +274,8 @@ class RulePlanes:
         if not len(values):
             return np.zeros(len(centre)), middle
         rows = np.column_stack([places, np.ones(len(places))])
+        # Lawson: weights grow with the gaps. How near it comes matters only for how wide the band
+        # is.
         for _ in range(4):
             root = np.sqrt(weights)
             solution = np.linalg.lstsq(rows * root[:, None], values * root, rcond=1e-9)[0]
@@ -309,6 +311,8 @@ def _bands(
     """Return for each piece between what the value less the plane lies."""
     dimension = len(centre)
     sources, shares = _raised(dimension, pieces.degree)
+    # N − k D with a plane k has the degree n + 1 and the coefficients Σⱼ γⱼ/(n + 1) (N − kⱼ D),
+    # those of N and D at γ − eⱼ and k at vertex j.
     planes = (pieces.corners - centre) @ slopes + (offset - middle)
     upper, lower = pieces.upper[:, sources], pieces.lower[:, sources]
     assert pieces.error is not None

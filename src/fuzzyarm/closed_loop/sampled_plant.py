@@ -139,6 +139,8 @@ class SampledPlant:
                 middle = 0.5 * low + 0.5 * high
                 radius = max(Fraction(high) - Fraction(middle), Fraction(middle) - Fraction(low))
                 row = row.plus(signal.scaled(Fraction(middle)))
+                # What rounding alone leaves open is not worth a gain of its own: it goes into the
+                # radius.
                 if radius > abs(Fraction(middle)) * Fraction(1, 10**8) and radius > Fraction(
                     1, 10**12
                 ):
