@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import inspect
 import os
@@ -81,6 +82,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left = [item for item in items if not is_long(item)]
         config.hook.pytest_deselected(items=[item for item in items if is_long(item)])
         items[:] = left
+
+
+def pytest_collection_finish() -> None:
+    """Keep what stays until the end, tests and modules, out of each search for cycles."""
+    gc.collect()
+    gc.freeze()
 
 
 def seconds_of(item: pytest.Item) -> tuple[bool, float]:

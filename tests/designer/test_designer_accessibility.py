@@ -1,8 +1,12 @@
-"""axe-core in every view of every kind of file: light and dark, wide and narrow."""
+"""axe-core in every view of every kind of file: light and dark, wide and narrow.
+
+In the suite each size has one scheme and each scheme one size; with ``--thorough`` all four.
+"""
 
 from pathlib import Path
 
 import pytest
+from budget import crossed
 from test_designer_learning import SOC
 from test_designer_page import CHROMIUM, put, until
 
@@ -57,15 +61,11 @@ def violations(page):
     ]
 
 
-@pytest.fixture(params=["light", "dark"])
-def scheme(request):
-    return request.param
-
-
-@pytest.fixture(params=SIZES)
-def opened(request, scheme, browser):
+@pytest.fixture(params=crossed(SIZES, ["light", "dark"]), ids="-".join)
+def opened(request, browser):
     """Open an address in a page that axe-core has been put into."""
-    width, height = SIZES[request.param]
+    size, scheme = request.param
+    width, height = SIZES[size]
     context = browser.new_context(
         bypass_csp=True, color_scheme=scheme, viewport={"width": width, "height": height}
     )
