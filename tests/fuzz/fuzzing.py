@@ -10,7 +10,7 @@ import random
 import tempfile
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,28 +38,40 @@ class Finding(NamedTuple):
         return f"{error.split(':')[0]} {places[-1] if places else ''}"
 
 
+def tried(case: Case, seed: int, number: int) -> Finding | None:
+    """Run one case, which depends on the seed and its number alone."""
+    told = Told()
+    try:
+        case(random.Random(f"{seed} {number}"), told)
+    except Exception:
+        return Finding(number, "\n".join(told), traceback.format_exc())
+    return None
+
+
 def search(case: Case, seed: int, count: int, first: int = 0) -> list[Finding]:
-    """Run cases `first` to `first + count`; each depends on its number and the seed alone."""
-    found = []
-    for number in range(first, first + count):
-        told = Told()
-        try:
-            case(random.Random(f"{seed} {number}"), told)
-        except Exception:
-            found.append(Finding(number, "\n".join(told), traceback.format_exc()))
-    return found
+    """Run cases `first` to `first + count`, and return what is wrong."""
+    outcomes = (tried(case, seed, number) for number in range(first, first + count))
+    return [finding for finding in outcomes if finding is not None]
 
 
-def run(description: str | None, case: Case) -> int:
-    """Be a script: ``--seed 1 --count 20000``; print one finding of each sort."""
+def run(description: str | None, case: Case, words: Sequence[str] | None = None) -> int:
+    """Be a script: ``--seed 1 --count 20000``; print one finding of each sort.
+
+    Ctrl-C ends the search early, with what there is by then.
+    """
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
-    chosen = parser.parse_args()
+    chosen = parser.parse_args(words)
     start = time.monotonic()
-    found = search(case, chosen.seed, chosen.count, chosen.first)
-    report(found, chosen.count, time.monotonic() - start)
+    found: list[Finding] = []
+    count = 0
+    with contextlib.suppress(KeyboardInterrupt):
+        for count in range(chosen.count):
+            found += filter(None, [tried(case, chosen.seed, chosen.first + count)])
+        count = chosen.count
+    report(found, count, time.monotonic() - start)
     return int(bool(found))
 
 

@@ -12,7 +12,7 @@ import random_commands
 import random_rule_bases
 from budget import cases
 from drawn_commands import OFTEN
-from fuzzing import search
+from fuzzing import run, search
 from workers import HUNG, Outcome, Worker
 
 from fuzzyarm.cli.main import COMMANDS
@@ -44,6 +44,23 @@ def test_a_finding_has_its_input_and_its_place():
     assert {each.sort.split()[0] for each in found} == {"ZeroDivisionError"}
     again = search(case, seed=1, count=1, first=found[-1].number)
     assert again[0].told == "input 3"
+
+
+def test_a_search_that_is_interrupted_reports_what_there_is(capsys):
+    numbers = iter(range(100))
+
+    def case(r, told):
+        number = next(numbers)
+        told.append(f"input {number}")
+        if number == 3:
+            raise ZeroDivisionError("planted")
+        if number == 7:
+            raise KeyboardInterrupt
+
+    assert run("", case, ["--count", "50"]) == 1
+    said = capsys.readouterr().out
+    assert "case 3\ninput 3" in said
+    assert "7 cases, 1 findings of 1 sorts" in said
 
 
 # --- Random commands ---
