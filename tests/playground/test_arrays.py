@@ -94,8 +94,15 @@ SAME = {
         x.allclose([math.nan], [math.nan]),
     ],
     "evenly spaced": lambda x: [
-        x.arange(-3.8, -1.9, 0.7), x.arange(0.0, 1.0, 0.1), x.arange(1.5, 0),
+        x.arange(-3.8, -1.9, 0.7), x.arange(0.0, 1.0, 0.1), x.arange(1.5, 0), x.arange(3.0),
     ],
+    "axes that are kept": lambda x: [
+        kept(x.array(A), axis=axis, keepdims=True)
+        for kept in (x.sum, x.prod, x.max, x.any, x.all) for axis in (0, 1, None)
+    ],
+    "each once": lambda x: list(
+        x.unique(x.array([[2.0, 1.0], [math.nan, 1.0]]), return_inverse=True)
+    ),
     "a large seed": lambda x: x.random.default_rng(2**200 + 17).random(3),
 }  # fmt: skip
 

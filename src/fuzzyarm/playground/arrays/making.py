@@ -93,7 +93,8 @@ def arange(*ends: Any, dtype: Any = None) -> ndarray:
         # NumPy goes on by the difference of the first two numbers, which is rounded.
         step = (start + step) - start
         values = [start + k * step for k in range(count)]
-        dtype = dtype or (None if values else FLOAT)
+        if builtins.any(isinstance(number, float) for number in (*ends, step)):
+            dtype = dtype or FLOAT
     return array_of(values, dtype or (WHOLE if not values else None))
 
 

@@ -39,10 +39,11 @@ def lexsort(keys: Any) -> ndarray:
 def unique(given: Any, **named: Any) -> Any:
     """Return the elements in order, each once."""
     flat = elements(array_of(given))
-    values = sorted(set(flat))
+    values = sorted(set(flat), key=_nan_last)
     result = made(values, array_of(given).dtype)
     if named.get("return_inverse"):
-        return result, made([bisect_left(values, x) for x in flat], WHOLE)
+        places = {value: place for place, value in enumerate(values)}
+        return result, made([places[x] for x in flat], WHOLE, array_of(given).shape)
     return result
 
 

@@ -55,26 +55,26 @@ def _added(given: Any, start: Any, round_to: Callable[[Any], Any]) -> Any:
     return reduce(lambda a, b: round_to(a + b), given, start)
 
 
-def sum(given: Any, axis: Any = None, **named: Any) -> Any:
+def sum(given: Any, axis: Any = None, *, keepdims: bool = False, **_named: Any) -> Any:
     """Return the sum: pairwise along rows, one row after the other across them."""
     of = array_of(given)
     if of.dtype is BOOL or of.dtype.kind == "i":
-        return reduced(of, axis, lambda row: reduce(operator.add, row, 0), WHOLE)
+        return reduced(of, axis, lambda row: reduce(operator.add, row, 0), WHOLE, keepdims=keepdims)
     keep: Callable[[Any], Any] = float32 if of.dtype.name == "float32" else _same
     if axis is None or of.ndim == 1 or (axis % of.ndim) == of.ndim - 1:
-        return reduced(of, axis, lambda row: _pairwise(row, keep))
-    return reduced(of, axis, lambda row: _added(row, -0.0, keep) + 0.0)
+        return reduced(of, axis, lambda row: _pairwise(row, keep), keepdims=keepdims)
+    return reduced(of, axis, lambda row: _added(row, -0.0, keep) + 0.0, keepdims=keepdims)
 
 
 def _same(value: Any) -> Any:
     return value
 
 
-def prod(given: Any, axis: Any = None, **_named: Any) -> Any:
+def prod(given: Any, axis: Any = None, **named: Any) -> Any:
     """Return the product."""
     kind = array_of(given).dtype
     kind = WHOLE if kind.kind != "f" else kind
-    return reduced(given, axis, lambda row: reduce(operator.mul, row, 1), kind)
+    return reduced(given, axis, lambda row: reduce(operator.mul, row, 1), kind, **named)
 
 
 def mean(given: Any, axis: Any = None) -> Any:
@@ -134,14 +134,14 @@ def ptp(given: Any, axis: Any = None) -> Any:
     return subtract(max(given, axis), min(given, axis))
 
 
-def any(given: Any, axis: Any = None, **_named: Any) -> Any:
+def any(given: Any, axis: Any = None, **named: Any) -> Any:
     """Whether one is true."""
-    return reduced(given, axis, lambda row: True in map(bool, row), BOOL)
+    return reduced(given, axis, lambda row: True in map(bool, row), BOOL, **named)
 
 
-def all(given: Any, axis: Any = None, **_named: Any) -> Any:
+def all(given: Any, axis: Any = None, **named: Any) -> Any:
     """Whether all are true."""
-    return reduced(given, axis, lambda row: False not in map(bool, row), BOOL)
+    return reduced(given, axis, lambda row: False not in map(bool, row), BOOL, **named)
 
 
 def _first(row: list[Any], best: Callable[[list[Any]], Any]) -> int:

@@ -35,7 +35,8 @@ def reduced(
     kind = kind or of.dtype
     begin = [] if initial is None else [initial]
     if axis is None:
-        return one(act([*begin, *elements(of)]), kind)
+        result = act([*begin, *elements(of)])
+        return made([result], kind, (1,) * of.ndim) if keepdims else one(result, kind)
     if isinstance(axis, tuple):
         result = of
         for axis_number in sorted((a % of.ndim for a in axis), reverse=True):
