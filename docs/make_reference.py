@@ -37,9 +37,10 @@ _HEAD = """\
 `fuzzyarm --help` lists them, `fuzzyarm COMMAND --help` prints what stands here. This page is
 written from the parser of the commands by `docs/make_reference.py`.
 
-Exit status: 0 fine, 1 the input is at fault, 2 wrong usage, 3 a run diverged, 4 a proof stayed
-undecided, 130 interrupted. Wherever it is not 0, a sentence on the standard error says why;
-what takes longer than 1.5 s says there what it does (`FUZZYARM_PROGRESS=0`: it does not).
+Exit status: 0 fine, 1 the input is at fault, 2 wrong usage (a number of the command line that is
+out of range among it), 3 a run diverged, 4 a proof stayed undecided, 130 interrupted. Wherever
+it is not 0, a sentence on the standard error says why; what takes longer than 1.5 s says there
+what it does (`FUZZYARM_PROGRESS=0`: it does not).
 
 `fuzzyarm --version` prints the version, `fuzzyarm --print-completion bash` (or `zsh`, `tcsh`) a
 script for [completion](install.md#completion).

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Self
 
 
@@ -58,6 +60,15 @@ class WordError(FuzzyarmError, ValueError):
 
 class UsageError(WordError):
     """Words that nothing can be made of, or that do not go together: wrong usage."""
+
+
+@contextmanager
+def of_the_command_line(*kinds: type[FuzzyarmError]) -> Iterator[None]:
+    """Turn errors of some kinds into `UsageError`: a word of the command line is at fault."""
+    try:
+        yield
+    except kinds as error:
+        raise UsageError(error.message, hint=error.hint) from None
 
 
 class MissingExtraError(FuzzyarmError, ImportError):

@@ -41,6 +41,27 @@ fit data.csv -o model.frb --words 3..x
 fit data.csv -o model.frb --words 3 --terms 2,2
 check servo.frb --connect position=angle
 eval pd7.frb 7
+eval pd7.frb e=x ce=0
+eval pd7.frb e=nan ce=0
+eval pd7.frb e=1 ce=0 --defuzzifier centroid(0)
+prove pd7.frb --range --tolerance -1
+simulate servo.frb --for 0s
+simulate servo.frb --seed -1
+simulate servo.frb --noise position=-1
+simulate servo.frb --actuator voltage=5..1
+simulate servo.frb --reference position=stp:1
+simulate servo.frb --step 1e99
+simulate pd --segment -1
+simulate pd --supply -3
+simulate pd --pi 5
+compare pd --segment -1
+sweep servo.frb --sweep J=2..1:3
+tune servo.frb --time 0s
+learn --rate 11
+fit data.csv -o model.frb --rules 0
+fit data.csv -o model.frb --words 9..3
+compile pd7.frb -o x.h --levels 1
+compile pd7.frb -o x.lut --tolerance 0
 plot pd7.frb -o x.png --plant motor
 """
 
@@ -64,7 +85,6 @@ tune pd7.frb
 fit none.csv -o model.frb
 validate pd7.frb none.csv
 eval pd7.frb e=1
-eval pd7.frb e=x ce=0
 show none.frb
 plot pd7.frb -o no/x.png
 """

@@ -53,7 +53,6 @@ WANT_A_CONTROLLER = (
 WANT_A_RULE_BASE = (
     "eval {} e=1 ce=1",
     "prove {} --range",
-    "validate {} data.csv",
     "compile {} -o x.lut",
     "compile {} -o x.mjs",
     "simulate fuzzy-direct --rulebase {}",

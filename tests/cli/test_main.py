@@ -245,7 +245,7 @@ def test_options_may_stand_anywhere(capsys):
 def test_a_lone_level_is_no_number_of_levels(levels, tmp_path, capsys):
     out = tmp_path / "x.lut"
     status, _, err = run("compile", GOOD, "-o", str(out), f"--levels={levels}", capsys=capsys)
-    assert status == 1
+    assert status == 2
     assert "is not a whole number of levels" in err
     assert not out.exists()
 

@@ -383,7 +383,7 @@ def test_a_surrogate_has_its_fidelity(tmp_path, capsys):
         (["--target", "z"], 1, "there is no column 'z'"),
         (["--words", "many"], 2, "--words takes a number"),
         (["--terms", "2"], 1, "1 numbers of terms for 2 inputs"),
-        (["--folds", "0"], 1, "--folds must be 2 to 100, not 0"),
+        (["--folds", "0"], 2, "--folds must be 2 to 100, not 0"),
         (["--rules", "x"], 2, "must be a whole number, not 'x'"),
     ],
 )

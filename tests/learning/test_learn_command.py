@@ -166,7 +166,7 @@ def test_every_shows_the_table_grow(capsys):
 
 def test_a_rate_out_of_range_is_told_with_the_range(capsys):
     status, _, err = run(capsys, "learn", "--rate", "-1")
-    assert status == 1
+    assert status == 2
     assert "--rate must be 0 to 10, not -1" in err
     status, _, err = run(capsys, "learn", "--set", "learning_rate=-1")
     assert status == 1
@@ -187,6 +187,12 @@ WRONG_USAGE = (
     ["--joint", "1"],
     ["-o", "x.frb"],
     ["pd", "--overview", "x.nothing"],
+    ["--passes", "0"],
+    ["--every", "0"],
+    ["--delay", "-1"],
+    ["--rate", "-1"],
+    ["--rate", "11"],
+    ["--rate", "nan"],
 )
 """Words of ``learn`` and ``reproduce`` that are at fault themselves: exit status 2."""
 

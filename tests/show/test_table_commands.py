@@ -83,25 +83,24 @@ def test_explain_as_text_and_as_data(capsys, frb):
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("words", "message", "status"),
     [
-        (["e=1", "cx=2"], "unknown input 'cx' (did you mean 'ce'?)"),
-        (["e=1"], "no value for input ce (add, for instance, ce=0)"),
-        ([], "no value for inputs e, ce"),
-        (["e=nan", "ce=0"], "the value of 'e' must be finite, not nan"),
-        (["e=inf", "ce=0"], "must be finite"),
-        (["e=one", "ce=0"], "the value of 'e' is not a number: 'one'"),
-        (["e=1", "e=2", "ce=0"], "'e' is given twice"),
-        (["1.3", "ce=0"], "'1.3' is not an assignment"),
-        (["e=1", "ce=0", "--defuzzifier", "centriod"], "did you mean 'centroid'"),
-        (["e=1", "ce=0", "--mode", "bins"], "--mode is for tables"),
-        (["e=1", "ce=0", "--held", "v=2"], "unknown output 'v'"),
-        (["e=1", "ce=0", "--plot", "x.gif"], "does not have the suffix of a figure"),
+        (["e=1", "cx=2"], "unknown input 'cx' (did you mean 'ce'?)", 1),
+        (["e=1"], "no value for input ce (add, for instance, ce=0)", 1),
+        ([], "no value for inputs e, ce", 1),
+        (["e=nan", "ce=0"], "the value of 'e' must be finite, not nan", 2),
+        (["e=inf", "ce=0"], "must be finite", 2),
+        (["e=one", "ce=0"], "the value of 'e' is not a number: 'one'", 2),
+        (["e=1", "e=2", "ce=0"], "'e' is given twice", 2),
+        (["1.3", "ce=0"], "'1.3' is not an assignment", 2),
+        (["e=1", "ce=0", "--defuzzifier", "centriod"], "did you mean 'centroid'", 2),
+        (["e=1", "ce=0", "--mode", "bins"], "--mode is for tables", 1),
+        (["e=1", "ce=0", "--held", "v=2"], "unknown output 'v'", 1),
+        (["e=1", "ce=0", "--plot", "x.gif"], "does not have the suffix of a figure", 2),
     ],
 )
-def test_eval_complains_in_one_sentence(capsys, words, message):
-    usage = message.endswith(("is not an assignment", "the suffix of a figure"))
-    assert message in complaint(capsys, "eval", PD7, *words, status=2 if usage else 1)
+def test_eval_complains_in_one_sentence(capsys, words, message, status):
+    assert message in complaint(capsys, "eval", PD7, *words, status=status)
 
 
 def test_eval_needs_no_array_library():
@@ -161,26 +160,27 @@ def test_compile_reports_as_data(capsys, tmp_path, frb):
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("words", "message", "status"),
     [
-        (["-o", "t.xls"], "cannot tell the format of 't.xls'"),
-        (["-o", "t.lut", "--output", "x"], "no output 'x' (it has y)"),
-        (["-o", "t.lut", "--levels", "1"], "2 to 100,000 levels, not 1"),
-        (["-o", "t.lut", "--levels", "c = 4"], "no input 'c'"),
-        (["-o", "t.lut", "--levels", "a = 4, 5"], "does not say for which input"),
-        (["-o", "t.lut", "--levels", "0 .. 4 step 3"], "the step 3 does not divide"),
-        (["-o", "t.lut", "--levels", "lots"], "levels as numbers"),
-        (["-o", "t.lut", "--levels", "9 8 7"], "must increase"),
-        (["-o", "t.lut", "--tolerance", "-1"], "a tolerance is a positive number"),
-        (["-o", "t.lut", "--tolerance", "1e-9"], "no even grid of up to"),
-        (["-o", "t.lut", "--round", "-1"], "rounded to a positive step"),
-        (["-o", "t.lut", "--levels", "100000"], "at most 32,000,000"),
+        (["-o", "t.xls"], "cannot tell the format of 't.xls'", 2),
+        (["-o", "t.lut", "--output", "x"], "no output 'x' (it has y)", 1),
+        (["-o", "t.lut", "--levels", "1"], "--levels must be 2 to 100,000, not 1", 2),
+        (["-o", "t.lut", "--levels", "c = 4"], "no input 'c'", 1),
+        (["-o", "t.lut", "--levels", "a = 4, 5"], "does not say for which input", 2),
+        (["-o", "t.lut", "--levels", "0 .. 4 step 3"], "the step 3 does not divide", 2),
+        (["-o", "t.lut", "--levels", "lots"], "levels as numbers", 2),
+        (["-o", "t.lut", "--levels", "9 8 7"], "must increase", 1),
+        (["-o", "t.lut", "--tolerance", "-1"], "--tolerance must be above 0, not -1", 2),
+        (["-o", "t.lut", "--tolerance", "1e-9"], "no even grid of up to", 1),
+        (["-o", "t.lut", "--round", "-1"], "--round must be at least 0, not -1", 2),
+        (["-o", "t.lut", "--levels", "100000"], "at most 32,000,000", 1),
     ],
 )
 @pytest.mark.slow
-def test_compile_complains_in_one_sentence(capsys, tmp_path, monkeypatch, frb, words, message):
+def test_compile_complains_in_one_sentence(
+    capsys, tmp_path, monkeypatch, frb, words, message, status
+):
     monkeypatch.chdir(tmp_path)
-    status = 2 if words == ["-o", "t.xls"] else 1
     assert message in complaint(capsys, "compile", frb, *words, status=status)
     assert [path.name for path in tmp_path.iterdir()] == ["lopsided.frb"]
 

@@ -125,34 +125,34 @@ def test_run_without_a_sample_prints_null(capsys):
 
 
 @pytest.mark.parametrize(
-    "words",
+    ("words", "status"),
     [
-        ["cdidd"],
-        ["pd", "--angles", "nan", "1"],
-        ["pd", "--angles", "1", "99999"],
-        ["pd", "--segment", "0"],
-        ["pd", "--segment", "inf"],
-        ["pd", "--hold", "nan"],
-        ["pd", "--set", "K_P"],
-        ["pd", "--set", "K_P=x"],
-        ["pd", "--set", "K_P=inf"],
-        ["pd", "--set", "nothing=1"],
-        ["pd", "--loaded", "9"],
-        ["pd", "--limits", "0", "1"],
-        ["pd", "--runge-kutta", "-1"],
-        ["pd", "--way-points", "1"],
-        ["pd", "--way-points", "nan,1"],
-        ["pd", "--trajectory", "pick-and-place", "--hold", "1"],
-        ["pd", "--plot", "x.nothing"],
-        ["pd", "--plot", "/no/such/folder/x.png"],
-        ["missing.py"],
+        (["cdidd"], 1),
+        (["pd", "--angles", "nan", "1"], 2),
+        (["pd", "--angles", "1", "99999"], 1),
+        (["pd", "--segment", "0"], 2),
+        (["pd", "--segment", "inf"], 2),
+        (["pd", "--hold", "nan"], 2),
+        (["pd", "--set", "K_P"], 2),
+        (["pd", "--set", "K_P=x"], 2),
+        (["pd", "--set", "K_P=inf"], 1),
+        (["pd", "--set", "nothing=1"], 1),
+        (["pd", "--loaded", "9"], 1),
+        (["pd", "--limits", "0", "1"], 2),
+        (["pd", "--runge-kutta", "-1"], 2),
+        (["pd", "--way-points", "1"], 1),
+        (["pd", "--way-points", "nan,1"], 2),
+        (["pd", "--trajectory", "pick-and-place", "--hold", "1"], 1),
+        (["pd", "--plot", "x.nothing"], 2),
+        (["pd", "--plot", "/no/such/folder/x.png"], 1),
+        (["missing.py"], 1),
     ],
-    ids=" ".join,
+    ids=lambda value: " ".join(value) if isinstance(value, list) else str(value),
 )
-def test_bad_input_is_one_clear_line(capsys, words, tmp_path, monkeypatch):
+def test_bad_input_is_one_clear_line(capsys, words, status, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    status, out, err = run(capsys, "simulate", *words)
-    assert status == (2 if words[-1] == "x.nothing" else 1)
+    got, out, err = run(capsys, "simulate", *words)
+    assert got == status
     assert out == ""
     assert err.startswith("fuzzyarm: ")
     assert err.count("\n") == 1

@@ -64,11 +64,11 @@ def request_of(kind: type[AnyRequest], words: argparse.Namespace) -> AnyRequest:
     return kind(**{known.name: values[known.name] for known in fields_of(kind)})
 
 
-def of_option(error: RequestError, kind: type[Request]) -> Exception:
+def of_option(error: RequestError, kind: type[Request]) -> UsageError:
     """Return an error that names the option in place of the field."""
     spelling = {known.json_name: known.spelling for known in fields_of(kind)}
     own = error.called(spelling.get(error.field, error.field))
-    return UsageError(own.message, hint=own.hint) if own.is_usage else own
+    return UsageError(own.message, hint=own.hint)
 
 
 def argument_of(known: RequestField) -> Argument:

@@ -26,6 +26,7 @@ from fuzzyarm.cli.command import (
     print_json,
     say,
 )
+from fuzzyarm.errors import UsageError
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.text.assignments import read_assignments, read_point
@@ -156,7 +157,7 @@ def _read_defuzzifier(text: str) -> Defuzzifier:
     for finding in parsed.diagnostics:
         if finding.is_error:
             hint = finding.hint or "for instance centroid, centroid(101) or bisector"
-            raise WordError(f"--defuzzifier '{text}': {finding.message}", hint=hint)
+            raise UsageError(f"--defuzzifier '{text}': {finding.message}", hint=hint)
     return parsed.partial.outputs[0].defuzzifier
 
 

@@ -15,6 +15,7 @@ from fuzzyarm.learning.data import (
     table_samples,
 )
 from fuzzyarm.learning.fit_options import Options
+from fuzzyarm.learning.wang_mendel import FEWEST_WORDS, MOST_WORDS
 from fuzzyarm.loop.reference import read_time
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.learn import FitRequest
@@ -55,9 +56,13 @@ def _words(text: str) -> tuple[int, int]:
     """Return the range in ``7`` or ``3..15``."""
     low, dots, high = text.partition("..")
     try:
-        return int(low), int(high if dots else low)
+        fewest, most = int(low), int(high if dots else low)
     except ValueError:
         raise UsageError(f"--words takes a number or a range such as 3..15, not '{text}'") from None
+    if not FEWEST_WORDS <= fewest <= most <= MOST_WORDS:
+        range_ = f"{FEWEST_WORDS} to {MOST_WORDS}, the smaller first"
+        raise UsageError(f"--words takes numbers from {range_}, not '{text}'")
+    return fewest, most
 
 
 def _numbers(text: str, option: str) -> tuple[int, ...]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import Site, site_of
+from fuzzyarm.errors import UsageError
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, LoopConstants
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_number, as_seconds, as_signal
@@ -45,6 +46,10 @@ Vector = NDArray[np.float64]
 
 
 # --- How to run ---
+
+
+class OptionError(ArmError, PlantError, UsageError):
+    """A number that says how to run is out of range."""
 
 
 @dataclass(frozen=True, init=False)
@@ -84,7 +89,7 @@ class Sensor:
             object.__setattr__(self, name, value)
             if value is not None and not 0.0 <= value < 1e12:
                 hint = "zero or a positive number"
-                raise PlantError(f"{name} = {value} is out of range", name=name, hint=hint)
+                raise OptionError(f"{name} = {value} is out of range", name=name, hint=hint)
 
 
 LARGEST_INDUCTANCE = 10.0
@@ -136,18 +141,18 @@ class Options:
         demand_arguments("Options", vars(self), type(self))
         for limit in self.torque_limits:
             if not limit > 0:
-                raise ArmError(f"a torque limit of {limit} N m is out of range", value=limit)
+                raise OptionError(f"a torque limit of {limit} N m is out of range", value=limit)
         if not 0.0 <= self.inductance < LARGEST_INDUCTANCE:
             message = f"an inductance of {self.inductance} H is out of range"
-            raise ArmError(message, value=self.inductance, hint="0 to 10")
+            raise OptionError(message, value=self.inductance, hint="0 to 10")
         if not self.supply > 0:
-            raise ArmError(f"a supply of {self.supply} V is out of range", value=self.supply)
+            raise OptionError(f"a supply of {self.supply} V is out of range", value=self.supply)
         if self.seed < 0:
             message = f"a seed of {self.seed} is out of range"
-            raise PlantError(message, name="seed", hint="0 or more")
+            raise OptionError(message, name="seed", hint="0 or more")
         if not 0 <= self.runge_kutta <= 1000:
             message = f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range"
-            raise PlantError(message, name="runge_kutta", hint="0 to 1000")
+            raise OptionError(message, name="runge_kutta", hint="0 to 1000")
 
     def arithmetic(self, conventions: Conventions) -> RunArithmetic:
         """Return how the laws count under some conventions."""
@@ -223,7 +228,7 @@ def require_points(duration: float, set_point: float) -> int:
     count = math.ceil(duration / set_point - 1e-9) if duration < math.inf else 0
     if not 1 <= count <= MOST_POINTS:
         hint = f"up to {MOST_POINTS:,} set points of {set_point:g} s"
-        raise PlantError(f"a run of {duration:g} s is out of range", name="duration", hint=hint)
+        raise OptionError(f"a run of {duration:g} s is out of range", name="duration", hint=hint)
     return count
 
 

@@ -13,7 +13,6 @@ from fuzzyarm.api import load_rules, load_sampled
 from fuzzyarm.controller.catalogue import CATALOGUE, Sources, entries_if_any
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.findings import site_for
-from fuzzyarm.controller.law import GainError
 from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.own import find_controllers
 from fuzzyarm.errors import UsageError, WordError
@@ -26,6 +25,7 @@ from fuzzyarm.loop.words import (
     motion_of,
     named_plant,
     options_of,
+    times_and_angles,
 )
 from fuzzyarm.plant.following import UnknownTrajectoryError, carries, trajectory_of, way_points
 from fuzzyarm.plant.plant import Plant, with_parameters
@@ -121,10 +121,9 @@ def overrides(words: Sequence[str]) -> dict[str, list[float]]:
             values[name.strip()] = [float(part) for part in text.split(",")]
         except ValueError:
             hint = "as in K_P=120 or K_P=120,80"
-            message = f"'{word}' does not set a gain"
-            raise GainError(message, name=name, value=text, hint=hint) from None
+            raise UsageError(f"'{word}' does not set a gain", hint=hint) from None
         if not equals:
-            raise GainError(f"'{word}' does not set a gain", name=name, hint="as in K_P=120")
+            raise UsageError(f"'{word}' does not set a gain", hint="as in K_P=120")
     return values
 
 
@@ -267,12 +266,13 @@ def trajectory_asked(asked: ExperimentRequest, plant: Plant) -> Trajectory:
         arguments["segment"] = asked.segment
     if asked.hold is not None:
         arguments["hold"] = asked.hold
-    if asked.way_points:
-        return way_points(plant, [*map(_point, asked.way_points)], **arguments)
-    if asked.angles is not None:
-        arguments["angles"] = asked.angles
     try:
-        return trajectory_of(plant, asked.trajectory or "", **arguments)
+        with times_and_angles():
+            if asked.way_points:
+                return way_points(plant, [*map(_point, asked.way_points)], **arguments)
+            if asked.angles is not None:
+                arguments["angles"] = asked.angles
+            return trajectory_of(plant, asked.trajectory or "", **arguments)
     except UnknownTrajectoryError:
         raise unknown_choice("trajectory", asked.trajectory, plant.trajectories) from None
 

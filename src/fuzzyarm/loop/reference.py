@@ -27,6 +27,10 @@ Derivatives = tuple[Vector, Vector, Vector]
 """A signal at some times, its rate and its acceleration."""
 
 
+class SignalError(PlantError, UsageError):
+    """Words for a reference or a time that say nothing, or a number in them out of range."""
+
+
 @dataclass(frozen=True)
 class Signal:
     """What a port should do over time.
@@ -54,17 +58,17 @@ class Signal:
         kind = KINDS.get(self.kind)
         if kind is None:
             hint = near_hint(self.kind, KINDS)[0] or f"one of {', '.join(KINDS)}"
-            raise PlantError(f"no reference is called '{self.kind}'", name=self.kind, hint=hint)
+            raise SignalError(f"no reference is called '{self.kind}'", name=self.kind, hint=hint)
         if self.kind != "file" and not kind.least <= len(self.numbers) <= len(kind.words):
             hint = f"{self.kind}:{','.join(kind.words)}"
             message = f"a {self.kind} does not take {len(self.numbers)} numbers"
-            raise PlantError(message, name=self.kind, hint=hint)
+            raise SignalError(message, name=self.kind, hint=hint)
         for number in self.numbers:
             if not math.isfinite(number) or abs(number) > 1e12:
-                raise PlantError(f"{number} in a reference is out of range", name=self.kind)
+                raise SignalError(f"{number} in a reference is out of range", name=self.kind)
         if self.kind == "quintic" and not self.numbers[1] > 0:
             message = f"a move of {self.numbers[1]:g} s is out of range"
-            raise PlantError(message, name=self.kind)
+            raise SignalError(message, name=self.kind)
 
     def __str__(self) -> str:
         return f"{self.kind}:{self.path or ','.join(f'{number:g}' for number in self.numbers)}"
@@ -104,7 +108,7 @@ def read_signal(text: str) -> Signal:
             return Signal("step", (float(kind),))
     except ValueError:
         hint = "as in step:1, step:1,5ms, ramp:0.5, sine:1,0.5, quintic:1,2 or a FILE.csv"
-        raise PlantError(f"'{text}' is not a signal", name=text, hint=hint) from None
+        raise SignalError(f"'{text}' is not a signal", name=text, hint=hint) from None
     return Signal(kind, numbers)
 
 
@@ -154,7 +158,7 @@ def as_number(value: float, what: str, wanted: str = "a number") -> float:
         return float(value)
     except (TypeError, ValueError):
         message = f"{what} takes {wanted}, not {shortened(repr(value))}"
-        raise PlantError(message, name=what) from None
+        raise SignalError(message, name=what) from None
 
 
 def read_time(text: str, option: str) -> float:

@@ -23,6 +23,10 @@ from fuzzyarm.requests.journal import WorkJournal
 # --- Ranges ---
 
 
+class RangeError(SweepError, UsageError):
+    """A word that is not a range, or one of too many values."""
+
+
 @dataclass(frozen=True)
 class Range:
     """Values of a name that differs from run to run.
@@ -48,10 +52,10 @@ class Range:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low <= self.high):
             message = f"the range of '{self.name}' does not go up: {self.low:g}..{self.high:g}"
-            raise SweepError(message, name=self.name, hint="the smaller end first, as in 0..2")
+            raise RangeError(message, name=self.name, hint="the smaller end first, as in 0..2")
         if self.log and not self.low > 0.0:
             message = f"a logarithmic range of '{self.name}' cannot begin at {self.low:g}"
-            raise SweepError(message, name=self.name, hint="both ends are positive")
+            raise RangeError(message, name=self.name, hint="both ends are positive")
 
     def at(self, share: Vector) -> Vector:
         """Return the values at shares of the way, 0 to 1; exact at both ends."""
@@ -72,10 +76,6 @@ class Range:
 
 
 MOST_VALUES = 1_000_000
-
-
-class RangeError(SweepError, UsageError):
-    """A word that is not a range, or one of too many values."""
 
 
 def read_range(word: str) -> Range:

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.errors import UsageError, WordError
+from fuzzyarm.errors import UsageError, WordError, of_the_command_line
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.reference import Signal, read_signal, read_time
 from fuzzyarm.loop.run import plant_motion, stepped
 from fuzzyarm.plant.own import find_plant
-from fuzzyarm.plant.plant import Plant, Port, interface_of, with_actuators
-from fuzzyarm.plant.setting import PLAIN, STUDY, Conventions
+from fuzzyarm.plant.plant import Plant, PlantError, Port, interface_of, with_actuators
+from fuzzyarm.plant.setting import PLAIN, STUDY, ArmError, Conventions
 from fuzzyarm.requests.experiment import AROUND, ExperimentRequest
 from fuzzyarm.requests.fields import fields_of
 
@@ -113,7 +114,22 @@ def conventions_of(asked: ExperimentRequest) -> Conventions:
         changed["precision"] = asked.precision
     if asked.pi is not None:
         changed["pi"] = asked.pi
-    return replace(conventions, **changed)
+    with of_the_command_line(ArmError):
+        return replace(conventions, **changed)
+
+
+@contextmanager
+def times_and_angles() -> Iterator[None]:
+    """Turn a time or an angle of the command line that is out of range into `UsageError`.
+
+    What a trajectory does not have, as a hold, depends on the plant: such an error stays.
+    """
+    try:
+        yield
+    except ArmError as error:
+        if error.name not in ("angle", "duration"):
+            raise
+        raise UsageError(error.message, hint=error.hint) from None
 
 
 # --- Sensors and actuators ---
@@ -172,7 +188,8 @@ def _actuator(text: str) -> Port:
     reader = read_number("--actuator")
     if not dots:
         raise UsageError(f"--actuator takes INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW, not '{text}'")
-    return Port(low=reader(low), high=reader(high), slew=reader(slew) if slew else math.inf)
+    with of_the_command_line(PlantError):
+        return Port(low=reader(low), high=reader(high), slew=reader(slew) if slew else math.inf)
 
 
 MOST_BITS = 32

@@ -20,6 +20,7 @@ from fuzzyarm.table.axis import TableError
 from fuzzyarm.table.compiler import Levels, choose_output
 from fuzzyarm.table.fidelity import CompileReport, compile_with_report
 from fuzzyarm.table.levels import read_levels
+from fuzzyarm.text.diagnostic import MAX_LEVELS
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -128,10 +129,13 @@ def making_of(asked: ExportRequest) -> Making:
 
 def _levels(text: str) -> Levels | Mapping[str, Levels]:
     try:
-        return read_levels(text)
+        levels = read_levels(text)
     except TableError as error:
         message = error.message.removeprefix("levels ")
         raise RequestError("levels", message, hint=error.hint) from None
+    if isinstance(levels, int) and not 2 <= levels <= MAX_LEVELS:
+        raise RequestError("levels", f"must be 2 to {MAX_LEVELS:,}, not {levels:,}")
+    return levels
 
 
 def infers(model: RuleBase | LookupTable, how: Making) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.fields import Limits, Request, option
 
 __all__ = ["CompileRequest", "ExportRequest"]
 
@@ -22,9 +22,15 @@ class CompileRequest(Request):
         "--levels SPEC", "49, or '-6 .. 6 step 1', or 'e = 49, ce = 25'", None, either="size"
     )
     tolerance: float | None = option(
-        "--tolerance T", "find the smallest even grid within T", None, either="size"
+        "--tolerance T",
+        "find the smallest even grid within T",
+        None,
+        Limits(0.0, is_open=True),
+        either="size",
     )
-    round: float | None = option("--round STEP", "round the values; 0 for not at all", None)
+    round: float | None = option(
+        "--round STEP", "round the values; 0 for not at all", None, Limits(0.0)
+    )
     mode: Literal["bins", "nearest", "linear"] | None = option("--mode", "how to look up", None)
     ends: bool = option(
         "--ends", "two tables: of the left and the right end of an interval type-2 output", False

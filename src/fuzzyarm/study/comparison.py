@@ -26,7 +26,7 @@ from fuzzyarm.loop.experiments import follows, with_plant
 from fuzzyarm.loop.loop import HELD, LED, MAGNITUDES, rms
 from fuzzyarm.loop.program import shown_errors, shown_means, shown_units
 from fuzzyarm.loop.run import ClosedLoop
-from fuzzyarm.loop.words import connections, conventions_of, options_of
+from fuzzyarm.loop.words import connections, conventions_of, options_of, times_and_angles
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.following import carries, compared_trajectories
 from fuzzyarm.plant.plant import Plant
@@ -224,7 +224,8 @@ def compared_along(asked: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
         arguments["angles"] = asked.angles
     if asked.segment is not None:
         arguments["segment"] = asked.segment
-    return compared_trajectories(plant, **arguments)
+    with times_and_angles():
+        return compared_trajectories(plant, **arguments)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,7 +28,9 @@ def read_assignments(
     Raises
     ------
     WordError
-        For an unknown name, a name given twice, or a value that is not a finite number.
+        For an unknown name.
+    UsageError
+        For a value that is not a finite number, or a name given twice.
     """
     known = tuple(names)
     values: dict[str, float] = {}
@@ -38,7 +40,7 @@ def read_assignments(
             listed = ", ".join(known) or "none"
             raise WordError(f"unknown {what} '{name}'", hint=hint or f"there are: {listed}")
         if name in values:
-            raise WordError(f"'{name}' is given twice")
+            raise UsageError(f"'{name}' is given twice")
         values[name] = read_number(text, name)
     return values
 
@@ -77,7 +79,7 @@ def read_number(text: str, name: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise WordError(f"the value of '{name}' is not a number: '{text}'") from None
+        raise UsageError(f"the value of '{name}' is not a number: '{text}'") from None
     if not math.isfinite(value):
-        raise WordError(f"the value of '{name}' must be finite, not {text}")
+        raise UsageError(f"the value of '{name}' must be finite, not {text}")
     return value

@@ -6,6 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 
 _MOST_DECIMALS = 6
+_SMALLEST_PLAIN = -5
+"""Power of ten of the first digit, from which on a bound is written without an exponent."""
+
 _SHORT = 8
 
 
@@ -101,5 +104,8 @@ def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
 
     exact = Decimal(repr(value))
     step = Decimal(1).scaleb(exact.adjusted() - digits + 1)
-    rounded = exact.quantize(step, ROUND_CEILING if up else ROUND_FLOOR)
-    return f"{rounded.normalize():f}"
+    rounded = exact.quantize(step, ROUND_CEILING if up else ROUND_FLOOR).normalize()
+    if rounded.adjusted() >= _SMALLEST_PLAIN:
+        return f"{rounded:f}"
+    digits_, _, exponent = f"{rounded:e}".partition("e")
+    return f"{digits_}e{int(exponent):03d}"  # as Python writes a float: 2.5e-08

@@ -90,7 +90,10 @@ def require_sensible(asked: TuneRequest) -> None:
 
 def longest(asked: TuneRequest) -> float:
     """Return how long the whole may take, s."""
-    return read_time(asked.time, "--time") if asked.time else math.inf
+    seconds_ = read_time(asked.time, "--time") if asked.time else math.inf
+    if not seconds_ > 0.0:
+        raise UsageError(f"--time must be above 0 s, not {asked.time}")
+    return seconds_
 
 
 def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
