@@ -292,6 +292,7 @@ declare namespace Messages {
   /** Something to be proved; see `fuzzyarm.designer.forms.PROVE`. */
   interface ProveWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
+    certificate?: boolean;
   }
 
   /** A run. */

@@ -81,7 +81,7 @@ class Page:
 
         async def run():
             session = Session(str(path), path.read_text(), 0)
-            own = {name: asked[name] for name in ("step", "speed") if name in asked}
+            own = {name: asked[name] for name in ("step", "speed", "certificate") if name in asked}
             form = {name: value for name, value in asked.items() if name not in own}
             record = read_record(requests.WORKS[what], {**own, "form": form})
             await asyncio.wait_for(job.run(WORKS[what], session, record), 60)

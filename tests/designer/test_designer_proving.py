@@ -65,6 +65,9 @@ def test_what_may_be_asked_is_told(page):
         ("servo.frb", {"claim": "stable upon motor"}, "claim 'stable upon motor': ", "claim"),
         ("servo.frb", {"claim": "stable", "plant": "own.py"}, "no plant 'own.py'", "plant"),
         ("thesis-6.1.lut", {}, "proves nothing", ""),
+        ("pd7.frb", {"sector": True, "along": "q=1"}, "q", "along"),
+        ("servo.frb", {"from": "position in 0 .. 1"}, "--from goes with", ""),
+        ("servo.frb", {"duration": "soon", "plant": "motor"}, "soon", "duration"),
     ],
 )
 def test_what_cannot_be_proved_is_said_at_its_field(page, file, asked, words, field):
@@ -84,3 +87,57 @@ def test_a_region_is_proved_and_drawn(page):
     assert news["panels"][0]["across"]["words"] == "position, rad"
     kinds = {part["is"] for panel in news["panels"] for part in panel["parts"]}
     assert kinds >= {"dots", "area", "line"}
+
+
+# --- Sectors, tables, tubes, certificates ---
+
+
+def test_sectors_and_the_error_of_a_table_are_those_of_the_command(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    heard = verdicts(page.do("prove", "pd7.frb", sector=True))
+    assert main(["prove", "pd7.frb", "--sector"]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert [line for news in heard for line in news["lines"]] == printed
+    assert all(news["panels"] for news in heard)
+    (news,) = verdicts(page.do("prove", "pd7.frb", table="linear"))
+    assert main(["prove", "pd7.frb", "--table", "linear"]) == 0
+    assert news["lines"] == capsys.readouterr().out.splitlines()
+    (own,) = verdicts(page.do("prove", "pd7.frb", table="thesis-6.1.lut"))
+    assert own["lines"][0].startswith("worst ")
+    last = page.do("prove", "pd7.frb", table="../x.lut")[-1]
+    assert (last["field"], "not a table of this folder" in last["message"]) == ("table", True)
+
+
+def test_the_drives_of_a_controller_have_ranges_gains_and_sectors(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    (news,) = verdicts(page.do("prove", "servo.frb", sector=True, plant="motor"))
+    assert main(["prove", "servo.frb", "--sector", "--plant", "motor"]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert news["lines"][0].partition(": ")[2] == printed[0].partition(": ")[2]
+    assert set(printed[1:]) <= set(news["lines"])  # which also have limits and gains
+    assert news["panels"]
+
+
+def test_a_certificate_is_offered_and_proves_what_it_says(page, monkeypatch, capsys):
+    from fuzzyarm.designer.jobs import Downloads
+
+    kept = {}
+    monkeypatch.setattr(
+        Downloads, "offer", lambda self, name, content: kept.setdefault(name, content) and name
+    )
+    heard = page.do("prove", "servo.frb", claim="stable on motor", certificate=True)
+    (news,) = verdicts(heard)
+    assert [file["name"] for file in news["files"]] == ["servo.json"]
+    path = page.folder / "servo.json"
+    path.write_bytes(kept["servo.json"])
+    assert main(["prove", "--check", str(path), str(page.folder / "servo.frb")]) == 0
+    assert "proved" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_loop_is_bounded_for_a_time_from_its_starts(page):
+    asked = {"duration": "20ms", "from": "position in 0 .. 0.01", "plant": "motor"}
+    (news,) = verdicts(page.do("prove", "servo.frb", **asked))
+    assert news["verdict"] == "proved", news["lines"]
+    assert "for 0.02 s" in news["lines"][0]
+    assert news["panels"]

@@ -127,18 +127,13 @@ def _data(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-_WAYS = {
-    "exact": "in exact arithmetic",
-    "widened": "rounded outward",
-    "boxes": "by boxes",
-}
-
-
 def _lines(path: str, verdict: Verdict) -> list[str]:
+    from fuzzyarm.show.proofs import WAYS
+
     head, *rest = str(verdict).splitlines()
     where = f"{path}:{verdict.line}" if verdict.line else path
     work = f"{verdict.pieces:,} pieces, " if verdict.pieces else ""
-    way = f", {_WAYS[verdict.way]}" if verdict.way else ""
+    way = f", {WAYS[verdict.way]}" if verdict.way else ""
     return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
 
 
@@ -148,6 +143,7 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
 def _single(asked: ProveWords) -> int:
     from fuzzyarm.api import load_rules
     from fuzzyarm.closed_loop.orders import bounds_of, only_output
+    from fuzzyarm.show.proofs import bound_lines
 
     rulebase = load_rules(asked.files[0], "prove")
     name = only_output(rulebase, asked.output)
@@ -157,7 +153,7 @@ def _single(asked: ProveWords) -> int:
         _print_single(results)
     else:
         for key, bounds in results.items():
-            say(*_single_lines(name, key, bounds))
+            say(*bound_lines(name, key, bounds))
     return 0 if all(bounds.complete for bounds in results.values()) else EXIT_UNDECIDED
 
 
@@ -175,11 +171,12 @@ def _print_single(found: dict[str, Bounds]) -> None:
 def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
     facts: dict[str, Any] = {"pieces": bounds.pieces, "way": bounds.way}
     if key == "worst":
-        above = bounds.reached_high >= -bounds.reached_low
+        from fuzzyarm.show.proofs import place_of_worst
+
         return {
             "worst": max(bounds.high, -bounds.low),
             "reached": max(bounds.reached_high, -bounds.reached_low),
-            "at": bounds.at_high if above else bounds.at_low,
+            "at": place_of_worst(bounds),
             **facts,
         }
     return {
@@ -189,27 +186,6 @@ def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
         "at_high": bounds.at_high,
         **facts,
     }
-
-
-def _single_lines(output: str, key: str, bounds: Bounds) -> list[str]:
-    from fuzzyarm.proof.prover import written
-    from fuzzyarm.proof.verdicts import bound_text
-
-    work = f"{bounds.pieces:,} pieces, {_WAYS[bounds.way]}"
-    if not bounds.complete:
-        work += "; time ran out before the bounds were tight"
-    if key == "worst":
-        facts = _single_data(key, bounds)
-        first = f"worst {bound_text(facts['worst'])} (proved)"
-        return [first, f"  near {written(facts['at'])}", f"  {work}"]
-    what = f"{output}" if key == "range" else f"slope of {output} along {key}"
-    first = f"{what} in {bound_text((bounds.low, bounds.high))} (proved)"
-    lines = [first]
-    if bounds.at_low:
-        lines.append(f"  lowest near {written(bounds.at_low)}")
-    if bounds.at_high:
-        lines.append(f"  highest near {written(bounds.at_high)}")
-    return [*lines, f"  {work}"]
 
 
 COMMANDS = (request_command("prove", __doc__, _run, ProveWords),)

@@ -146,9 +146,15 @@ FIT = RequestForm(
 
 PROVE = RequestForm(
     ProveRequest,
-    ("range", "slope", "output", "tolerance", "budget", "exact"),
+    ("range", "slope", "sector", "table", "output", "along", "tolerance", "budget", "exact"),
 )
-PROVE_LOOP = RequestForm(ProveRequest, ("claim", "plant", "stable", "continuous", "budget"))
+PROVE_LOOP = RequestForm(
+    ProveRequest,
+    ("claim", "plant", "stable", "duration", "from", "with", "at", "sector", "continuous",
+     "budget"),
+    ("connect", "quantise", "sensor_delay"),
+    title="connections and sensors",
+)  # fmt: skip
 """Of a rule base, and of a controller in its loop."""
 
 SOURCES = (".h", ".c", ".st", ".xml")

@@ -1,32 +1,35 @@
 """Proving from a page: what ``fuzzyarm prove`` says of the text that is open, with pictures.
 
-Without a choice the `prove` lines of the text are judged; of a rule base one may have the range of
-an output or its slopes bounded, of a controller a claim about its loop, as a line would say it.
+Without a choice the `prove` lines of the text are judged. Of a rule base one may have the range of
+an output, its slopes, its sectors or the error of a table bounded; of a controller a claim about
+its loop, as a line would say it, all runs for a time, or the sectors of its drives.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.exports import model_of
 from fuzzyarm.designer.faults import TextRefusedError
 from fuzzyarm.designer.forms import PROVE, PROVE_LOOP, RequestForm
-from fuzzyarm.designer.grounds import FieldError, at_field
+from fuzzyarm.designer.grounds import FieldError, at_field, plants_for
 from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.requests import BareMessage, ProveWork
+from fuzzyarm.designer.results import tell_result
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.picture import Chart, chart_data
+from fuzzyarm.picture import Chart
 from fuzzyarm.requests.prove import ProveRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.closed_loop import LoopVerdict
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.proof import Bounds, Verdict
+    from fuzzyarm.model.claims import LoopClaim
+    from fuzzyarm.proof import Verdict
 
 BUDGET = 60.0
 """Seconds for each statement, where the form says none: a page is not left to itself for hours."""
@@ -49,6 +52,7 @@ def provable(session: Session, asked: BareMessage, job: WindowJob) -> None:
         "lines": lines,
         "outputs": outputs,
         "plants": list(job.plants.known) if is_loop else [],
+        "tables": [] if is_loop else job.folder.listed(".lut"),
         "form": _form(is_loop=is_loop).fields(budget=BUDGET),
     })  # fmt: skip
 
@@ -64,22 +68,18 @@ def _form(*, is_loop: bool) -> RequestForm[ProveRequest]:
 
 def prove(session: Session, asked: ProveWork, job: WindowJob) -> None:
     """Judge what is asked for; each verdict is told when it is there."""
+    from fuzzyarm.closed_loop.orders import require_sensible
+
     _refuse_table(session)
     model = model_of(session)
+    path = Path(session.path)
     form = _form(is_loop=not isinstance(model, RuleBase))
-    request = form.request({"budget": BUDGET, **asked.form}, Path(session.path).parent)
+    request = form.request({"budget": BUDGET, **asked.form}, path.parent, files=(path.name,))
+    require_sensible(request)
     if isinstance(model, RuleBase):
         _prove_rules(model, request, job)
     else:
-        _prove_loop(model, request, job)
-
-
-def _tell_line(
-    job: WindowJob, verdict: str, lines: list[str], charts: list[Chart] | None = None
-) -> None:
-    """Tell a verdict, in words and as pictures."""
-    panels = [panel for chart in charts or [] for panel in chart_data(chart)]
-    job.tell({"verdict": verdict, "lines": lines, "panels": panels})
+        _LoopProof(model, request, job, wants_certificate=asked.certificate).run()
 
 
 def _told(job: WindowJob) -> Any:
@@ -96,41 +96,54 @@ def _told(job: WindowJob) -> Any:
 
 
 def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: WindowJob) -> None:
-    from fuzzyarm.closed_loop.orders import bounds_one, rules_of
+    from fuzzyarm.closed_loop.orders import bounds_of, bounds_one, only_output, rules_of
+    from fuzzyarm.show.proofs import bound_lines
 
-    if bounds_one(asked):
-        for what, bounds in _bounded(rulebase, asked, job):
-            verdict = "proved" if bounds.complete else "undecided"
-            _tell_line(job, verdict, [_bound_line(what, bounds)])
+    if not (asked.sector or bounds_one(asked)):
+        if not rulebase.properties:
+            raise TextRefusedError(
+                "the text has no `prove` lines", hint="write one, or have a range or slopes bounded"
+            )
+        for judged in rules_of(asked, (rulebase,), _told(job)):
+            tell_result(job, _verdict_lines(judged), verdict=judged.verdict)
         return
-    if not rulebase.properties:
-        raise TextRefusedError(
-            "the text has no `prove` lines", hint="write one, or have a range or slopes bounded"
-        )
-    for judged in rules_of(asked, (rulebase,), _told(job)):
-        _tell_line(job, judged.verdict, _verdict_lines(judged))
-
-
-def _bounded(
-    rulebase: RuleBase, asked: ProveRequest, job: WindowJob
-) -> Iterator[tuple[str, Bounds]]:
-    """Yield what is bounded of an output: its range, or its slope along each input."""
-    from fuzzyarm.closed_loop.orders import only_output, prover_of
-
     with at_field("output"):
         name = only_output(rulebase, asked.output or rulebase.outputs[0].name)
-    prover = prover_of(asked, rulebase, name, _told(job))
-    if asked.range:
-        yield name, prover.value({})
-    if asked.slope:
-        for each in prover.names:
-            yield f"slope of {name} along {each}", prover.slope({}, each)
+    asked = asked.replaced(output=name, table=_table(asked.table, job))
+    if asked.sector:
+        with at_field("along"):
+            _prove_sectors(rulebase, asked, job)
+        return
+    for key, bounds in bounds_of(asked, rulebase, _told(job)).items():
+        verdict = "proved" if bounds.complete else "undecided"
+        tell_result(job, bound_lines(name, key, bounds), verdict=verdict)
 
 
-def _bound_line(what: str, bounds: Bounds) -> str:
-    from fuzzyarm.proof.verdicts import bound_text
+def _table(word: str | None, job: WindowJob) -> str | None:
+    """Return the table whose error is bounded: a way of looking up, or a file of the folder."""
+    from fuzzyarm.closed_loop.orders import MODES
 
-    return f"{what} in {bound_text((bounds.low, bounds.high))}"
+    if not word or word in MODES:
+        return word
+    if word not in job.folder.listed(".lut"):
+        raise FieldError(f"'{word}' is not a table of this folder", field="table")
+    return str(job.folder.beside(word, ".lut"))
+
+
+def _prove_sectors(rulebase: RuleBase, asked: ProveRequest, job: WindowJob) -> None:
+    """Tell between which multiples of its inputs an output lies."""
+    from fuzzyarm.closed_loop.orders import sectors_of
+    from fuzzyarm.show.proofs import sector_lines
+    from fuzzyarm.show.sector import rulebase_sectors, sector_chart
+
+    name = asked.output or ""
+    sectors, failed = sectors_of(asked, rulebase, _told(job))
+    for sector in sectors:
+        chart = sector_chart(rulebase_sectors(rulebase, name, [sector]))
+        verdict = "proved" if sector.complete else "undecided"
+        tell_result(job, sector_lines(name, sector), [chart], verdict=verdict)
+    if failed:
+        tell_result(job, [f"no sector {words}" for words in failed], verdict="undecided")
 
 
 def _verdict_lines(verdict: Verdict | LoopVerdict) -> list[str]:
@@ -142,27 +155,125 @@ def _verdict_lines(verdict: Verdict | LoopVerdict) -> list[str]:
 # --- Controllers in their loops ---
 
 
-def _prove_loop(text: ControllerText, asked: ProveRequest, job: WindowJob) -> None:
-    from fuzzyarm.closed_loop import prove_loop
-    from fuzzyarm.closed_loop.orders import budget_of, claim_of
+class _LoopProof:
+    """What is asked of a controller in its loop."""
 
-    claims = list(text.model.claims)
-    if asked.claim is not None or asked.stable:
-        with at_field("claim"):
-            claims = [claim_of(asked, dashes="")]
-    if not claims:
-        raise TextRefusedError(
-            "the text has no `prove` lines", hint="write one, or a claim such as stable"
+    def __init__(
+        self, text: ControllerText, asked: ProveRequest, job: WindowJob, *, wants_certificate: bool
+    ) -> None:
+        self.text, self.job = text, job
+        self.asked = asked
+        self.wants_certificate = wants_certificate
+
+    def run(self) -> None:
+        """Judge, and tell."""
+        asked = self.asked
+        if asked.sector:
+            self._sectors()
+        elif asked.duration is not None and asked.claim is None:
+            self._tube()
+        else:
+            claims = self._claims()
+            for number, claim in enumerate(claims, start=1):
+                self._require_plant(claim.plant)
+                suffix = f"-{number}" if len(claims) > 1 else ""
+                self._judge(claim, f"{Path(self.text.path).stem}{suffix}.json")
+
+    def _claims(self) -> list[LoopClaim]:
+        """Return what is claimed: by the form, or by the lines of the text."""
+        from fuzzyarm.closed_loop.orders import claim_of, wants_loop
+
+        asked = self.asked
+        with at_field("claim" if asked.claim is not None else "stable"):
+            if wants_loop(asked):
+                return [claim_of(self._with_plant(), dashes="")]
+        if not self.text.model.claims:
+            raise TextRefusedError(
+                "the text has no `prove` lines", hint="write one, or a claim such as stable"
+            )
+        return list(self.text.model.claims)
+
+    def _with_plant(self) -> ProveRequest:
+        """Return the request on the plant that it names, or that the controller has the axes of."""
+        if self.asked.claim is not None or self.asked.plant:
+            return self.asked
+        return self.asked.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
+
+    def _require_plant(self, name: str) -> None:
+        if name not in self.job.plants.known:
+            raise FieldError(f"there is no plant '{name}' here", field="plant")
+
+    # --- Verdicts ---
+
+    def _judge(self, claim: LoopClaim, name: str) -> None:
+        from fuzzyarm.closed_loop.orders import loops_of
+
+        (verdict,) = loops_of(self.asked, self.text, (claim,), _told(self.job))
+        lines, files = _verdict_lines(verdict), {}
+        if self.wants_certificate and verdict.proved:
+            try:
+                files = {name: self._certificate(verdict, claim)}
+            except FuzzyarmError as error:
+                lines.append(f"  no certificate: {error}")
+        charts = _charts(self.text, verdict, self.job.plants.new(claim.plant))
+        tell_result(self.job, lines, charts, verdict=verdict.verdict, files=files)
+
+    def _certificate(self, verdict: LoopVerdict, claim: LoopClaim) -> bytes:
+        """Return the file that proves a verdict again; of a tube it is made first."""
+        import tempfile
+
+        from fuzzyarm.closed_loop import (
+            Certificate,
+            certify_tube,
+            write_certificate,
+            write_tube_certificate,
         )
-    for claim in claims:
-        if claim.plant not in job.plants.known:
-            raise FieldError(f"there is no plant '{claim.plant}' here", field="plant")
-        plant = job.plants.new(claim.plant)
-        verdict = prove_loop(
-            text, claim, plant=plant, budget=budget_of(asked),
-            continuous=asked.continuous, tell=_told(job),
-        )  # fmt: skip
-        _tell_line(job, verdict.verdict, _verdict_lines(verdict), _charts(text, verdict, plant))
+        from fuzzyarm.closed_loop.orders import budget_of, setup_of
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "certificate.json"
+            if isinstance(verdict.certificate, Certificate):
+                write_certificate(verdict.certificate, str(path))
+            else:
+                self.job.progress("making the certificate")
+                setup, budget = setup_of(self.asked, claim), min(budget_of(self.asked), BUDGET)
+                tube = certify_tube(self.text, claim, budget=budget, **setup)
+                write_tube_certificate(tube, str(path))
+            return path.read_bytes()
+
+    # --- What is bounded ---
+
+    def _tube(self) -> None:
+        """Bound all ports for a time."""
+        from fuzzyarm.closed_loop.orders import tube_of
+        from fuzzyarm.show.tube import tube_chart
+
+        asked = self._with_plant()
+        self._require_plant(asked.plant or "")
+        with at_field("duration"):
+            way, left_open, statement = tube_of(asked, self.text, _told(self.job))
+        lines = [statement, *(way.lines() if way.complete else ()), *left_open]
+        charts = [tube_chart(way, statement, None)] if way.complete else []
+        verdict = "proved" if way.complete and not way.open else "undecided"
+        tell_result(self.job, lines, charts, verdict=verdict)
+
+    def _sectors(self) -> None:
+        """Prove the static part: ranges, limits, gains and sectors of the drives."""
+        from fuzzyarm.closed_loop.orders import drives_of
+        from fuzzyarm.show.proofs import drive_lines, grouped_drives
+        from fuzzyarm.show.sector import controller_sectors, sector_chart
+
+        name, plant = self.asked.plant, None
+        if name:
+            self._require_plant(name)
+            plant = self.job.plants.new(name)
+        proofs = drives_of(self.asked.replaced(plant=name or None), self.text, _told(self.job))
+        for proof, drives in grouped_drives(proofs):
+            lines = drive_lines(self.text.model.name, proof, drives, sectors_only=False)
+            pictures = controller_sectors(self.text, [proof], plant)
+            charts = [sector_chart(pictures)] if pictures else []
+            verdict = "undecided" if proof.open else "proved"
+            tell_result(self.job, lines, charts, verdict=verdict)
 
 
 def _charts(text: ControllerText, verdict: LoopVerdict, plant: Any) -> list[Chart]:

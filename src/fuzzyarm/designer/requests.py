@@ -528,9 +528,16 @@ class FitWork:
 
 @dataclass(frozen=True)
 class ProveWork:
-    """Something to be proved; see `fuzzyarm.designer.forms.PROVE`."""
+    """Something to be proved; see `fuzzyarm.designer.forms.PROVE`.
+
+    Attributes
+    ----------
+    certificate : bool
+        Whether what is proved of a loop is certified, for the page to load.
+    """
 
     form: FormValues = field(default_factory=dict)
+    certificate: bool = False
 
 
 WORKS: Mapping[str, type] = {

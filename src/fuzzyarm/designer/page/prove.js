@@ -3,6 +3,8 @@
 import { S } from "./strings.js";
 import { pairOf, WorkPane } from "./work.js";
 
+const MODES = ["linear", "nearest", "bins"]; // of the table that the text would be compiled to
+
 /** @type {import("./work.js").Kind} */
 const KIND = {
   name: "prove",
@@ -11,8 +13,13 @@ const KIND = {
   facts: "provable",
   ends: S.proveEnds,
   form: ({ loop }) => (loop ? "prove-loop" : "prove"),
-  fill(form, { outputs, plants }) {
+  options: { certificate: [S.certificate, S.certificateHint] },
+  fill(form, { loop, outputs, plants, tables }, boxes) {
+    const box = boxes.get("certificate");
+    box.parentElement.hidden = !loop;
+    box.checked &&= loop;
     form.choices("output", outputs.map(pairOf));
+    form.choices("table", [["", S.none], ...[...MODES, ...tables].map(pairOf)]);
     form.choices("plant", [["", S.usual], ...plants.map(pairOf)]);
     form.show(["output"], outputs.length > 1);
   },

@@ -11,10 +11,12 @@ import { S } from "./strings.js";
 /** What views differ in: their names, and what they say. */
 /**
  * @typedef {{ name: keyof Messages.Works, title: string, go: string, facts: keyof Messages.Works, ends: Record<string, string>,
- *   form: (facts: any) => string, fill: (form: Form, facts: any) => void, ready: (facts: any) => string,
- *   changed?: (form: Form, facts: any, name: string) => void, enough?: string, saves?: boolean }} Kind
+ *   form: (facts: any) => string, fill: (form: Form, facts: any, boxes: Map<string, any>) => void, ready: (facts: any) => string,
+ *   changed?: (form: Form, facts: any, name: string) => void, enough?: string, saves?: boolean,
+ *   options?: Record<string, [string, string]> }} Kind
  *   `facts` is the work that tells the form; `fill` puts in what only the folder or the text knows; with `enough` the
- *   work may be ended and its best kept; with `saves` what came of it can be written into the folder.
+ *   work may be ended and its best kept; with `saves` what came of it can be written into the folder; `options` are boxes to
+ *   be checked beside the form, with their words.
  */
 
 export class WorkPane {
@@ -41,7 +43,8 @@ export class WorkPane {
     this.said = el("p", { class: "said", role: "status" });
     this.results = el("div", { class: "verdicts" });
     body.tabIndex = 0; // it scrolls
-    const actions = el("div", { class: "actions" }, this.start, this.stop, ...this.saving());
+    this.boxes = new Map();
+    const actions = el("div", { class: "actions" }, this.start, this.stop, ...this.choices(), ...this.saving());
     body.append(this.place, actions, this.said, this.results);
     store.on("view", this.ask);
     for (const name of ["text", "files"]) {
@@ -50,6 +53,15 @@ export class WorkPane {
         this.ask();
       });
     }
+  }
+
+  /** Boxes to be checked beside the form. */
+  choices() {
+    return Object.entries(this.kind.options ?? {}).map(([name, [words, title]]) => {
+      const box = el("input", { type: "checkbox" });
+      this.boxes.set(name, box);
+      return el("label", { class: "check", title }, box, words);
+    });
   }
 
   /** The name of a file for what came of it, and the button that writes it. */
@@ -93,7 +105,7 @@ export class WorkPane {
       this.form.open(facts.form);
       this.place.replaceChildren(this.form.view);
     }
-    this.kind.fill(this.form, facts);
+    this.kind.fill(this.form, facts, this.boxes);
   }
 
   begin() {
@@ -102,10 +114,16 @@ export class WorkPane {
     this.results.replaceChildren();
     this.said.textContent = S.working;
     this.isOver = false;
-    const mine = (this.job = this.hand.start(this.kind.name, { form: this.form.values() }, (news) => {
+    const mine = (this.job = this.hand.start(this.kind.name, this.wanted(), (news) => {
       if (this.job === mine) this.hear(news); // an older one may still speak
     }));
     this.show();
+  }
+
+  /** What is asked for. */
+  wanted() {
+    const checked = [...this.boxes].filter(([, box]) => box.checked).map(([name]) => [name, true]);
+    return { form: this.form.values(), ...Object.fromEntries(checked) };
   }
 
   halt() {

@@ -1136,6 +1136,8 @@
     prove: "Prove",
     proveIt: "Prove",
     proveLines: (count) => count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
+    certificate: "Certificate",
+    certificateHint: "Certify what is proved of a loop; fuzzyarm prove --check asks such a file whether it proves what it says",
     proveEnds: { done: "All is judged.", stopped: "Stopped." },
     toLoad: "To load:",
     savedAs: (name) => `Saved as ${name}.`,
