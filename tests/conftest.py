@@ -21,6 +21,10 @@ from hypothesis import settings
 from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.model.rulebase import RuleBase
 
+# Tests that are collected and trees of syntax that are kept end with the process. To search them
+# for cycles again and again takes longer than to make them.
+gc.set_threshold(200_000)
+
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # What is run in the background ignores Ctrl-C, and each process that a test starts would, too.
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -56,12 +56,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "rulebase x\ninput e -inf .. inf\noutput u 0 .. 1\nterm e A: ramp 0 1\n"
         "terms u: triangles A B\ninference no-rule nan\nrule if e is A then u is A\n"
     )
-    rows = [f"{x / 12},{y / 12},{(x * y + x) / 144}" for x in range(12) for y in range(12)]
+    rows = [f"{x / 7},{y / 7},{(x * y + x) / 49}" for x in range(7) for y in range(7)]
     (folder / "samples.csv").write_text("\n".join(["x,y,z", *rows, ""]))
     pairs = [f"{e},{ce},{(e + ce) / 2}" for e in range(-6, 7) for ce in range(-6, 7)]
     (folder / "pairs.csv").write_text("\n".join(["e,ce,u", *pairs, ""]))
     (folder / "flowers.csv").write_text(
-        "\n".join(["w,kind", *(f"{x / 40},{'rose' if x < 20 else 'lily'}" for x in range(40)), ""])
+        "\n".join(["w,kind", *(f"{x / 16},{'rose' if x < 8 else 'lily'}" for x in range(16)), ""])
     )
     (folder / "script.py").write_text(
         "from simpful import *\nFS = FuzzySystem()\n"

@@ -168,8 +168,8 @@ HUGE = (
     )
     + "".join(
         f"rule if a is T{i} and b is T{j} then y is T{(i * j) % 31}\n"
-        for i in range(31)
-        for j in range(0, 31, 5)
+        for i in range(0, 31, 3)
+        for j in range(0, 31, 8)
     )
 )
 

@@ -189,7 +189,7 @@ def test_many_overlapping_sets_fall_back_to_quadrature() -> None:
     assert output.closed is None
     fired = [(i, 0.1 * (i % 7) + 0.1) for i in range(12)]
     assert centroid.integrated_centroid_at_point(output, fired) == pytest.approx(
-        brute_force(output, fired, 2000), abs=1e-7
+        brute_force(output, fired, 400), abs=1e-7
     )
 
 
