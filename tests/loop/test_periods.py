@@ -10,7 +10,7 @@ from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
 from fuzzyarm.controller import controller
 from fuzzyarm.controller.catalogue import controller_in
-from fuzzyarm.controller.on_plant import timing_of
+from fuzzyarm.controller.on_plant import SITE_OF_LAWS, timing_on
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.language import read_text
 from fuzzyarm.loop import Options, Signal, simulate, simulate_many
@@ -116,8 +116,9 @@ def test_a_load_acts_for_the_whole_of_a_long_period():
 
 
 def test_the_timing_of_the_study_is_that_of_its_texts_to_the_bit():
-    assert timing_of(controller("pd-motor")) == STUDY_TIMING == timing_of(controller("pd"))
-    assert timing_of(controller("pd-motor")).period == 0.003 / 5
+    timing = timing_on(controller("pd-motor"), SITE_OF_LAWS)
+    assert timing == STUDY_TIMING == timing_on(controller("pd"), SITE_OF_LAWS)
+    assert timing.period == 0.003 / 5
     for conventions in (PLAIN, STUDY):
         own, default = (
             trajectory_motion(Arm(), MOVES, law, conventions, payload=True)

@@ -234,10 +234,6 @@ class Forms:
         """Return the same forms with larger rests."""
         return Forms(self.centre, self.parts, (self.rest + more) * ENLARGED, self._spread)
 
-    def plus_interval(self, interval: Intervals) -> Forms:
-        """Return the sum with something of which only an interval is known."""
-        return self + Forms.of(interval)
-
     # ── what is not linear ───────────────────────────────────────────────────────────
 
     def __mul__(self, other: Forms | float) -> Forms:

@@ -468,11 +468,6 @@ def timing_words(model: Timed) -> str:
     return f"a period of {model.period:g} s with a set point every {model.every}"
 
 
-def timing_of(controller: Controller) -> Timing:
-    """Return how often a controller runs: as it says, or as the study's laws."""
-    return own_timing(controller) or STUDY_TIMING
-
-
 def timing_on(controller: Controller, site: Site) -> Timing:
     """Return how often a controller runs on a plant, which it has to say but where laws run."""
     timing = own_timing(controller)
