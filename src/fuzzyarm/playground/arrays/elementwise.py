@@ -134,9 +134,14 @@ class ufunc:
             act = lambda a, b: float32(float(a) + float(b)) if self is add else self._act(a, b)  # noqa: E731
         return along(of, axis, lambda row: list(accumulate(row, act)), kind)
 
-    def reduce(self, given: Any, axis: Any = 0, initial: Any = None, **_more: Any) -> Any:
+    def reduce(
+        self, given: Any, axis: Any = 0, initial: Any = None, *, keepdims: bool = False
+    ) -> Any:
         """Return what it makes of all elements along an axis."""
-        return reduced(given, axis, lambda row: reduce(self._act, row), initial=initial)
+        act = self._act
+        return reduced(
+            given, axis, lambda row: reduce(act, row), initial=initial, keepdims=keepdims
+        )
 
     def reduceat(self, given: Any, places: Any, axis: int = 0) -> ndarray:
         """Return what it makes of the stretches that begin at some places."""

@@ -98,7 +98,7 @@ def arange(*ends: Any, dtype: Any = None) -> ndarray:
     return array_of(values, dtype or (WHOLE if not values else None))
 
 
-def linspace(start: Any, stop: Any, num: int = 50, **_more: Any) -> ndarray:
+def linspace(start: Any, stop: Any, num: int = 50) -> ndarray:
     """Return evenly spaced numbers with both ends."""
     first, last, count = float(start), float(stop), int(num) - 1
     if count < 1:

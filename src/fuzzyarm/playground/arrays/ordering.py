@@ -6,7 +6,16 @@ import builtins
 from bisect import bisect_left, bisect_right
 from typing import Any
 
-from fuzzyarm.playground.arrays.array import BOOL, WHOLE, array_of, elements, made, ndarray, operate
+from fuzzyarm.playground.arrays.array import (
+    BOOL,
+    FLOAT,
+    WHOLE,
+    array_of,
+    elements,
+    made,
+    ndarray,
+    operate,
+)
 from fuzzyarm.playground.arrays.rows import along
 
 
@@ -19,7 +28,7 @@ def _nan_last(value: Any) -> Any:
     return (value != value, value)
 
 
-def argsort(given: Any, axis: int = -1, **_named: Any) -> ndarray:
+def argsort(given: Any, axis: int = -1, kind: str = "stable") -> ndarray:
     """Return the places of the elements in order."""
 
     def places(row: list[Any]) -> list[Any]:
@@ -36,15 +45,25 @@ def lexsort(keys: Any) -> ndarray:
     return made(order, WHOLE)
 
 
-def unique(given: Any, **named: Any) -> Any:
-    """Return the elements in order, each once."""
-    flat = elements(array_of(given))
-    values = sorted(set(flat), key=_nan_last)
-    result = made(values, array_of(given).dtype)
-    if named.get("return_inverse"):
-        places = {value: place for place, value in enumerate(values)}
-        return result, made([places[x] for x in flat], WHOLE, array_of(given).shape)
-    return result
+def unique(given: Any, axis: int | None = None, *, return_inverse: bool = False) -> Any:
+    """Return the elements in order, each once; along axis 0 the rows of a table."""
+    of = array_of(given)
+    flat: list[Any] = elements(of)
+    shape: tuple[int, ...] = ()
+    if axis is not None:
+        if axis != 0 or of.ndim != 2:
+            raise NotImplementedError("unique along another axis than 0 of a table needs NumPy")
+        shape, width = of.shape[1:], of.shape[1]
+        flat = [tuple(flat[k * width : (k + 1) * width]) for k in range(of.shape[0])]
+    key = _nan_last if axis is None else lambda row: tuple(map(_nan_last, row))
+    values = sorted(set(flat), key=key)
+    every = values if axis is None else [element for row in values for element in row]
+    result = made(every, of.dtype, (len(values), *shape))
+    if not return_inverse:
+        return result
+    places = {value: place for place, value in enumerate(values)}
+    inverse = made([places[x] for x in flat], WHOLE)
+    return result, inverse if axis is not None else inverse.reshape(of.shape)
 
 
 def isin(given: Any, among: Any) -> ndarray:
@@ -64,10 +83,16 @@ def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
     return operate(lambda x: of_nan if x != x else find(row, x, 0, numbers), (values,), WHOLE)
 
 
-def bincount(given: Any, minlength: int = 0) -> ndarray:
-    """Return how often each whole number is there."""
+def bincount(given: Any, weights: Any = None, minlength: int = 0) -> ndarray:
+    """Return how often each whole number is there, or the sum of its weights."""
     values = elements(array_of(given))
-    counts = [0] * builtins.max(minlength, builtins.max(values, default=-1) + 1)
-    for value in values:
-        counts[value] += 1
-    return made(counts, WHOLE)
+    size = builtins.max(minlength, builtins.max(values, default=-1) + 1)
+    if weights is None:
+        counts = [0] * size
+        for value in values:
+            counts[value] += 1
+        return made(counts, WHOLE)
+    sums = [0.0] * size
+    for value, weight in zip(values, elements(array_of(weights)), strict=True):
+        sums[value] += float(weight)
+    return made(sums, FLOAT)

@@ -27,6 +27,7 @@ from fuzzyarm.playground.arrays.elementwise import (
     square,
     subtract,
 )
+from fuzzyarm.playground.arrays.joining import concatenate
 from fuzzyarm.playground.arrays.kinds import float32
 from fuzzyarm.playground.arrays.positions import where
 from fuzzyarm.playground.arrays.rows import lengths, reduced
@@ -55,7 +56,7 @@ def _added(given: Any, start: Any, round_to: Callable[[Any], Any]) -> Any:
     return reduce(lambda a, b: round_to(a + b), given, start)
 
 
-def sum(given: Any, axis: Any = None, *, keepdims: bool = False, **_named: Any) -> Any:
+def sum(given: Any, axis: Any = None, *, keepdims: bool = False) -> Any:
     """Return the sum: pairwise along rows, one row after the other across them."""
     of = array_of(given)
     if of.dtype is BOOL or of.dtype.kind == "i":
@@ -151,12 +152,12 @@ def _first(row: list[Any], best: Callable[[list[Any]], Any]) -> int:
     return row.index(best(row))
 
 
-def argmax(given: Any, axis: Any = None, **_named: Any) -> Any:
+def argmax(given: Any, axis: Any = None) -> Any:
     """Return the place of the largest element."""
     return reduced(given, axis, lambda row: _first(row, _most), WHOLE)
 
 
-def argmin(given: Any, axis: Any = None, **_named: Any) -> Any:
+def argmin(given: Any, axis: Any = None) -> Any:
     """Return the place of the least element."""
     return reduced(given, axis, lambda row: _first(row, _fewest), WHOLE)
 
@@ -166,15 +167,22 @@ def nanargmax(given: Any, axis: Any = None) -> Any:
     return argmax(where(isnan(given), -inf, given), axis)
 
 
-def cumsum(given: Any, axis: Any = None, **_named: Any) -> ndarray:
+def cumsum(given: Any, axis: Any = None, *, out: Any = None) -> ndarray:
     """Return the running sum."""
     of = array_of(given)
-    return add.accumulate(of.ravel() if axis is None else of, 0 if axis is None else axis)
+    sums = add.accumulate(of.ravel() if axis is None else of, 0 if axis is None else axis)
+    if out is None:
+        return sums
+    out[...] = sums
+    return out  # type: ignore[no-any-return]
 
 
-def diff(given: Any, axis: int = -1, **_named: Any) -> ndarray:
+def diff(given: Any, axis: int = -1, *, prepend: Any = None) -> ndarray:
     """Return the differences of neighbours."""
-    of = moveaxis(array_of(given), axis, -1)
+    of = array_of(given)
+    if prepend is not None:
+        of = concatenate([prepend, of], axis=axis)
+    of = moveaxis(of, axis, -1)
     return moveaxis(subtract(of[..., 1:], of[..., :-1]), -1, axis)
 
 
