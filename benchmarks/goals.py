@@ -10,13 +10,17 @@ are the best of some rounds.
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import resource
+import statistics
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -174,6 +178,33 @@ def scaling() -> Iterator[Goal]:
     yield Goal(what, slowest, "times", goal, least=True)
 
 
+def worth_of_processors() -> float:
+    """Return how much more points all processors evaluate than one where no memory is new.
+
+    Two processors that are threads of one core share what it computes with: then no ratio above is
+    greater than this. Measured in processor time, so that others on the machine do less harm.
+    """
+    processors = os.cpu_count() or 1
+    start = threading.Barrier(processors)
+    ways = [compiled(workload.even()) for _ in range(processors)]
+    points = points_of(ways[0].rulebase, 8_000)  # in the cache
+
+    def call(way: Callable[..., object]) -> float:
+        begin = time.thread_time()
+        for _ in range(20):
+            way(points)
+        return time.thread_time() - begin
+
+    def calls(way: Callable[..., object]) -> list[float]:
+        start.wait()
+        return [call(way) for _ in range(200)]
+
+    alone = min(call(ways[0]) for _ in range(400))
+    with ThreadPoolExecutor(processors) as pool:
+        together = itertools.chain(*pool.map(calls, ways))
+    return processors * alone / statistics.median(together)
+
+
 def batch_ratio(name: str, processors: int) -> float:
     """Return how much faster a batch of closed loops is with all processors."""
     made, path = controller(name), reach_return()
@@ -197,6 +228,8 @@ def main() -> int:
         print(f"… {part.__name__}", file=sys.stderr)
         for goal in part():
             print(goal.text(), flush=True)
+    worth = worth_of_processors()
+    print(f"\nof points in the cache all processors evaluate {worth:.2f} times as many as one")
     return 0
 
 
