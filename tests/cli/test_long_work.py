@@ -75,6 +75,7 @@ def raising(error):
 LEARN = ("learn", "--segment", "0.1", "--trajectory", "pick-and-place", "-o")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), FuzzyarmError("the plant has gone")])
 def test_a_training_that_ends_keeps_the_passes_until_then(error, folder, capsys, monkeypatch):
     assert main([*LEARN, "two.lut", "--passes", "2"]) == 0

@@ -106,6 +106,7 @@ def test_a_damaged_form_is_seen(servo):
     assert misfit(replace(form, blocks=narrow), pairs) > 1e-5
 
 
+@pytest.mark.slow
 def test_a_form_of_another_loop_is_contradicted_by_runs(servo):
     text, problem, loop, certificate = servo
     assert contradiction(problem, loop, certificate) == ""

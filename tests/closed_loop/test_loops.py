@@ -166,6 +166,7 @@ def test_a_claim_about_a_drive(servo, statement, expected):
         assert not check_certificate(replace(verdict.certificate, claim=widened)).proved
 
 
+@pytest.mark.slow
 def test_integral_filter_slew_and_bounds_of_the_heater():
     verdict = prove(load(shipped("heater.frb")), "stable at temperature = 21", plant="room")
     assert verdict.proved
@@ -263,6 +264,7 @@ def test_a_loop_that_leaves_its_rest_is_refuted(name):
     assert any("diverges" in line or "away from rest" in line for line in verdict.evidence)
 
 
+@pytest.mark.slow
 def test_a_delay_that_the_loop_bears_is_proved(servo):
     verdict = prove(servo, "stable", plant="motor", sensors=late(0.001))
     assert verdict.proved
@@ -502,6 +504,7 @@ def test_a_loop_without_an_equilibrium_at_its_set_points_says_so():
     assert "`at PORT = X`" in verdict.reason
 
 
+@pytest.mark.slow
 def test_a_claim_without_starts_is_of_the_whole_region(servo):
     """What the verdict says of the region holds from everywhere in it."""
     verdict = prove_loop(servo, read_claim("stable on motor: position in -0.1 .. 0.1"), budget=60.0)
@@ -532,6 +535,7 @@ def test_parameters_as_intervals_are_proved_and_checked(servo):
     assert verdict.region["position"][1] > 0.31
 
 
+@pytest.mark.slow
 def test_the_picture_of_a_loop_whose_memory_starts_alone_claims_no_starts():
     text = load(shipped("heater.frb"))
     verdict = prove(text, "stable at temperature = 21", plant="room")

@@ -141,6 +141,7 @@ def test_the_bound_of_v_holds_and_is_near(haven):
             assert bound <= reached * (1 + 1e-6)
 
 
+@pytest.mark.slow
 def test_boxes_outside_the_region_have_not_arrived(haven):
     region, certificate = haven
     p = np.array([[float(x) for x in row] for row in certificate.p])

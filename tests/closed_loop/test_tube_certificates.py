@@ -48,6 +48,7 @@ def test_a_certificate_is_what_was_written_and_proves_its_claim(certificate, tmp
     assert verdict.certificate == certificate
 
 
+@pytest.mark.slow
 def test_runs_stay_in_its_sets(servo, certificate):
     problem = problem_of(servo, certificate.claim)
     for run in sampled_runs(problem, 0.003, cases(20, 2000)):

@@ -284,6 +284,7 @@ def test_a_search_that_is_stopped_keeps_the_best(page):
     assert multiprocessing.active_children() == []
 
 
+@pytest.mark.slow
 def test_rule_bases_of_other_files_are_written_beside(page):
     (page.folder / "servo-pd7.frb").write_text("mine")
 
@@ -305,6 +306,7 @@ def test_rule_bases_of_other_files_are_written_beside(page):
     assert (page.folder / "pd7.frb").read_text() == shipped("pd7.frb").read_text()
 
 
+@pytest.mark.slow
 def test_a_plant_of_ones_own_offers_its_trajectories(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     write_crane(page.folder)

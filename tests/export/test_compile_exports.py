@@ -218,6 +218,7 @@ def test_it_complains_in_one_sentence_and_writes_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_compiling_twice_gives_the_same_bytes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for suffix in EXPORTS:

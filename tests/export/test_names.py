@@ -3,6 +3,7 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,6 +13,7 @@ from fuzzyarm.export.numbers import c_number, rounded_down, st_number
 words = st.text(max_size=8) | st.sampled_from(["int", "INT", "e", "E", "ė", "α", "9", "_", "a__b_"])
 
 
+@pytest.mark.slow
 @given(st.lists(words, max_size=12), st.sampled_from(["c", "st"]))
 def test_names_are_valid_and_different(wanted, language):
     names = Names(language)

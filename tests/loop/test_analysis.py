@@ -119,6 +119,7 @@ def test_what_cannot_be_had_is_said(use, said):
         use()
 
 
+@pytest.mark.slow
 def test_the_command_draws_both(tmp_path, capsys):
     for name, what in (("pd7.frb", "describing-function"), ("roompi.frb", "phase")):
         path = tmp_path / f"{what}.svg"
