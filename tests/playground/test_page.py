@@ -6,6 +6,7 @@ started anew for each of them.
 
 import functools
 import http.server
+import importlib.util
 import json
 import re
 import shutil
@@ -214,6 +215,10 @@ def printed(folder, call):
     return list(map(float, done.stdout.split()))
 
 
+@pytest.mark.skipif(
+    importlib.util.find_spec("ziglang") is None,
+    reason="ziglang is not installed: a run of kernels in plain Python takes minutes in a browser",
+)
 def test_the_motor_runs(page):
     turned_to(page, "servo.frb")
     page.get_by_role("tab", name="Run").click()
