@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -15,8 +16,10 @@ from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form import Assumptions
 from fuzzyarm.closed_loop.form_maker import FormMaker
+from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.runs import sampled_runs
-from fuzzyarm.closed_loop.timed import Haven, claim_of_stability
+from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, in_the_way
+from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.zonotope import Forms, stacked
 from fuzzyarm.loop import Options, Sensor, simulate
 from fuzzyarm.plant import find_plant
@@ -212,3 +215,25 @@ def test_a_slope_without_ends_in_time_is_no_form(pendulum, monkeypatch):
     choice = Assumptions(Fraction(1, 2), box=box, along=False)
     with pytest.raises(LoopProofError, match="time ran out"):
         FormMaker(problem, Stop(60.0)).form(choice, continuous=False)
+
+
+def test_a_single_start_that_cannot_be_followed_is_said() -> None:
+    nothing = np.zeros((0, 0))
+    tube = Tube(
+        problem=cast(LoopProblem, None),
+        duration=20.0,
+        ports=(),
+        begins=np.zeros(0),
+        ends=np.zeros(0),
+        low=nothing,
+        high=nothing,
+        low_at=nothing,
+        high_at=nothing,
+        boxes=1,
+        open=({},),
+        complete=False,
+        seconds=0.0,
+    )
+    (line,) = in_the_way(tube)
+    assert "too wide before 20 s" in line
+    assert in_the_way(replace(tube, complete=True)) == ()

@@ -23,7 +23,7 @@ the tube, with runs in it.
   fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
   fuzzyarm prove rulebases/servo.frb --plant motor --stable --certificate servo.json
   fuzzyarm prove --check servo.json
-  fuzzyarm prove rulebases/tanks.frb --plant tanks --at level2=0.2 --for 20s --plot tube.png
+  fuzzyarm prove rulebases/servo.frb --plant motor --at position=1 --for 0.5s --plot tube.png
 """
 
 from __future__ import annotations

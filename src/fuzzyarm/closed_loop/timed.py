@@ -155,8 +155,11 @@ def _failure(problem: LoopProblem, found: Tube, claim: LoopClaim, haven: Haven |
 
 def in_the_way(found: Tube) -> tuple[str, ...]:
     """Return in words the first box of starts of which nothing is known."""
-    if not found.open or not found.open[0]:
+    if not found.open:
         return ()
+    if not found.open[0]:  # a start without a width: there is nothing to halve
+        never = f"the bounds grow too wide before {found.duration:g} s, and the start is one point"
+        return () if found.complete else (f"{never}; a shorter time may be bounded",)
     box = ", ".join(
         f"{name} in {number_text(low)} .. {number_text(high)}"
         for name, (low, high) in found.open[0].items()
