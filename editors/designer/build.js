@@ -46,6 +46,7 @@ const BUILDS = [
     banner: { js: "// @ts-nocheck: built by editors/designer/build.js from exported.js and what it imports" },
     plugins: [engineInFront],
     format: "iife", // no name of it meets one of the engine
+    minify: true,
     absWorkingDir: at(PAGE),
   },
   {
@@ -54,6 +55,7 @@ const BUILDS = [
     banner: { js: "// @ts-nocheck: built by editors/designer/build.js from playground/app.js and what it imports" },
     plugins: [engineInFront],
     format: "iife",
+    minify: true,
     absWorkingDir: at(PAGE),
   },
 ];
