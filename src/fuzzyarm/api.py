@@ -288,14 +288,14 @@ def load_sampled(path: str) -> LookupTable:
     return compile_table(model, source=path)
 
 
-def table_asked(asked: CompileRequest) -> LookupTable:
+def table_asked(request: CompileRequest) -> LookupTable:
     """Return the table that a request asks for; `fuzzyarm.compile_table` asks for it here."""
     from fuzzyarm.proof.compiled import compiled, making_of
     from fuzzyarm.requests.making import ExportRequest
 
-    rulebase = load_rules(asked.file, "compile_table")
-    how = making_of(asked.as_kind(ExportRequest))
-    return compiled(rulebase, asked.output, how).table
+    rulebase = load_rules(request.file, "compile_table")
+    how = making_of(request.as_kind(ExportRequest))
+    return compiled(rulebase, request.output, how).table
 
 
 def export_file(
@@ -339,18 +339,18 @@ def export_file(
 
     if isinstance(file, ExportRequest):
         demand_alone("export_file", fields)
-        asked = file
+        request = file
     else:
-        asked = ExportRequest(file=demand_path("export_file", file, "file"), **fields)
+        request = ExportRequest(file=demand_path("export_file", file, "file"), **fields)
     out = demand_path("export_file", out, "out")
-    if known := asked.given(("place", "board", "certificate")):
+    if known := request.given(("place", "board", "certificate")):
         raise UsageError(f"{known.spelling} is an option of the command", hint="fuzzyarm compile")
-    controller, how = controller_if_any(asked.file), making_of(asked)
+    controller, how = controller_if_any(request.file), making_of(request)
     exported: Exported | ExportedController
     if controller is not None:
         exported, _ = program_of(controller, Path(out), how)
     else:
-        exported, _ = source_of(load_sheet(asked.file), Path(out), how)
+        exported, _ = source_of(load_sheet(request.file), Path(out), how)
     for path, content in exported.files:
         write_atomically(path, content)
     return exported

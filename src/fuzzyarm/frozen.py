@@ -225,21 +225,21 @@ def _init(cls: Any) -> Any:
     """Write ``__init__``: each argument into its field, then ``__post_init__``."""
     names: dict[str, Any] = {"_put": object.__setattr__, "_ABSENT": _ABSENT}
     arguments, lines = ["self"], []
-    for each in cls._all_fields:
-        value, argument = each.name, each.name
-        if "default" in each.settings:
-            names[f"_default_{each.name}"] = each.settings["default"]
-            argument += f"=_default_{each.name}"
-        elif "default_factory" in each.settings:
-            names[f"_make_{each.name}"] = each.settings["default_factory"]
+    for entry in cls._all_fields:
+        value, argument = entry.name, entry.name
+        if "default" in entry.settings:
+            names[f"_default_{entry.name}"] = entry.settings["default"]
+            argument += f"=_default_{entry.name}"
+        elif "default_factory" in entry.settings:
+            names[f"_make_{entry.name}"] = entry.settings["default_factory"]
             argument += "=_ABSENT"
-            value = f"_make_{each.name}() if {each.name} is _ABSENT else {each.name}"
+            value = f"_make_{entry.name}() if {entry.name} is _ABSENT else {entry.name}"
         arguments.append(argument)
-        lines.append(f"_put(self, {each.name!r}, {value})")
+        lines.append(f"_put(self, {entry.name!r}, {value})")
     if hasattr(cls, "__post_init__"):
         lines.append("self.__post_init__()")
     init = _method(cls, "__init__", arguments, lines or ["pass"], **names)
-    init.__annotations__ = {each.name: each.annotation for each in cls._all_fields}
+    init.__annotations__ = {entry.name: entry.annotation for entry in cls._all_fields}
     init.__annotations__["return"] = None
     return init
 
@@ -248,20 +248,20 @@ def _new(cls: Any) -> Any:
     """Write ``__new__`` of a named tuple."""
     names: dict[str, Any] = {"_new_tuple": tuple.__new__}
     arguments = ["_cls"]
-    for each in cls._own_fields:
-        arguments.append(each.name)
-        if "default" in each.settings:
-            names[f"_default_{each.name}"] = each.settings["default"]
-            arguments[-1] += f"=_default_{each.name}"
+    for entry in cls._own_fields:
+        arguments.append(entry.name)
+        if "default" in entry.settings:
+            names[f"_default_{entry.name}"] = entry.settings["default"]
+            arguments[-1] += f"=_default_{entry.name}"
     items = "".join(f"{name}, " for name in cls._fields)
     new = _method(cls, "__new__", arguments, [f"return _new_tuple(_cls, ({items}))"], **names)
-    new.__annotations__ = {each.name: each.annotation for each in cls._own_fields}
+    new.__annotations__ = {entry.name: entry.annotation for entry in cls._own_fields}
     return staticmethod(new)
 
 
 def _values(cls: Any, record: str) -> str:
     """Return the text of a tuple of what is compared of a record."""
-    compared = (each.name for each in cls._all_fields if each.settings.get("compare", True))
+    compared = (entry.name for entry in cls._all_fields if entry.settings.get("compare", True))
     return f"({''.join(f'{record}.{name}, ' for name in compared)})"
 
 
@@ -281,7 +281,7 @@ def _hash(cls: Any) -> Any:
 def _repr(cls: Any) -> Any:
     from reprlib import recursive_repr
 
-    shown = [each.name for each in cls._all_fields if each.settings.get("repr", True)]
+    shown = [entry.name for entry in cls._all_fields if entry.settings.get("repr", True)]
     words = ", ".join(f"{name}={{self.{name}!r}}" for name in shown)
     lines = [f"return self.__class__.__qualname__ + f'({words})'"]
     return recursive_repr()(_method(cls, "__repr__", ["self"], lines))
@@ -294,8 +294,8 @@ def _of_library(name: str) -> Callable[[Any], Any]:
         import dataclasses
 
         fields = [
-            (each.name, each.annotation, dataclasses.field(**each.settings))
-            for each in cls._all_fields
+            (entry.name, entry.annotation, dataclasses.field(**entry.settings))
+            for entry in cls._all_fields
         ]
         return getattr(dataclasses.make_dataclass(cls.__name__, fields, frozen=True), name)
 

@@ -254,8 +254,8 @@ def _result(text: str, rulebase: RuleBase, line: HiddenLine) -> Result:
         return Result("failed", next(d.message for d in parsed.diagnostics if d.is_error))
     if line.text.startswith("prove"):
         return _proved(rulebase, line.text.removeprefix("prove").strip())
-    asked = replace(parsed.rulebase, expectations=parsed.rulebase.expectations[-1:])
-    failures = check_expectations(asked)
+    narrowed = replace(parsed.rulebase, expectations=parsed.rulebase.expectations[-1:])
+    failures = check_expectations(narrowed)
     return Result("failed", failures[0].message) if failures else Result("passed")
 
 

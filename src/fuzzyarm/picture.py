@@ -659,9 +659,9 @@ def _corners(line: Line) -> Line:
     y = _flat(line.y)
     last = len(y) - 1
     # A level stretch is drawn from where it begins: its other points say nothing.
-    kept = [k for k, value in enumerate(y) if k in (0, last) or value != y[k - 1]]
+    indices = [k for k, value in enumerate(y) if k in (0, last) or value != y[k - 1]]
     x = _flat(line.x)
-    return replace(line, x=[x[k] for k in kept], y=[y[k] for k in kept])
+    return replace(line, x=[x[k] for k in indices], y=[y[k] for k in indices])
 
 
 DIGITS = 9

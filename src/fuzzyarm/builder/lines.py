@@ -106,11 +106,11 @@ class LanguageLines:
             raise BuilderArgumentError(self.named(argument), f"expected text, found {text}")
         return value
 
-    def several(self, value: object, argument: str, wanted: str) -> list[Any]:
+    def several(self, value: object, argument: str, expected: str) -> list[Any]:
         """Return an argument that must be a list."""
         if not isinstance(value, Iterable):
             text = shortened(repr(value))
-            raise BuilderArgumentError(self.named(argument), f"expected {wanted}, found {text}")
+            raise BuilderArgumentError(self.named(argument), f"expected {expected}, found {text}")
         return list(value)
 
     def named(self, argument: str) -> str:
@@ -157,7 +157,7 @@ _CORNERS = {1: "singleton", 2: "rectangle", 3: "triangle", 4: "trapezoid"}
 
 
 def _write_corners(lines: LanguageLines, corners: list[Any], argument: str) -> None:
-    if corners and all(isinstance(each, Sequence) and len(each) == 2 for each in corners):
+    if corners and all(isinstance(point, Sequence) and len(point) == 2 for point in corners):
         lines.write("points")
         for i, (x, y) in enumerate(corners):
             lines.write(" (").number(x, f"{argument}[{i}][0]")

@@ -621,17 +621,17 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return self._scope
 
     def _in_call(
-        self, lines: LanguageLines, document: Document, found: Sequence[Diagnostic]
+        self, lines: LanguageLines, document: Document, findings: Sequence[Diagnostic]
     ) -> list[Diagnostic]:
         """Return what is wrong with the lines of a call, by its arguments."""
         offset = 1 - self._line
         if document.diagnostics:
             # Notations of other programs are explained as in a file.
             repaired, _ = as_meant(lines.text, parse_document(lines.text))
-            found, offset = repaired.diagnostics or found, 0
+            findings, offset = repaired.diagnostics or findings, 0
         return [
             replace(diagnostic, argument=lines.argument_of(_moved(diagnostic.span, offset)))
-            for diagnostic in found
+            for diagnostic in findings
         ]
 
     def _names(self, role: str) -> list[str]:
@@ -737,11 +737,11 @@ def _is_of_controller(node: StatementNode) -> bool:
 
 
 def _by_input(
-    given: Levels | Mapping[str, Levels] | None,
+    levels: Levels | Mapping[str, Levels] | None,
 ) -> list[tuple[str | None, Levels]]:
-    if given is None:
+    if levels is None:
         return []
-    return list(given.items()) if isinstance(given, Mapping) else [(None, given)]
+    return list(levels.items()) if isinstance(levels, Mapping) else [(None, levels)]
 
 
 class VariableBuilder(Plotted):

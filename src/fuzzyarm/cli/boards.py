@@ -20,21 +20,21 @@ if TYPE_CHECKING:
     from fuzzyarm.table import CompileReport, LookupTable
 
 
-def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: bool) -> None:
+def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: bool) -> None:
     """Write a folder for an IDE and say what is in it."""
     from fuzzyarm.export.arduino import board_folder
     from fuzzyarm.export.boards import board_named
     from fuzzyarm.export.names import DEVICES, identifier
     from fuzzyarm.text.whole_folders import demand_own, write_folder
 
-    board = board_named(asked.board or "uno")
+    board = board_named(request.board or "uno")
     if how.precision not in (None, board.precision) and not board.has_double:
         raise UsageError(
             f"--precision {how.precision} does not apply: {board.named} has no double",
             hint="leave it out, or take a --board with one: due, pico, esp32",
         )
     how = replace(how, precision=how.precision or (None if how.q else board.precision))
-    stem = identifier(how.name or Path(asked.file).stem)
+    stem = identifier(how.name or Path(request.file).stem)
     for name in (Path(out).name, stem):
         if name.upper() in DEVICES:
             raise WordError(
@@ -44,17 +44,17 @@ def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: boo
     demand_folder_of(out)
     demand_own(out)
     with busy("compiling") as progress:
-        controller = controller_if_any(asked.file)
+        controller = controller_if_any(request.file)
         if controller is not None:
             from fuzzyarm.proof.compiled import controller_program
 
             program, reports = controller_program(
                 controller, how, how.precision or "mixed", progress
             )
-            folder = board_folder(program, stem, board, asked.place or "arduino")
+            folder = board_folder(program, stem, board, request.place or "arduino")
         else:
-            routines, reports = _routines(load_sheet(asked.file), board, how, progress)
-            folder = board_folder(routines, stem, board, asked.place or "arduino")
+            routines, reports = _routines(load_sheet(request.file), board, how, progress)
+            folder = board_folder(routines, stem, board, request.place or "arduino")
     write_folder(out, folder.files)
     if as_json:
         print_json(_data(folder, out), 2)

@@ -350,28 +350,28 @@ def print_os_error(error: OSError, path: str | None = None) -> None:
     print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}")
 
 
-def print_findings(found: Sequence[Diagnostic], text: str, stream: TextIO) -> None:
+def print_findings(findings: Sequence[Diagnostic], text: str, stream: TextIO) -> None:
     """Print diagnostics with their source lines, in colours on a terminal."""
     colour = stream.isatty() and "NO_COLOR" not in os.environ
     with suppress(OSError) if stream is sys.stderr else nullcontext():
-        print(render_all(found, text, colour=colour), file=stream)
+        print(render_all(findings, text, colour=colour), file=stream)
 
 
-def finding_data(found: Diagnostic) -> dict[str, Any]:
+def finding_data(finding: Diagnostic) -> dict[str, Any]:
     """Return a diagnostic as JSON data."""
     return {
-        "name": found.name,
-        "severity": str(found.severity),
-        "message": found.message,
-        "hint": found.hint,
-        "path": found.path,
-        "line": found.line,
-        "column": found.column,
-        "end_line": found.span.end_line,
-        "end_column": found.span.end_column,
+        "name": finding.name,
+        "severity": str(finding.severity),
+        "message": finding.message,
+        "hint": finding.hint,
+        "path": finding.path,
+        "line": finding.line,
+        "column": finding.column,
+        "end_line": finding.span.end_line,
+        "end_column": finding.span.end_column,
         "related": [
             {"message": r.message, "line": r.span.line, "column": r.span.column}
-            for r in found.related
+            for r in finding.related
         ],
     }
 
@@ -555,12 +555,12 @@ def duration_words(seconds: float) -> str:
 
 def _told_now_and_then() -> Callable[[str], None]:
     """Return what says words on the standard error, once in `TOLD_EVERY` seconds."""
-    told = time.monotonic()
+    last = time.monotonic()
 
     def tell(words: str) -> None:
-        nonlocal told
-        if time.monotonic() - told >= TOLD_EVERY:
-            told = time.monotonic()
+        nonlocal last
+        if time.monotonic() - last >= TOLD_EVERY:
+            last = time.monotonic()
             print_progress(words)
 
     return tell

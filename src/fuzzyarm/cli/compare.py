@@ -80,32 +80,32 @@ Examples
 """
 
 
-def _compare(asked: CompareWords) -> int:
+def _compare(request: CompareWords) -> int:
     from fuzzyarm.controller.own import find_controllers
     from fuzzyarm.loop.experiments import follows, with_plant
     from fuzzyarm.study.comparison import compared_names
 
-    demand_figure(asked.plot)
-    names = asked.controllers or compared_names()
+    demand_figure(request.plot)
+    names = request.controllers or compared_names()
     controllers = find_controllers(names)
-    asked, plant = with_plant(asked, controllers)
-    along = follows(asked, plant)
-    _require_counted(asked, plant, along=along)
+    request, plant = with_plant(request, controllers)
+    along = follows(request, plant)
+    _require_counted(request, plant, along=along)
     if not along:
-        return _compare_references(asked, controllers, plant)
-    return _compare_trajectories(asked, names, controllers, plant)
+        return _compare_references(request, controllers, plant)
+    return _compare_trajectories(request, names, controllers, plant)
 
 
-def _require_counted(asked: CompareWords, plant: Plant, *, along: bool) -> None:
+def _require_counted(request: CompareWords, plant: Plant, *, along: bool) -> None:
     """Raise WordError for an option that is not for this kind of comparison."""
     from fuzzyarm.study.comparison import is_counted
 
-    option = asked.given(("cost", "operations"))
+    option = request.given(("cost", "operations"))
     if option and not (along and is_counted(plant)):
         listing = ", ".join(SHOWN[:3])
         message = f"{option.spelling} counts along the trajectories of the study's arm"
         raise WordError(f"{message}; {plant.name} is compared by errors and chatter: {listing}, …")
-    if asked.errors and not along:
+    if request.errors and not along:
         message = "--errors chooses among those along trajectories"
         raise WordError(f"{message}; along --reference there are {', '.join(SHOWN)}")
 
@@ -114,7 +114,7 @@ def _require_counted(asked: CompareWords, plant: Plant, *, along: bool) -> None:
 
 
 def _compare_trajectories(
-    asked: CompareWords,
+    request: CompareWords,
     names: Sequence[str],
     controllers: Sequence[Controller],
     plant: Plant,
@@ -123,11 +123,11 @@ def _compare_trajectories(
     from fuzzyarm.loop.words import connections, conventions_of
     from fuzzyarm.study.comparison import compare, compared_along, cost_of, is_counted
 
-    trajectories, conventions = compared_along(asked, plant), conventions_of(asked)
-    _, options = with_drives(asked, plant)
+    trajectories, conventions = compared_along(request, plant), conventions_of(request)
+    _, options = with_drives(request, plant)
     # The figure of the arm draws errors against cost.
-    timed = bool(asked.cost or (asked.plot and is_counted(plant)))
-    counted = names if timed or asked.operations else ()
+    timed = bool(request.cost or (request.plot and is_counted(plant)))
+    counted = names if timed or request.operations else ()
     comparisons: list[Compared] = []
     costs: list[ControlStepCost] = []
     with progress_bar("controllers", len(names) + len(counted)) as bar:
@@ -137,8 +137,8 @@ def _compare_trajectories(
             plant=plant,
             trajectories=trajectories,
             conventions=conventions,
-            payload=bool(asked.payload),
-            connect=connections(asked),
+            payload=bool(request.payload),
+            connect=connections(request),
         ):
             comparisons.append(comparison)
             bar(1)
@@ -146,20 +146,20 @@ def _compare_trajectories(
             costs.append(cost_of(name, conventions=conventions, timed=timed))
             bar(1)
     ways = " and ".join(trajectory.name for trajectory in trajectories)
-    heading = f"{ways}{_conditions(asked, plant)}, {_counting(conventions)}"
-    if asked.plot and costs:
+    heading = f"{ways}{_conditions(request, plant)}, {_counting(conventions)}"
+    if request.plot and costs:
         from fuzzyarm.study.figures import draw_cost, save_figure
 
-        save_figure(draw_cost(comparisons, costs, heading), asked.plot)
-    elif asked.plot:
-        runs = _runs_along(asked, controllers, plant, trajectories[0])
-        title = f"{plant.name}: {trajectories[0].name}{_conditions(asked, plant)}"
-        _plot_runs(runs, asked.plot, title)
+        save_figure(draw_cost(comparisons, costs, heading), request.plot)
+    elif request.plot:
+        runs = _runs_along(request, controllers, plant, trajectories[0])
+        title = f"{plant.name}: {trajectories[0].name}{_conditions(request, plant)}"
+        _plot_runs(runs, request.plot, title)
     _print_notes(comparisons)
-    senses = [asked.errors] if asked.errors else list(_SENSES)
-    if asked.json:
+    senses = [request.errors] if request.errors else list(_SENSES)
+    if request.json:
         print_json([_compared_json(*pair) for pair in zip_longest(comparisons, costs)], 1)
-    elif asked.markdown:
+    elif request.markdown:
         print("\n".join(_compared_markdown(comparisons, costs, senses)))
     else:
         print(heading)
@@ -172,13 +172,13 @@ def _print_notes(compared: Sequence[Compared | Run]) -> None:
         print_error(f"note: {note}")
 
 
-def _conditions(asked: CompareWords, plant: Plant) -> str:
+def _conditions(request: CompareWords, plant: Plant) -> str:
     """Return in words, to follow others, under which conditions all are compared."""
     from fuzzyarm.loop.words import conditions, conventions_of
     from fuzzyarm.plant.following import carries
 
-    load = _load(conventions_of(asked), payload=bool(asked.payload)) if carries(plant) else ""
-    around = conditions(asked)
+    load = _load(conventions_of(request), payload=bool(request.payload)) if carries(plant) else ""
+    around = conditions(request)
     return f"{load}, {around}" if around else load
 
 
@@ -196,7 +196,7 @@ def _counting(conventions: Conventions) -> str:
 
 
 def _runs_along(
-    asked: CompareWords,
+    request: CompareWords,
     controllers: Sequence[Controller],
     plant: Plant,
     trajectory: Trajectory,
@@ -208,9 +208,9 @@ def _runs_along(
     from fuzzyarm.loop.words import connections, conventions_of
     from fuzzyarm.plant.following import carries
 
-    connect, conventions = connections(asked), conventions_of(asked)
-    plant, options = with_drives(asked, plant)
-    payload = bool(asked.payload) and carries(plant)
+    connect, conventions = connections(request), conventions_of(request)
+    plant, options = with_drives(request, plant)
+    payload = bool(request.payload) and carries(plant)
     runs = []
     for controller in controllers:
         motion = trajectory_motion(
@@ -342,29 +342,29 @@ SHOWN = ("rms", "max", "overshoot", "settling", "effort", "chatter")
 
 
 def _compare_references(
-    asked: CompareWords, controllers: Sequence[Controller], plant: Plant
+    request: CompareWords, controllers: Sequence[Controller], plant: Plant
 ) -> int:
     """Run controllers along the same references, and print what came of them."""
     from fuzzyarm.loop.experiments import with_drives
     from fuzzyarm.loop.run import run_along
     from fuzzyarm.loop.words import conditions, connections, conventions_of, motion_of
 
-    plant, options = with_drives(asked, plant)
-    connect, conventions = connections(asked), conventions_of(asked)
+    plant, options = with_drives(request, plant)
+    connect, conventions = connections(request), conventions_of(request)
     runs: list[Run] = []
     with progress_bar("controllers", len(controllers)) as bar:
         for controller in controllers:
-            motion = motion_of(asked, controller, plant)
+            motion = motion_of(request, controller, plant)
             runs.append(run_along(controller, motion, conventions, options, connect))
             bar(1)
     _print_notes(runs)
-    around = conditions(asked)
+    around = conditions(request)
     heading = f"{runs[0].trajectory}{', ' if around else ''}{around}"
-    if asked.plot:
-        _plot_runs(runs, asked.plot, f"{plant.name}: {heading}")
-    if asked.json:
+    if request.plot:
+        _plot_runs(runs, request.plot, f"{plant.name}: {heading}")
+    if request.json:
         print_json([run_as_json(run) for run in runs], 1)
-    elif asked.markdown:
+    elif request.markdown:
         print("\n".join(_markdown(runs)))
     else:
         print(f"{plant.name}, {heading}", *_lines(runs), sep="\n")

@@ -92,36 +92,38 @@ _CONTROLLERS_ONLY = ("fmi", "platforms", "certificate")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
-def _run(asked: ExportWords) -> int:
+def _run(request: ExportWords) -> int:
     from fuzzyarm.table import SUFFIXES
     from fuzzyarm.table.files import LATEX
 
     tables = (*SUFFIXES, LATEX)
-    asked = asked.replaced(out=str(Path(asked.out)))  # ./x.lut is x.lut
-    if asked.place is not None:
-        _write_for_board(asked)
+    request = request.replaced(out=str(Path(request.out)))  # ./x.lut is x.lut
+    if request.place is not None:
+        _write_for_board(request)
         return 0
-    _forbid(asked, ("board",), "without --for nothing is made for a board")
-    if asked.report is not None:
-        _demand_report(asked.out, asked.report)
-    suffix = require_suffix(asked.out, (*tables, *CONTROLLER_EXPORTS, *_MODULES))
+    _forbid(request, ("board",), "without --for nothing is made for a board")
+    if request.report is not None:
+        _demand_report(request.out, request.report)
+    suffix = require_suffix(request.out, (*tables, *CONTROLLER_EXPORTS, *_MODULES))
     if suffix != ".xml":
-        _forbid(asked, ("format",), f"{Path(asked.out).name} is not an .xml")
+        _forbid(request, ("format",), f"{Path(request.out).name} is not an .xml")
     if suffix in _MODULES:
-        _write_module(asked)
+        _write_module(request)
         return 0
     exports = suffix not in tables
-    controller = controller_if_any(asked.file) if exports else None
+    controller = controller_if_any(request.file) if exports else None
     if controller is not None:
-        _export_controller(controller, suffix, asked)
+        _export_controller(controller, suffix, request)
         return 0
     if suffix == _UNIT:
         hint = "fuzzyarm new NAME --kind controller writes one"
-        raise WordError(f"an .fmu is made from a controller, which {asked.file} is not", hint=hint)
+        raise WordError(
+            f"an .fmu is made from a controller, which {request.file} is not", hint=hint
+        )
     if not exports:
-        _forbid(asked, _SOURCE_ONLY, f"{Path(asked.out).name} is a table")
-    _forbid(asked, _CONTROLLERS_ONLY, f"{asked.file} is not exported as a controller")
-    _compile_sheet(asked, exports=exports)
+        _forbid(request, _SOURCE_ONLY, f"{Path(request.out).name} is a table")
+    _forbid(request, _CONTROLLERS_ONLY, f"{request.file} is not exported as a controller")
+    _compile_sheet(request, exports=exports)
     return 0
 
 
@@ -137,14 +139,14 @@ def _demand_report(out: str, folder: str) -> None:
 
 
 def _report(
-    asked: ExportWords, how: Making, exported: Exported | ExportedController
+    request: ExportWords, how: Making, exported: Exported | ExportedController
 ) -> dict[str, Any] | None:
     """Return the report that was asked for, not yet written."""
-    if asked.report is None:
+    if request.report is None:
         return None
     from fuzzyarm.dossier import report_of
 
-    return report_of(asked.file, how, exported)
+    return report_of(request.file, how, exported)
 
 
 def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
@@ -168,149 +170,149 @@ def _report_line(folder: str | None, report: dict[str, Any] | None) -> list[str]
     ]
 
 
-def _write_for_board(asked: ExportWords) -> None:
+def _write_for_board(request: ExportWords) -> None:
     """Write a folder for Arduino or PlatformIO."""
     from fuzzyarm.cli.boards import write_for_board
     from fuzzyarm.proof.compiled import making_of
 
     _forbid(
-        asked,
+        request,
         ("ends", "fmi", "platforms", "certificate", "format", "report"),
-        f"--for {asked.place} makes a folder for a board",
+        f"--for {request.place} makes a folder for a board",
     )
-    if asked.table and asked.direct:
+    if request.table and request.direct:
         raise UsageError("--table and --direct exclude each other")
-    with _of_file(asked.file):
-        write_for_board(asked, asked.out, making_of(asked), as_json=asked.json)
+    with _of_file(request.file):
+        write_for_board(request, request.out, making_of(request), as_json=request.json)
 
 
-def _write_module(asked: ExportWords) -> None:
+def _write_module(request: ExportWords) -> None:
     """Write a rule base as a module of JavaScript."""
     from fuzzyarm.export.javascript import rule_base_module
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.text.files import write_atomically
 
-    model = load_sheet(asked.file)
+    model = load_sheet(request.file)
     if not isinstance(model, RuleBase):
-        raise WordError(f"a module of JavaScript is made of a rule base, not {asked.file}")
+        raise WordError(f"a module of JavaScript is made of a rule base, not {request.file}")
     refused = (*_TABLES_ONLY, *_CONTROLLERS_ONLY, "table", "precision", "output", "name")
-    _forbid(asked, refused, "JavaScript infers the rules of all outputs")
-    text = rule_base_module(model, asked.file)
-    write_atomically(asked.out, text)
+    _forbid(request, refused, "JavaScript infers the rules of all outputs")
+    text = rule_base_module(model, request.file)
+    write_atomically(request.out, text)
     names = ", ".join(variable.name for variable in model.inputs)
-    if asked.json:
-        print_json({"file": asked.out, "bytes": len(text.encode())}, 2)
+    if request.json:
+        print_json({"file": request.out, "bytes": len(text.encode())}, 2)
     else:
-        say(f"{asked.out}: infer({{{names}}}), {len(text.encode())} bytes")
+        say(f"{request.out}: infer({{{names}}}), {len(text.encode())} bytes")
 
 
-def _compile_sheet(asked: ExportWords, *, exports: bool) -> None:
+def _compile_sheet(request: ExportWords, *, exports: bool) -> None:
     """Compile a rule base or a table."""
     from fuzzyarm.model.rulebase import RuleBase
 
-    model = load_sheet(asked.file)
+    model = load_sheet(request.file)
     if not isinstance(model, RuleBase):
-        _forbid(asked, _RULES_ONLY, f"{asked.file} is a table already")
-        if asked.output not in (None, model.output):
+        _forbid(request, _RULES_ONLY, f"{request.file} is a table already")
+        if request.output not in (None, model.output):
             has = f"it has {model.output}"
-            raise WordError(f"the table has no output '{asked.output}': {has}")
+            raise WordError(f"the table has no output '{request.output}': {has}")
         if exports:
-            _export(model, asked)
+            _export(model, request)
         else:
-            _rewrite(model, asked)
-    elif asked.direct:
-        if asked.table:
+            _rewrite(model, request)
+    elif request.direct:
+        if request.table:
             raise UsageError("--table and --direct exclude each other")
-        _forbid(asked, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
-        _export(model, asked)
+        _forbid(request, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
+        _export(model, request)
     elif exports:
-        _forbid(asked, ("ends",), "make the two tables first; each becomes source text")
-        _export(model, asked)
-    elif asked.ends:
-        _compile_ends(model, asked)
+        _forbid(request, ("ends",), "make the two tables first; each becomes source text")
+        _export(model, request)
+    elif request.ends:
+        _compile_ends(model, request)
     else:
-        report = _compile(model, asked.output, asked)
-        _write(report.table, asked)
-        if asked.json:
-            print_json(_report_data(report, asked.out), 2)
+        report = _compile(model, request.output, request)
+        _write(report.table, request)
+        if request.json:
+            print_json(_report_data(report, request.out), 2)
         else:
-            say(*report_lines(report, asked.out))
+            say(*report_lines(report, request.out))
 
 
-def _compile_ends(model: RuleBase, asked: ExportWords) -> None:
+def _compile_ends(model: RuleBase, request: ExportWords) -> None:
     """Write a table of each end of an interval type-2 output, with the end in its name."""
     from fuzzyarm.expression.kinds import DEFUZZIFIERS
     from fuzzyarm.table.compiler import choose_output
 
-    output = choose_output(model, asked.output)
+    output = choose_output(model, request.output)
     if output.defuzzifier.record.of != "ends":
         raise WordError(f"--ends are those of karnik-mendel, and '{output.name}' is one number")
-    out, data = Path(asked.out), []
+    out, data = Path(request.out), []
     for end in ("left", "right"):
         way = replace(output.defuzzifier, method=DEFUZZIFIERS.plain(end))
         one = replace(output, defuzzifier=way)
         outputs = tuple(one if variable is output else variable for variable in model.outputs)
-        asked = asked.replaced(out=str(out.with_name(f"{out.stem}-{end}{out.suffix}")))
-        report = _compile(replace(model, outputs=outputs), output.name, asked)
-        _write(report.table, asked)
-        if asked.json:
-            data.append(_report_data(report, asked.out))
+        request = request.replaced(out=str(out.with_name(f"{out.stem}-{end}{out.suffix}")))
+        report = _compile(replace(model, outputs=outputs), output.name, request)
+        _write(report.table, request)
+        if request.json:
+            data.append(_report_data(report, request.out))
         else:
-            say(f"{asked.out}: the {end} end", *report_lines(report, asked.out))
-    if asked.json:
+            say(f"{request.out}: the {end} end", *report_lines(report, request.out))
+    if request.json:
         print_json(data, 2)
 
 
-def _forbid(asked: ExportWords, names: tuple[str, ...], why: str) -> None:
-    if option := asked.given(names):
+def _forbid(request: ExportWords, names: tuple[str, ...], why: str) -> None:
+    if option := request.given(names):
         raise UsageError(f"{option.spelling} does not apply: {why}")
 
 
-def _compile(model: RuleBase, output: str | None, asked: ExportWords) -> CompileReport:
+def _compile(model: RuleBase, output: str | None, request: ExportWords) -> CompileReport:
     from fuzzyarm.proof.compiled import compiled, making_of
 
-    how = making_of(asked)
+    how = making_of(request)
     with busy("compiling") as progress:
         return compiled(model, output, how, progress)
 
 
-def _rewrite(table: LookupTable, asked: ExportWords) -> None:
+def _rewrite(table: LookupTable, request: ExportWords) -> None:
     """Write a table in another format."""
-    if asked.mode is not None:
-        table = replace(table, mode=asked.mode)
-    _write(table, asked)
-    if asked.json:
-        print_json({**_table_data(table, asked.out), "mode": table.default_mode}, 2)
+    if request.mode is not None:
+        table = replace(table, mode=request.mode)
+    _write(table, request)
+    if request.json:
+        print_json({**_table_data(table, request.out), "mode": table.default_mode}, 2)
     else:
-        say(table_words(table, asked.out))
+        say(table_words(table, request.out))
 
 
-def _write(table: LookupTable, asked: ExportWords) -> None:
+def _write(table: LookupTable, request: ExportWords) -> None:
     from fuzzyarm.table.files import write_table
 
-    write_table(table, asked.out)
+    write_table(table, request.out)
 
 
-def _export(model: RuleBase | LookupTable, asked: ExportWords) -> None:
+def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
     """Write source text and say how accurate and how large it is."""
     from fuzzyarm.proof.compiled import making_of, source_of
     from fuzzyarm.text.files import write_atomically
 
-    if asked.precision is not None and asked.q is not None:
+    if request.precision is not None and request.q is not None:
         raise UsageError("--precision does not apply with --q: whole numbers have no precision")
-    how = making_of(asked)
-    with busy("compiling") as progress, _of_file(asked.file):
-        exported, reports = source_of(model, asked.out, how, progress)
-    report = _report(asked, how, exported)
+    how = making_of(request)
+    with busy("compiling") as progress, _of_file(request.file):
+        exported, reports = source_of(model, request.out, how, progress)
+    report = _report(request, how, exported)
     for where, text in exported.files:
         write_atomically(where, text)
-    _write_report(asked.report, report)
-    if asked.json:
-        tables = [_report_data(table, asked.out) for table in reports]
+    _write_report(request.report, report)
+    if request.json:
+        tables = [_report_data(table, request.out) for table in reports]
         print_json(report or {**_export_data(exported), "tables": tables}, 2)
         return
-    lines = [line for table in reports for line in report_lines(table, asked.out)]
-    say(*lines, *export_lines(exported), *_report_line(asked.report, report))
+    lines = [line for table in reports for line in report_lines(table, request.out)]
+    say(*lines, *export_lines(exported), *_report_line(request.report, report))
 
 
 @contextmanager
@@ -335,35 +337,35 @@ def _certified(path: str, controller: ControllerText) -> str:
     return f"{verdict.statement}, {how}; certificate {verdict.certificate.seal}"
 
 
-def _export_controller(controller: ControllerText, suffix: str, asked: ExportWords) -> None:
+def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:
     """Write a controller as a program and say what it is."""
     from fuzzyarm.proof.compiled import making_of, program_of
 
-    if asked.table and asked.direct:
+    if request.table and request.direct:
         raise UsageError("--table and --direct exclude each other")
-    if not asked.table:
-        _forbid(asked, _MADE_TABLES_ONLY, "without --table no table is made of rules")
-    _forbid(asked, ("output",), "a controller is exported as a whole")
+    if not request.table:
+        _forbid(request, _MADE_TABLES_ONLY, "without --table no table is made of rules")
+    _forbid(request, ("output",), "a controller is exported as a whole")
     if suffix != _UNIT:
-        _forbid(asked, ("fmi", "platforms"), f"{Path(asked.out).name} is not an FMU")
-    elif asked.precision not in (None, "float64"):
+        _forbid(request, ("fmi", "platforms"), f"{Path(request.out).name} is not an FMU")
+    elif request.precision not in (None, "float64"):
         raise UsageError("an FMU computes in double precision: --precision float64")
-    how = making_of(asked)
-    if asked.certificate is not None:
-        if asked.table or asked.q:
+    how = making_of(request)
+    if request.certificate is not None:
+        if request.table or request.q:
             raise WordError("the certificate is of the rules, not of a table or of whole numbers")
-        how = replace(how, proofs=(_certified(asked.certificate, controller),))
-    with busy("exporting") as progress, _of_file(asked.file):
-        exported, reports = program_of(controller, asked.out, how, progress)
-    report = _report(asked, how, exported)
+        how = replace(how, proofs=(_certified(request.certificate, controller),))
+    with busy("exporting") as progress, _of_file(request.file):
+        exported, reports = program_of(controller, request.out, how, progress)
+    report = _report(request, how, exported)
     exported.write()
-    _write_report(asked.report, report)
-    if asked.json:
-        tables = [_report_data(table, asked.out) for table in reports]
+    _write_report(request.report, report)
+    if request.json:
+        tables = [_report_data(table, request.out) for table in reports]
         print_json(report or {**_controller_data(exported), "tables": tables}, 2)
         return
-    lines = [line for table in reports for line in report_lines(table, asked.out)]
-    say(*lines, *controller_lines(exported), *_report_line(asked.report, report))
+    lines = [line for table in reports for line in report_lines(table, request.out)]
+    say(*lines, *controller_lines(exported), *_report_line(request.report, report))
 
 
 # --- What --json says of tables and of source text ---

@@ -342,9 +342,9 @@ def _write_system(arguments: argparse.Namespace, system: System, target: Path) -
     return True
 
 
-def _say_findings(found: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
+def _say_findings(findings: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
     stream = sys.stderr if to_errors else sys.stdout
-    for diagnostic in found:
+    for diagnostic in findings:
         if diagnostic.span != NOWHERE:
             print_findings([diagnostic], text_to_show(source), stream)
             continue
@@ -404,16 +404,16 @@ def _print_systems(
 
 
 def _report(
-    arguments: argparse.Namespace, imported: Imported, found: list[Diagnostic], *, written: bool
+    arguments: argparse.Namespace, imported: Imported, findings: list[Diagnostic], *, written: bool
 ) -> None:
     if arguments.json:
-        print_json(_as_json(arguments, imported, found, written=written), 2)
+        print_json(_as_json(arguments, imported, findings, written=written), 2)
         if not written:
             print_error(f"{arguments.target}: not written")
         return
     stream = sys.stdout if written else sys.stderr
-    text = text_to_show(arguments.source) if found else ""
-    for diagnostic in found:
+    text = text_to_show(arguments.source) if findings else ""
+    for diagnostic in findings:
         if arguments.quiet and not diagnostic.is_error:
             continue
         if diagnostic.span != NOWHERE:
@@ -426,22 +426,22 @@ def _report(
         print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:
         # Of a table the residual tells what was lost.
-        summary = "" if imported.producer == "table" and not found else f", {_summary(found)}"
+        summary = "" if imported.producer == "table" and not findings else f", {_summary(findings)}"
         say(f"{arguments.target}: written{summary}")
 
 
-def _summary(found: Sequence[Diagnostic]) -> str:
-    warnings = sum(d.severity == "warning" for d in found)
+def _summary(findings: Sequence[Diagnostic]) -> str:
+    warnings = sum(d.severity == "warning" for d in findings)
     if warnings:
         return f"{warnings} warning(s)"
-    left_out = any(d.name.startswith("dropped-") for d in found)
+    left_out = any(d.name.startswith("dropped-") for d in findings)
     return "numbers unchanged" if left_out else "nothing lost"
 
 
 def _as_json(
     arguments: argparse.Namespace,
     imported: Imported,
-    found: Sequence[Diagnostic],
+    findings: Sequence[Diagnostic],
     *,
     written: bool,
 ) -> dict[str, object]:
@@ -450,7 +450,7 @@ def _as_json(
         "target": arguments.target,
         "producer": imported.producer,
         "written": written,
-        "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in found],
+        "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in findings],
     }
 
 

@@ -53,30 +53,30 @@ class FitWords(FitRequest, _Output):
     """All that ``fuzzyarm fit`` takes."""
 
 
-def _run(asked: FitWords) -> int:
-    require_suffix(asked.out, (".frb",))
-    demand_places(asked.out)
+def _run(request: FitWords) -> int:
+    require_suffix(request.out, (".frb",))
+    demand_places(request.out)
     from fuzzyarm.learning.asked import is_model, options_asked, samples_asked, test_asked
     from fuzzyarm.learning.fit import fit
     from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
     from fuzzyarm.text.files import write_atomically
 
-    asked = asked.replaced(name=asked.name or Path(asked.out).stem)
-    options = options_asked(asked)
-    samples = samples_asked(asked)
-    test = test_asked(asked, samples)
+    request = request.replaced(name=request.name or Path(request.out).stem)
+    options = options_asked(request)
+    samples = samples_asked(request)
+    test = test_asked(request, samples)
     for note in samples.notes:
         say(f"note: {note}", to_errors=True)
-    with busy(f"fitting {asked.data}") as tell:
+    with busy(f"fitting {request.data}") as tell:
         model = fit(samples, options, tell)
-    file, fault = saved(asked.out, lambda path: write_atomically(path, model.text))
+    file, fault = saved(request.out, lambda path: write_atomically(path, model.text))
     faults = [fault] if fault else []
     report = report_of(file, samples, model)
     if test is not None:
         faults += attempted(lambda: report.update(test=tested(samples, model, test)))
-    if is_model(asked.data):
+    if is_model(request.data):
         faults += attempted(lambda: report.update(fidelity=faithful(samples, model)))
-    if asked.json:
+    if request.json:
         print_json(report)
     else:
         say(*report_lines(samples, model, report, options))

@@ -78,17 +78,17 @@ LOOKS = 20
 """In how many parts a pass is run."""
 
 
-def _run(asked: LearnWords) -> int:
-    _check(asked)
-    training = _Watched(asked)
+def _run(request: LearnWords) -> int:
+    _check(request)
+    training = _Watched(request)
     training.run()
     start, last = training.trainee.start, training.last
     faults = list(training.faults)
-    out = asked.out
+    out = request.out
     if out:
         out, fault = saved(out, lambda path: training.write(last, path))
         faults += [fault] if fault else []
-    if asked.json:
+    if request.json:
         report = {
             "passes": [training.data(snapshot) for snapshot in training.finished],
             "levels": {axis.name: list(axis.levels) for axis in start.axes},
@@ -97,7 +97,7 @@ def _run(asked: LearnWords) -> int:
             "file": out,
         }
         shown = [training.data(snapshot) for snapshot in training.shown]
-        print_json({**report, "snapshots": shown} if asked.every else report, 1)
+        print_json({**report, "snapshots": shown} if request.every else report, 1)
     else:
         training.print(last, out)
     faults += attempted(training.draw)
@@ -112,32 +112,32 @@ def _run(asked: LearnWords) -> int:
     return 0 if last.diverged is None else DIVERGED
 
 
-def _check(asked: LearnWords) -> None:
+def _check(request: LearnWords) -> None:
     """Tell mistakes before anything is loaded."""
-    if asked.freeze and asked.out:
+    if request.freeze and request.out:
         raise UsageError("--freeze learns nothing, so there is nothing to write with -o")
-    if asked.joint and not asked.out:
+    if request.joint and not request.out:
         raise UsageError("--joint says which table to write, so it needs -o FILE")
-    if asked.out:
+    if request.out:
         from fuzzyarm.table import SUFFIXES
 
-        require_suffix(asked.out, SUFFIXES)
-    demand_figure(asked.plot)
-    if asked.animate:
+        require_suffix(request.out, SUFFIXES)
+    demand_figure(request.plot)
+    if request.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
-        require_animation(asked.animate)
-    demand_places(asked.out, asked.animate)
+        require_animation(request.animate)
+    demand_places(request.out, request.animate)
 
 
 class _Watched:
     """A training that is asked for, and what is printed and written of it."""
 
-    def __init__(self, asked: LearnWords) -> None:
+    def __init__(self, request: LearnWords) -> None:
         from fuzzyarm.learning.training import Training
 
-        self.asked = asked
-        self.training = Training.of(asked)
+        self.asked = request
+        self.training = Training.of(request)
         self.name, self.trainee = self.training.name, self.training.trainee
         self.finished: list[Snapshot] = []
         self.film: list[Snapshot] = []
@@ -148,17 +148,17 @@ class _Watched:
 
     def run(self) -> None:
         """Train. Ctrl-C, or a plant that fails, ends it: what was learned until then stays."""
-        asked = self.asked
+        request = self.asked
         try:
             for snapshot in self._snapshots():
                 self._latest = snapshot
                 if snapshot.complete:
                     self.finished.append(snapshot)
-                if asked.animate:
+                if request.animate:
                     self.film.append(snapshot)
-                if asked.every:
+                if request.every:
                     self.shown.append(snapshot)
-                    if not asked.json:
+                    if not request.json:
                         self.show(snapshot)
         except KeyboardInterrupt:
             # Nothing has been learned yet that could be kept.
@@ -180,14 +180,14 @@ class _Watched:
         """Train, with a progress bar where a terminal shows it."""
         from fuzzyarm.loop.course import delay_notes
 
-        asked, motion = self.asked, self.training.motion
+        request, motion = self.asked, self.training.motion
         for note in delay_notes(self.training.options, motion.period):
             print_error(f"note: {note}")
         points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.
-        shown = not asked.every or asked.json
-        with progress_bar("learning", points * asked.passes, shown=shown) as advance:
+        shown = not request.every or request.json
+        with progress_bar("learning", points * request.passes, shown=shown) as advance:
             for snapshot in self.training.snapshots(self._every(points)):
                 advance(snapshot.points - done)
                 done = snapshot.points
@@ -198,32 +198,32 @@ class _Watched:
 
         For a film often enough, and else so that Ctrl-C is heard and it is seen how far it is.
         """
-        asked = self.asked
-        if asked.every:
-            return asked.every
-        if not asked.animate:
+        request = self.asked
+        if request.every:
+            return request.every
+        if not request.animate:
             return max(1, -(-points // LOOKS))
         from fuzzyarm.show.figures.learning import MOST_FRAMES
 
-        return max(1, -(-points * asked.passes // MOST_FRAMES))
+        return max(1, -(-points * request.passes // MOST_FRAMES))
 
     def draw(self) -> None:
         """Write the figure and the film that were asked for."""
-        asked = self.asked
-        if not (asked.plot or asked.animate):
+        request = self.asked
+        if not (request.plot or request.animate):
             return
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures import learning
 
         names, like = self.trainee.axes, self.trainee.like
-        if asked.plot:
+        if request.plot:
             whole = learning.LearningHistory(self.name, self.finished or [self.last], names, like)
-            save_figure(learning.learning_figure(whole), asked.plot)
-        if asked.animate:
+            save_figure(learning.learning_figure(whole), request.plot)
+        if request.animate:
             whole = learning.LearningHistory(self.name, self.film, names, like)
             frames = min(learning.MOST_FRAMES, len(self.film))
             with progress_bar("drawing", frames) as advance:
-                learning.animate_learning(whole, asked.animate, watch=advance)
+                learning.animate_learning(whole, request.animate, watch=advance)
 
     def _print_tables(self, console: Console, learned: LearnedTables, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
@@ -284,7 +284,7 @@ class _Watched:
         return {
             "pass": snapshot.passage,
             "time": snapshot.time,
-            "rms": [float(each) for each in snapshot.rms],
+            "rms": [float(error) for error in snapshot.rms],
             "complete": snapshot.complete,
             "diverged": snapshot.diverged,
             "joints": state_of(snapshot, self.trainee.start),

@@ -48,64 +48,64 @@ if TYPE_CHECKING:
     from fuzzyarm.proof import Bounds, Verdict
 
 
-def _run(asked: ProveWords) -> int:
+def _run(request: ProveWords) -> int:
     from fuzzyarm.closed_loop.orders import bounds_one, require_sensible, wants_loop
 
-    require_sensible(asked)
-    demand_figure(asked.plot)
-    demand_places(asked.certificate)
-    if asked.check is not None:
-        return check(asked)
-    if asked.sector:
-        if asked.certificate is not None:
+    require_sensible(request)
+    demand_figure(request.plot)
+    demand_places(request.certificate)
+    if request.check is not None:
+        return check(request)
+    if request.sector:
+        if request.certificate is not None:
             raise UsageError("--certificate goes with a claim about a loop")
-        return print_sectors(asked)
-    if wants_loop(asked):
-        return prove_loops(asked)
-    if bounds_one(asked):
-        _require_use(asked, of=False)
-        return _single(asked)
-    return _files(asked)
+        return print_sectors(request)
+    if wants_loop(request):
+        return prove_loops(request)
+    if bounds_one(request):
+        _require_use(request, of=False)
+        return _single(request)
+    return _files(request)
 
 
-def _require_use(asked: ProveWords, *, of: bool) -> None:
+def _require_use(request: ProveWords, *, of: bool) -> None:
     """Refuse what is written of loops where none `of` them is judged."""
-    if asked.plot is not None and not of:
+    if request.plot is not None and not of:
         raise UsageError("--plot goes with --sector, or with a claim about a loop")
-    if asked.certificate is not None and not of:
+    if request.certificate is not None and not of:
         raise UsageError("--certificate goes with a claim about a loop")
 
 
 # ── the lines of files ───────────────────────────────────────────────────────────────
 
 
-def _files(asked: ProveWords) -> int:
+def _files(request: ProveWords) -> int:
     from fuzzyarm.api import load_rules
     from fuzzyarm.closed_loop.orders import rules_of
 
     verdicts: list[Verdict | LoopVerdict] = []
     data: list[dict[str, Any]] = []
-    for path in asked.files:
+    for path in request.files:
         controller = controller_if_any(path)
         claims = controller.model.claims if controller else ()
-        _require_use(asked, of=bool(claims))
+        _require_use(request, of=bool(claims))
         rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
-        if controller is None and not rulebases[0].properties and not asked.json:
+        if controller is None and not rulebases[0].properties and not request.json:
             say(f"{path}: no `prove` lines", to_errors=True)
-        file = {"file": path} if len(asked.files) > 1 else {}
+        file = {"file": path} if len(request.files) > 1 else {}
         with progress() as tell:
-            for verdict in rules_of(asked, rulebases, tell):
+            for verdict in rules_of(request, rulebases, tell):
                 verdicts.append(verdict)
                 data.append(file | _data(verdict))
-                if not asked.json:
+                if not request.json:
                     tell("", 0, 0.0)
                     say(*_lines(path, verdict))
         if controller is not None:
-            for loop in print_loops(asked, path, controller, claims):
+            for loop in print_loops(request, path, controller, claims):
                 verdicts.append(loop)
                 data.append(file | loop_data(loop))
-            data += [file | drive for drive in print_drives(asked, path, controller)]
-    if asked.json:
+            data += [file | drive for drive in print_drives(request, path, controller)]
+    if request.json:
         print_json(data, 2)
     outcomes = {verdict.verdict for verdict in verdicts}
     if "refuted" in outcomes:
@@ -140,16 +140,16 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
 # ── one number ───────────────────────────────────────────────────────────────────────
 
 
-def _single(asked: ProveWords) -> int:
+def _single(request: ProveWords) -> int:
     from fuzzyarm.api import load_rules
     from fuzzyarm.closed_loop.orders import bounds_of, only_output
     from fuzzyarm.show.proofs import bound_lines
 
-    rulebase = load_rules(asked.files[0], "prove")
-    name = only_output(rulebase, asked.output)
+    rulebase = load_rules(request.files[0], "prove")
+    name = only_output(rulebase, request.output)
     with progress() as tell:
-        results = bounds_of(asked, rulebase, tell)
-    if asked.json:
+        results = bounds_of(request, rulebase, tell)
+    if request.json:
         _print_single(results)
     else:
         for key, bounds in results.items():

@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from fuzzyarm.model.claims import LoopClaim
 
 
-def prove_loops(asked: ProveWords) -> int:
+def prove_loops(request: ProveWords) -> int:
     """Do what ``--stable``, ``--claim`` or ``--for`` says."""
     from fuzzyarm.closed_loop.orders import claim_of, loop_of
 
-    path = asked.files[0]
-    controller = loop_of(asked, controller_if_any(path))
-    if not asked.stable and asked.claim is None:
-        return _bound(asked, path, controller)
-    (verdict,) = print_loops(asked, path, controller, [claim_of(asked)])
-    if asked.json:
+    path = request.files[0]
+    controller = loop_of(request, controller_if_any(path))
+    if not request.stable and request.claim is None:
+        return _bound(request, path, controller)
+    (verdict,) = print_loops(request, path, controller, [claim_of(request)])
+    if request.json:
         print_json(loop_data(verdict), 2)
     return _exit_status(verdict)
 
@@ -32,26 +32,26 @@ def prove_loops(asked: ProveWords) -> int:
 # ── a tube ───────────────────────────────────────────────────────────────────────────
 
 
-def _bound(asked: ProveWords, path: str, controller: ControllerText) -> int:
+def _bound(request: ProveWords, path: str, controller: ControllerText) -> int:
     """Bound all ports of the plant for a time; what is left open is said."""
     from fuzzyarm.closed_loop.orders import tube_of
 
-    if asked.certificate is not None:
+    if request.certificate is not None:
         raise UsageError("--certificate goes with a claim about a loop", hint="--claim, --stable")
     with progress() as tell:
-        way, left_open, statement = tube_of(asked, controller, tell)
+        way, left_open, statement = tube_of(request, controller, tell)
         tell("", 0, 0.0)
-    if asked.json:
+    if request.json:
         data = {"property": statement, "complete": way.complete, "open": list(left_open)}
         print_json({**data, "tube": tube_data(way), "seconds": round(way.seconds, 6)}, 2)
     else:
         lines = [*(way.lines() if way.complete else ()), *left_open]
         lines.append(f"{way.boxes} box{'es' * (way.boxes != 1)}, {way.seconds:.2f} s")
         say(f"{path}: {statement}", *(f"  {line}" for line in lines))
-    if asked.plot is not None and way.complete:
-        _draw_tube(way, statement, asked.plot)
-        if not asked.json:
-            say(f"{asked.plot}: drawn from {path}")
+    if request.plot is not None and way.complete:
+        _draw_tube(way, statement, request.plot)
+        if not request.json:
+            say(f"{request.plot}: drawn from {path}")
     return 0 if way.complete and not way.open else EXIT_UNDECIDED
 
 
@@ -75,7 +75,7 @@ def tube_data(way: Tube | None) -> dict[str, Any] | None:
 
 
 def print_loops(
-    asked: ProveWords, path: str, controller: ControllerText, claims: Sequence[LoopClaim]
+    request: ProveWords, path: str, controller: ControllerText, claims: Sequence[LoopClaim]
 ) -> Iterator[LoopVerdict]:
     """Judge claims about the loop of a controller, and print the verdicts."""
     if not claims:
@@ -83,21 +83,21 @@ def print_loops(
     from fuzzyarm.closed_loop.orders import loops_of
 
     with progress() as tell:
-        for verdict in loops_of(asked, controller, tuple(claims), tell):
+        for verdict in loops_of(request, controller, tuple(claims), tell):
             # Wipes the line of progress before something is printed.
             tell("", 0, 0.0)
-            if not asked.json:
+            if not request.json:
                 say(*_lines(path, verdict))
-            if asked.certificate is not None and verdict.proved:
-                _certify(controller, verdict, asked)
-            if asked.plot is not None and (verdict.proved or verdict.tube is not None):
-                _draw(controller, verdict, asked.plot)
-                if not asked.json:
-                    say(f"{asked.plot}: drawn from {path}")
+            if request.certificate is not None and verdict.proved:
+                _certify(controller, verdict, request)
+            if request.plot is not None and (verdict.proved or verdict.tube is not None):
+                _draw(controller, verdict, request.plot)
+                if not request.json:
+                    say(f"{request.plot}: drawn from {path}")
             yield verdict
 
 
-def _certify(controller: ControllerText, verdict: LoopVerdict, asked: ProveWords) -> None:
+def _certify(controller: ControllerText, verdict: LoopVerdict, request: ProveWords) -> None:
     """Write the certificate of what is proved; of a tube it is made first."""
     from fuzzyarm.closed_loop import (
         Certificate,
@@ -108,7 +108,7 @@ def _certify(controller: ControllerText, verdict: LoopVerdict, asked: ProveWords
     )
     from fuzzyarm.closed_loop.orders import budget_of, setup_of
 
-    out, claim = asked.certificate or "", verdict.claim
+    out, claim = request.certificate or "", verdict.claim
     assert claim is not None
     if isinstance(verdict.certificate, Certificate):
         write_certificate(verdict.certificate, out)
@@ -122,14 +122,14 @@ def _certify(controller: ControllerText, verdict: LoopVerdict, asked: ProveWords
     else:
         try:
             tube = certify_tube(
-                controller, claim, budget=min(budget_of(asked), 600.0), **setup_of(asked, claim)
+                controller, claim, budget=min(budget_of(request), 600.0), **setup_of(request, claim)
             )
         except LoopProofError as error:
             say(f"{out}: not written: {error}", to_errors=True)
             return
         write_tube_certificate(tube, out)
         seal = tube.seal
-    if not asked.json:
+    if not request.json:
         say(f"{out}: the certificate, {seal[:16]}")
 
 
@@ -152,21 +152,21 @@ def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
     save_figure(chart_figure(region_chart(controller, verdict)), path)
 
 
-def check(asked: ProveWords) -> int:
+def check(request: ProveWords) -> int:
     """Do what ``--check`` says."""
-    path = asked.check or ""
+    path = request.check or ""
     from fuzzyarm.closed_loop import CertificateError, check_certificate
 
     controller = None
-    if asked.files:
-        controller = controller_if_any(asked.files[0])
+    if request.files:
+        controller = controller_if_any(request.files[0])
         if controller is None:
-            raise WordError(f"{asked.files[0]} is not a controller")
+            raise WordError(f"{request.files[0]} is not a controller")
     try:
         verdict = check_certificate(path, controller)
     except CertificateError as error:
         raise WordError(str(error)) from error
-    if asked.json:
+    if request.json:
         print_json(loop_data(verdict), 2)
     else:
         say(*_lines(path, verdict))

@@ -69,14 +69,14 @@ def progress() -> Iterator[Callable[[str, int, float], None]]:
         tell("", 0, 0.0)
 
 
-def print_sectors(asked: ProveWords) -> int:
+def print_sectors(request: ProveWords) -> int:
     """Do what ``--sector`` says."""
-    path = asked.files[0]
+    path = request.files[0]
     controller = controller_if_any(path)
     if controller is None:
-        return _of_rulebase(asked, path)
-    data = print_drives(asked, path, controller)
-    if asked.json:
+        return _of_rulebase(request, path)
+    data = print_drives(request, path, controller)
+    if request.json:
         print_json(data, 2)
     return 0
 
@@ -84,79 +84,81 @@ def print_sectors(asked: ProveWords) -> int:
 # ── rule bases ───────────────────────────────────────────────────────────────────────
 
 
-def _of_rulebase(asked: ProveWords, path: str) -> int:
+def _of_rulebase(request: ProveWords, path: str) -> int:
     from fuzzyarm.closed_loop.orders import only_output, sectors_of
     from fuzzyarm.show.proofs import sector_lines
 
     rulebase = load_rules(path, "prove")
     with progress() as tell:
-        sectors, failed = sectors_of(asked, rulebase, tell)
-    name = only_output(rulebase, asked.output)
-    if asked.plot is not None and sectors:
+        sectors, failed = sectors_of(request, rulebase, tell)
+    name = only_output(rulebase, request.output)
+    if request.plot is not None and sectors:
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures.panels import chart_figure
         from fuzzyarm.show.sector import rulebase_sectors, sector_chart
 
         save_figure(
-            chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), asked.plot
+            chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), request.plot
         )
-    if asked.json:
+    if request.json:
         print_json({"sectors": [_sector_data(sector) for sector in sectors], "open": failed}, 2)
     else:
         for sector in sectors:
             say(*sector_lines(name, sector))
         for words in failed:
             say(f"no sector {words}")
-        if asked.plot is not None and sectors:
-            say(f"{asked.plot}: drawn from {path}")
+        if request.plot is not None and sectors:
+            say(f"{request.plot}: drawn from {path}")
     return 0 if sectors and all(sector.complete for sector in sectors) else EXIT_UNDECIDED
 
 
-def _sector_data(found: Sector) -> dict[str, Any]:
+def _sector_data(sector: Sector) -> dict[str, Any]:
     return {
-        "weights": {name: float(weight) for name, weight in found.weights.items()},
-        "low": found.low,
-        "high": found.high,
-        "at_low": found.at_low,
-        "at_high": found.at_high,
-        "slack": found.slack,
-        "pieces": found.pieces,
+        "weights": {name: float(weight) for name, weight in sector.weights.items()},
+        "low": sector.low,
+        "high": sector.high,
+        "at_low": sector.at_low,
+        "at_high": sector.at_high,
+        "slack": sector.slack,
+        "pieces": sector.pieces,
     }
 
 
 # ── controllers ──────────────────────────────────────────────────────────────────────
 
 
-def print_drives(asked: ProveWords, path: str, controller: ControllerText) -> list[dict[str, Any]]:
+def print_drives(
+    request: ProveWords, path: str, controller: ControllerText
+) -> list[dict[str, Any]]:
     """Prove the static part of a controller, print it unless as data, and return the data."""
     from fuzzyarm.closed_loop.orders import drives_of
     from fuzzyarm.plant import find_plant
     from fuzzyarm.show.proofs import drive_lines, grouped_drives
 
-    plant = find_plant(asked.plant) if asked.plant is not None else None
+    plant = find_plant(request.plant) if request.plant is not None else None
     with progress() as tell:
-        proofs = drives_of(asked, controller, tell)
-    if asked.plot is not None:
+        proofs = drives_of(request, controller, tell)
+    if request.plot is not None:
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures.panels import chart_figure
         from fuzzyarm.show.sector import controller_sectors, sector_chart
 
         pictures = controller_sectors(controller, proofs, plant)
         if pictures:
-            save_figure(chart_figure(sector_chart(pictures)), asked.plot)
-    if not asked.json:
-        for each, axes in grouped_drives(proofs):
-            say(*drive_lines(path, each, axes, sectors_only=asked.sector))
-        if asked.plot is not None:
+            save_figure(chart_figure(sector_chart(pictures)), request.plot)
+    if not request.json:
+        for drive_proof, axes in grouped_drives(proofs):
+            say(*drive_lines(path, drive_proof, axes, sectors_only=request.sector))
+        if request.plot is not None:
             drawn = any(proof.sectors for proof in proofs)
-            say(f"{asked.plot}: drawn from {path}" if drawn else "no sector to draw")
+            say(f"{request.plot}: drawn from {path}" if drawn else "no sector to draw")
     return [_drive_data(proof) for proof in proofs]
 
 
-def _drive_data(found: DriveProof) -> dict[str, Any]:
+def _drive_data(proof: DriveProof) -> dict[str, Any]:
     from dataclasses import asdict
 
-    data = asdict(found)
-    head = {"drive": f"{found.axis}.{found.port}"}
+    data = asdict(proof)
+    head = {"drive": f"{proof.axis}.{proof.port}"}
     data.pop("axis"), data.pop("port")
     return head | data

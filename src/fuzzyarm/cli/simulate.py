@@ -82,41 +82,41 @@ class SimulateWords(SimulateRequest, ManyRuns, Workers, _Output):
 # --- The run ---
 
 
-def _run(asked: SimulateWords) -> int:
-    if asked.list:
-        _list(asked.json)
+def _run(request: SimulateWords) -> int:
+    if request.list:
+        _list(request.json)
         return 0
-    if not asked.controller:
+    if not request.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
-    if asked.sweep or asked.random is not None:
-        return _sweep(asked)
-    _require_pictures(asked)
+    if request.sweep or request.random is not None:
+        return _sweep(request)
+    _require_pictures(request)
     from fuzzyarm.loop.experiments import controllers_of, with_plant, with_settings
 
-    controllers = controllers_of(asked, asked.controller)
-    if asked.show_gains and asked.plant is None:
+    controllers = controllers_of(request, request.controller)
+    if request.show_gains and request.plant is None:
         from fuzzyarm.plant import PLANTS
 
         # Gains have the same values wherever they count.
-        asked = asked.replaced(plant=next(iter(PLANTS)))
-    asked, plant = with_plant(asked, controllers)
-    settings = [with_settings(asked, controller, plant) for controller in controllers]
-    if asked.show_gains:
-        for (controller, _), name in zip(settings, asked.controller, strict=True):
-            _show_gains(controller, asked.json)
+        request = request.replaced(plant=next(iter(PLANTS)))
+    request, plant = with_plant(request, controllers)
+    settings = [with_settings(request, controller, plant) for controller in controllers]
+    if request.show_gains:
+        for (controller, _), name in zip(settings, request.controller, strict=True):
+            _show_gains(controller, request.json)
             _print_notes(name)
         return 0
-    results = [_simulate(controller, changed, asked) for controller, changed in settings]
+    results = [_simulate(controller, changed, request) for controller, changed in settings]
     for note in dict.fromkeys(note for result in results for note in result.notes):
         print(f"fuzzyarm: note: {note}", file=sys.stderr)
-    _write_files(asked, results, settings[0][1])
-    if asked.watch:
+    _write_files(request, results, settings[0][1])
+    if request.watch:
         _watch(results, settings[0][1])
-    _print_results(results, as_json=asked.json)
+    _print_results(results, as_json=request.json)
     lost = [
         name
-        for result, name in zip(results, asked.controller, strict=True)
+        for result, name in zip(results, request.controller, strict=True)
         if result.diverged is not None
     ]
     for name in lost:
@@ -140,27 +140,27 @@ def _print_notes(name: str) -> None:
         print(f"fuzzyarm: note: {note}", file=sys.stderr)
 
 
-def _sweep(asked: SimulateWords) -> int:
-    if len(asked.controller) > 1 or asked.given(("csv", "show_gains", "animate", "watch")):
+def _sweep(request: SimulateWords) -> int:
+    if len(request.controller) > 1 or request.given(("csv", "show_gains", "animate", "watch")):
         raise UsageError(
             "--sweep takes one controller, not --csv, --animate, --watch or --show-gains"
         )
-    return sweep(asked.as_kind(SweepWords, controller=asked.controller[0]))
+    return sweep(request.as_kind(SweepWords, controller=request.controller[0]))
 
 
-def _require_pictures(asked: SimulateWords) -> None:
+def _require_pictures(request: SimulateWords) -> None:
     """Tell a mistake in the name of a picture before the run."""
-    demand_figure(asked.plot)
-    demand_places(asked.csv, asked.animate)
-    if asked.animate:
+    demand_figure(request.plot)
+    demand_places(request.csv, request.animate)
+    if request.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
-        require_animation(asked.animate)
-    if asked.watch and asked.json:
+        require_animation(request.animate)
+    if request.watch and request.json:
         raise UsageError(
             "--watch draws on the terminal, where --json prints: leave one of them out"
         )
-    if asked.watch and not sys.stdout.isatty():
+    if request.watch and not sys.stdout.isatty():
         raise UsageError("--watch needs a terminal", hint="--animate FILE writes an animation")
 
 
@@ -176,24 +176,24 @@ def _watch(results: list[Run], plant: Plant) -> None:
             break
 
 
-def _write_files(asked: SimulateWords, results: list[Run], plant: Plant) -> None:
-    if asked.plot:
-        _plot(results, asked.plot)
-    if asked.animate:
-        _animate(results[0], plant, asked.animate)
-    if asked.csv:
-        _write_csv(results, asked.csv)
+def _write_files(request: SimulateWords, results: list[Run], plant: Plant) -> None:
+    if request.plot:
+        _plot(results, request.plot)
+    if request.animate:
+        _animate(results[0], plant, request.animate)
+    if request.csv:
+        _write_csv(results, request.csv)
 
 
-def _simulate(controller: Controller, plant: Plant, asked: SimulateRequest) -> Run:
+def _simulate(controller: Controller, plant: Plant, request: SimulateRequest) -> Run:
     from fuzzyarm.loop.run import run_along
     from fuzzyarm.loop.simulation import experiment_on
     from fuzzyarm.loop.words import connections, conventions_of
 
-    motion, options = experiment_on(asked, controller, plant)
-    conventions = conventions_of(asked)
+    motion, options = experiment_on(request, controller, plant)
+    conventions = conventions_of(request)
     with busy(f"running {controller.name}"):
-        result = run_along(controller, motion, conventions, options, connections(asked))
+        result = run_along(controller, motion, conventions, options, connections(request))
         slower = _slowdown(result, motion, conventions)
     if slower:
         print(slower, file=sys.stderr)

@@ -64,40 +64,40 @@ class SweepWords(SweepRequest, _Output):
 # --- The runs ---
 
 
-def sweep(asked: SweepWords) -> int:
+def sweep(request: SweepWords) -> int:
     """Do what the words ask; return the exit status."""
-    _require_sensible(asked)
+    _require_sensible(request)
     from fuzzyarm.loop.many import many_of
     from fuzzyarm.loop.sweeps import answered, cluster, map_axes, sweep_of
 
-    plan = sweep_of(asked)
+    plan = sweep_of(request)
     for note in plan.bench.loop.notes():
         print_error(f"note: {note}")
-    axes = map_axes(asked, plan) if asked.plot else ()
-    file = plan.file(asked.out) if asked.out else None
+    axes = map_axes(request, plan) if request.plot else ()
+    file = plan.file(request.out) if request.out else None
     with (
-        announced(f"sweeping {asked.controller}: {counted(plan.count, 'run')}"),
-        cluster(asked) as (executor, workers),
+        announced(f"sweeping {request.controller}: {counted(plan.count, 'run')}"),
+        cluster(request) as (executor, workers),
         steps_bar("runs", plan.count) as moved,
     ):
-        answer = answered(plan, file, asked.replaced(workers=workers), executor, moved)
+        answer = answered(plan, file, request.replaced(workers=workers), executor, moved)
     faults = list(answer.faults)
     many = many_of(plan.bench, plan.changes, answer.rows)
     if len(many):
-        if asked.json:
-            print_json(_as_json(many, plan, asked))
+        if request.json:
+            print_json(_as_json(many, plan, request))
         else:
-            say(*_as_text(many, asked))
-    if asked.plot and len(many) == plan.count:
-        faults += attempted(lambda: _plot(many, axes, asked))
+            say(*_as_text(many, request))
+    if request.plot and len(many) == plan.count:
+        faults += attempted(lambda: _plot(many, axes, request))
     for fault in faults:
         print_error(fault)
     if answer.interrupted:
         done = f"{len(many)} of {counted(plan.count, 'run')}"
-        kept = (
+        journal = (
             "with -o they are kept" if file is None else f"{file.path} has them, --resume goes on"
         )
-        print_error(f"interrupted after {done}; {kept}")
+        print_error(f"interrupted after {done}; {journal}")
         return EXIT_INTERRUPTED
     if faults:
         return 1
@@ -106,39 +106,39 @@ def sweep(asked: SweepWords) -> int:
     return DIVERGED if 0 < len(many) == lost_runs(many) else 0
 
 
-def _require_sensible(asked: SweepWords) -> None:
+def _require_sensible(request: SweepWords) -> None:
     """Tell mistakes before anything runs."""
     from fuzzyarm.loop.sweeps import require_sensible
 
-    require_sensible(asked)
-    if asked.map and not asked.plot:
+    require_sensible(request)
+    if request.map and not request.plot:
         raise UsageError("--map is drawn to the file of --plot, and none is given")
-    demand_figure(asked.plot)
+    demand_figure(request.plot)
 
 
 # --- What came of it ---
 
 
-def _plot(many: Many, axes: tuple[Range, ...], asked: SweepWords) -> None:
+def _plot(many: Many, axes: tuple[Range, ...], request: SweepWords) -> None:
     from fuzzyarm.show.figures import save_figure
     from fuzzyarm.show.figures.sweep import sweep_figure
 
-    save_figure(sweep_figure(many, axes, asked.metric), asked.plot or "")
+    save_figure(sweep_figure(many, axes, request.metric), request.plot or "")
 
 
-def _as_text(many: Many, asked: SweepWords) -> list[str]:
+def _as_text(many: Many, request: SweepWords) -> list[str]:
     from fuzzyarm.show.sweep import sweep_lines
 
-    lines = sweep_lines(many, asked.metric)
-    return [*lines, f"wrote {asked.out}"] if asked.out else lines
+    lines = sweep_lines(many, request.metric)
+    return [*lines, f"wrote {request.out}"] if request.out else lines
 
 
-def _as_json(many: Many, plan: Sweep, asked: SweepWords) -> dict[str, Any]:
+def _as_json(many: Many, plan: Sweep, request: SweepWords) -> dict[str, Any]:
     from fuzzyarm.show.sweep import extremes, lost_runs, settings_of
 
-    metric = asked.metric
+    metric = request.metric
 
-    found: dict[str, Any] = {
+    report: dict[str, Any] = {
         "controller": many.controller,
         "plant": many.plant,
         "trajectory": many.trajectory,
@@ -158,13 +158,13 @@ def _as_json(many: Many, plan: Sweep, asked: SweepWords) -> dict[str, Any]:
             }
             for output, _, least, most in extremes(many, metric)
         },
-        "file": asked.out,
+        "file": request.out,
     }
-    if not asked.out:
+    if not request.out:
         columns = many.columns()
-        found["columns"] = list(columns)
-        found["rows"] = list(zip(*columns.values(), strict=True))
-    return found
+        report["columns"] = list(columns)
+        report["rows"] = list(zip(*columns.values(), strict=True))
+    return report
 
 
 COMMANDS = (request_command("sweep", with_choice(__doc__), sweep, SweepWords),)

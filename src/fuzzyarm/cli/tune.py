@@ -81,33 +81,33 @@ class TuneWords(TuneRequest, _Output):
     """All that ``fuzzyarm tune`` takes."""
 
 
-def _run(asked: TuneWords) -> int:
-    _require_sensible(asked)
+def _run(request: TuneWords) -> int:
+    _require_sensible(request)
     from fuzzyarm.loop.sweeps import cluster
     from fuzzyarm.tuning.asked import order_of
     from fuzzyarm.tuning.tune import keywords_of, tune
 
-    order = order_of(asked)
+    order = order_of(request)
     path = order.path
-    result = _Result(asked.out)
+    result = _Result(request.out)
     with (
-        announced(f"tuning {path}, {_most(asked)}"),
-        cluster(asked) as (executor, workers),
-        _shown(asked.evals, _own_seconds(asked)) as progress,
+        announced(f"tuning {path}, {_most(request)}"),
+        cluster(request) as (executor, workers),
+        _shown(request.evals, _own_seconds(request)) as progress,
     ):
-        keywords = keywords_of(asked, order)
+        keywords = keywords_of(request, order)
         keywords.update({"workers": workers, "executor": executor, "take": result.take})
         keywords.update({"watch": progress.search, "watch_linear": progress.linear})
         keywords["tell"] = progress.tell
         tuned = tune(path, **keywords)
     result.take(tuned)
-    if asked.json:
+    if request.json:
         files = [os.fspath(file) for file in result.files]
         print_json({**tuned.as_data(), "files": files})
     else:
         say(*_lines(tuned, path, result.files))
     faults = [*result.faults, *tuned.faults]
-    plot = asked.plot
+    plot = request.plot
     if plot:
         faults += attempted(lambda: _draw(tuned, path, plot))
     for fault in faults:
@@ -115,8 +115,8 @@ def _run(asked: TuneWords) -> int:
     if tuned.found.unwritten:
         print_error(f"{tuned.found.unwritten}; the last trials are not in the journal")
     if tuned.found.interrupted:
-        kept = f"; {asked.journal} has all, --resume goes on" if asked.journal else ""
-        print_error(f"interrupted: the best so far is kept{kept}")
+        resumption = f"; {request.journal} has all, --resume goes on" if request.journal else ""
+        print_error(f"interrupted: the best so far is kept{resumption}")
         return EXIT_INTERRUPTED
     if faults or tuned.found.unwritten:
         return 1
@@ -176,15 +176,15 @@ def _draw(tuned: Tuned, path: str, plot: str) -> None:
     save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), plot)
 
 
-def _require_sensible(asked: TuneWords) -> None:
+def _require_sensible(request: TuneWords) -> None:
     """Tell mistakes before anything runs."""
     from fuzzyarm.tuning.asked import require_sensible
 
-    if asked.out:
-        require_suffix(asked.out, (".frb",))
-    demand_figure(asked.plot)
-    demand_places(asked.out)
-    require_sensible(asked)
+    if request.out:
+        require_suffix(request.out, (".frb",))
+    demand_figure(request.plot)
+    demand_places(request.out)
+    require_sensible(request)
 
 
 # --- While it runs ---
@@ -193,24 +193,24 @@ REDRAWN_EVERY = 0.2
 """Where it is one, s."""
 
 
-def _own_seconds(asked: TuneWords) -> float:
+def _own_seconds(request: TuneWords) -> float:
     """Return the seconds of the first search: its share where others follow."""
     from fuzzyarm.tuning.asked import longest
     from fuzzyarm.tuning.search import Budget
     from fuzzyarm.tuning.tuned import TuningPlan
 
-    plan = TuningPlan(budget=Budget(seconds=longest(asked)))
-    on_samples = bool(asked.data)  # which are judged by others, and beside a regression
-    judged, linear = on_samples or asked.unseen > 0, not on_samples and asked.linear
+    plan = TuningPlan(budget=Budget(seconds=longest(request)))
+    on_samples = bool(request.data)  # which are judged by others, and beside a regression
+    judged, linear = on_samples or request.unseen > 0, not on_samples and request.linear
     return plan.shared(judged=judged, linear=linear).seconds
 
 
-def _most(asked: TuneWords) -> str:
+def _most(request: TuneWords) -> str:
     """Return in words when the searches end at the latest."""
     from fuzzyarm.tuning.asked import longest
 
-    words = f"up to {counted(asked.evals, 'trial')}"
-    seconds = longest(asked)
+    words = f"up to {counted(request.evals, 'trial')}"
+    seconds = longest(request)
     return f"{words} and {duration_words(seconds)}" if seconds < math.inf else words
 
 
@@ -228,18 +228,18 @@ class _Progress:
         self.pace = Pace(evals, seconds)
         self.told = time.monotonic()
 
-    def search(self, found: Found) -> None:
+    def search(self, result: Found) -> None:
         """Hear of the search."""
-        known = self.pace.rate(len(found.trials)) is not None
+        known = self.pace.rate(len(result.trials)) is not None
         if self._is_time():
-            left = [f"{duration_words(self.pace.left(len(found.trials)))} left"] if known else []
-            self.say(found, ", ".join([*self._state(found), *left]))
+            left = [f"{duration_words(self.pace.left(len(result.trials)))} left"] if known else []
+            self.say(result, ", ".join([*self._state(result), *left]))
 
-    def linear(self, found: Found) -> None:
+    def linear(self, result: Found) -> None:
         """Hear of the search of the linear opponent."""
         if self._is_time():
-            state = f"{counted(len(found.trials), 'trial')}, best {found.best.score.cost:.5g}"
-            self.say(found, f"the linear controller, tuned on the same: {state}")
+            state = f"{counted(len(result.trials), 'trial')}, best {result.best.score.cost:.5g}"
+            self.say(result, f"the linear controller, tuned on the same: {state}")
 
     def tell(self, words: str) -> None:
         """Hear what follows the searches."""
@@ -253,13 +253,13 @@ class _Progress:
         self.told = now
         return True
 
-    def _state(self, found: Found) -> Iterator[str]:
-        yield f"{len(found.trials)} of {self.evals} trials"
-        if found.refused:
-            yield f"{found.refused} refused"
-        if found.failed:
-            yield f"{found.failed} failed"
-        yield f"best {found.best.score.cost:.5g}"
+    def _state(self, result: Found) -> Iterator[str]:
+        yield f"{len(result.trials)} of {self.evals} trials"
+        if result.refused:
+            yield f"{result.refused} refused"
+        if result.failed:
+            yield f"{result.failed} failed"
+        yield f"best {result.best.score.cost:.5g}"
 
 
 @contextmanager
@@ -277,8 +277,8 @@ def _shown(evals: int, seconds: float) -> Iterator[_Progress]:
     console = Console(stderr=True)
     with Live(console=console, transient=True, auto_refresh=False) as live:
 
-        def draw(found: Found | None, state: str) -> None:
-            view = Text(state) if found is None else search_view(found, state, console.width)
+        def draw(result: Found | None, state: str) -> None:
+            view = Text(state) if result is None else search_view(result, state, console.width)
             live.update(view, refresh=True)
 
         draw(None, "the file as it is")

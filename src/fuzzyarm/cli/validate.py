@@ -97,46 +97,49 @@ def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
 # --- What is printed ---
 
 
-def _lines(found: Validation, samples: Samples, *, every: bool) -> list[str]:
-    lines = [*_summary(found, samples), ""]
-    if found.calibration:
+def _lines(validation: Validation, samples: Samples, *, every: bool) -> list[str]:
+    lines = [*_summary(validation, samples), ""]
+    if validation.calibration:
         lines += ["calibration: means of samples with predictions next to each other"]
         heads = ("samples", "predicted", "observed")
         means = [
             (str(bin_.samples), f"{bin_.predicted:.4g}", f"{bin_.observed:.4g}")
-            for bin_ in found.calibration
+            for bin_ in validation.calibration
         ]
         lines += in_columns([heads, *means], ">", indent="  ")
         lines.append("")
-    if found.confusion:
+    if validation.confusion:
         lines.append("answers: a row for each true class, a column for each predicted one")
-        rows = zip(found.classes, found.confusion, strict=True)
+        rows = zip(validation.classes, validation.confusion, strict=True)
         counts = [(name, *map(str, row)) for name, row in rows]
-        lines += in_columns([("", *found.classes), *counts], ">", indent="  ")
+        lines += in_columns([("", *validation.classes), *counts], ">", indent="  ")
         lines.append("")
-    lines += [*_regions(found.regions), "", *_rules(found, every=every)]
+    lines += [*_regions(validation.regions), "", *_rules(validation, every=every)]
     return lines
 
 
-def _summary(found: Validation, samples: Samples) -> list[str]:
-    lines = [counted(found.samples, "sample")]
-    if found.silent:
-        lines[0] += f", no rule fires at {found.silent} of them: they count in no error"
-    if found.outside:
-        lines.append(f"{counted(found.outside, 'sample')} beyond the range of an input")
-    if found.classes and not math.isnan(found.error):
-        lines.append(f"wrong answers {percent(found.error)}")
-    elif found.calibration:
-        share = f"{percent(found.explained, 4)} of the variance explained"
-        if math.isnan(found.explained):
+def _summary(validation: Validation, samples: Samples) -> list[str]:
+    lines = [counted(validation.samples, "sample")]
+    if validation.silent:
+        lines[0] += f", no rule fires at {validation.silent} of them: they count in no error"
+    if validation.outside:
+        lines.append(f"{counted(validation.outside, 'sample')} beyond the range of an input")
+    if validation.classes and not math.isnan(validation.error):
+        lines.append(f"wrong answers {percent(validation.error)}")
+    elif validation.calibration:
+        share = f"{percent(validation.explained, 4)} of the variance explained"
+        if math.isnan(validation.explained):
             share = f"'{samples.target}' is constant, with no variance to explain"
         spread = float(samples.values.std())
-        lines.append(f"RMS error {found.error:.4g}; always giving the mean {spread:.4g}; {share}")
         lines.append(
-            f"bias {found.bias:.3g}, worst {found.worst:.4g} at sample {found.worst_sample}"
+            f"RMS error {validation.error:.4g}; always giving the mean {spread:.4g}; {share}"
         )
-        sign, size = "+-"[found.intercept < 0.0], abs(found.intercept)
-        lines.append(f"observed = {found.slope:.4g} × predicted {sign} {size:.4g}")
+        lines.append(
+            f"bias {validation.bias:.3g}, "
+            f"worst {validation.worst:.4g} at sample {validation.worst_sample}"
+        )
+        sign, size = "+-"[validation.intercept < 0.0], abs(validation.intercept)
+        lines.append(f"observed = {validation.slope:.4g} × predicted {sign} {size:.4g}")
     return lines
 
 
@@ -156,15 +159,15 @@ def _regions(regions: tuple[Region, ...]) -> list[str]:
     return ["error by region: where a term holds most", *table]
 
 
-def _rules(found: Validation, *, every: bool) -> list[str]:
-    firing = [rule for rule in found.rules if not rule.never_fires]
+def _rules(validation: Validation, *, every: bool) -> list[str]:
+    firing = [rule for rule in validation.rules if not rule.never_fires]
     rules = sorted(firing, key=lambda rule: (-rule.mean, rule.number))
     uses = rules if every else rules[:_FEW]
     table = in_columns([_RULE, *map(_row, uses)], ">>>>>>.", indent="  ")
     lines = ["rules by how much they fire", *table]
     if len(uses) < len(rules):
         lines.append(f"  and {len(rules) - len(uses)} more: --all lists them")
-    never = found.never_fired
+    never = validation.never_fired
     if not never:
         return [*lines, "every rule fires at some sample"]
     lines.append(f"{counted(len(never), 'rule')} never {'fires' if len(never) == 1 else 'fire'}:")

@@ -133,9 +133,9 @@ class Zonotopes:
             return forms
         return self.fresh(clip(forms, variable.low, variable.high))
 
-    def _asked(self, band: Callable[[Zonotope], PlaneBand], given: Sequence[Forms]) -> Forms:
+    def _asked(self, band: Callable[[Zonotope], PlaneBand], arguments: Sequence[Forms]) -> Forms:
         """Return a value from the plane and the band of each box."""
-        inputs = stacked(given)
+        inputs = stacked(arguments)
         rows = range(inputs.shape[0])
         bands = [
             band(

@@ -200,8 +200,8 @@ def _of_file(path: str, keywords: dict[str, Any]) -> tuple[Proof, ...]:
     return _all_of(ProveRequest(files=(path,), budget=limit, **words), keywords.get("tell"))
 
 
-def _all_of(asked: ProveRequest, tell: Tell | None) -> tuple[Proof, ...]:
-    return proofs_of(asked) if tell is None else proofs_of(asked, tell)
+def _all_of(request: ProveRequest, tell: Tell | None) -> tuple[Proof, ...]:
+    return proofs_of(request) if tell is None else proofs_of(request, tell)
 
 
 def _of_controller(

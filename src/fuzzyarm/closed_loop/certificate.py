@@ -262,14 +262,14 @@ def certificate_of(whole: Field) -> Certificate:
     )
 
 
-def unsealed(whole: Field, wanted: str) -> Field:
+def unsealed(whole: Field, kind: str) -> Field:
     """Return the data of a sealed file of a format, without its seal."""
     path = whole.file
     version = whole["format"].text
-    if version != wanted:
+    if version != kind:
         if version.startswith("fuzzyarm-certificate"):
             raise CertificateError(f"{path} is of another version ({version}): prove it anew")
-        whole["format"].refuse(f'is not "{wanted}"')
+        whole["format"].refuse(f'is not "{kind}"')
     data = dict(whole.value)
     seal = data.pop("seal", None)
     if seal != _seal(data):

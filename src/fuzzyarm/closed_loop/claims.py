@@ -55,10 +55,10 @@ def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
     wrong = tuple(diagnostic for diagnostic in document.diagnostics if diagnostic.line > 1)
     nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
     if wrong or not nodes:
-        said, hint = argument or f"'{text.strip()}'", _hint(text)
+        subject, hint = argument or f"'{text.strip()}'", _hint(text)
         raise RuleBaseError(
             [
-                replace(mistake, argument=said, hint=mistake.hint or hint, span=NOWHERE)
+                replace(mistake, argument=subject, hint=mistake.hint or hint, span=NOWHERE)
                 for mistake in wrong or document.diagnostics
             ]
         )

@@ -137,7 +137,9 @@ class _Series:
             return
         if k == 0 and operation not in ("sin", "cos"):
             arguments = [self.coefficient(argument, 0) for argument in node.arguments]
-            result = applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
+            result = applied(
+                node, arguments, self.shape, lambda operand: self.coefficient(operand, 0)
+            )
             self.buffer(node).put(0, as_forms(result, self.shape))
             return
         value = _RULES[operation](self, node, k)

@@ -444,13 +444,13 @@ class Follower:
         return MOST_PARTS if step.bend is not None else CORNER_PARTS
 
     @staticmethod
-    def _weight(states: Forms, kept: int) -> Vector:
+    def _weight(states: Forms, count: int) -> Vector:
         radius = np.maximum(states.radius, 1e-300)
-        return np.asarray((np.abs(states.parts[:kept]) / radius).max(axis=1))
+        return np.asarray((np.abs(states.parts[:count]) / radius).max(axis=1))
 
     @staticmethod
     def _fewer(
-        states: Forms, memory: Mapping[str, Number], kept: int, algebra: Zonotopes
+        states: Forms, memory: Mapping[str, Number], columns: int, algebra: Zonotopes
     ) -> tuple[Forms, dict[str, Number]]:
         """Return states and memory over fewer symbols."""
         names = [name for name, value in memory.items() if isinstance(value, Forms)]
@@ -462,7 +462,7 @@ class Follower:
         # together.
         if joint.rest.any():
             joint = joint.with_symbols(count + joint.shape[0], range(count, count + joint.shape[0]))
-        joint = joint.reduced(kept, kept + MOST_SYMBOLS * joint.shape[0])
+        joint = joint.reduced(columns, columns + MOST_SYMBOLS * joint.shape[0])
         size = states.shape[0]
         remembered: dict[str, Number] = dict(memory)
         remembered |= {name: joint[size + i] for i, name in enumerate(names)}

@@ -138,13 +138,13 @@ class LinearFlow:
         return box
 
 
-def _row(weights: Intervals, given: Sequence[Forms]) -> Forms:
+def _row(weights: Intervals, forms: Sequence[Forms]) -> Forms:
     """Return a sum of forms whose weights are intervals."""
     middle, radius = weights.middle, weights.radius
-    terms = [form.scaled(w) for form, w in zip(given, middle, strict=True) if w]
-    total = reduce(add, terms) if terms else Forms.at(np.zeros(given[0].shape))
-    off = np.zeros(given[0].shape)
-    for form, r in zip(given, radius, strict=True):
+    terms = [form.scaled(w) for form, w in zip(forms, middle, strict=True) if w]
+    total = reduce(add, terms) if terms else Forms.at(np.zeros(forms[0].shape))
+    off = np.zeros(forms[0].shape)
+    for form, r in zip(forms, radius, strict=True):
         if r:
             off = off + r * form.bounds.size
     return total.within(off * ENLARGED)

@@ -52,33 +52,33 @@ def _unheard(_statement: str, _count: int, _gap: float) -> None:
     """Hear what nobody is told."""
 
 
-def proofs_of(asked: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
+def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
     """Return all that a request asks for."""
-    require_sensible(asked)
-    if asked.check is not None or asked.sector or wants_loop(asked) or bounds_one(asked):
-        return tuple(_single(asked, asked.files[0] if asked.files else "", tell))
+    require_sensible(request)
+    if request.check is not None or request.sector or wants_loop(request) or bounds_one(request):
+        return tuple(_single(request, request.files[0] if request.files else "", tell))
     return tuple(
         proof
-        for path in asked.files
-        for proof in lines_of(asked, path, controller_if_any(path), tell)
+        for path in request.files
+        for proof in lines_of(request, path, controller_if_any(path), tell)
     )
 
 
-def _single(asked: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
+def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
     """Return what is asked beside the lines of files."""
     controller = controller_if_any(path)
-    if asked.check is not None:
-        return [check_certificate(asked.check, controller)]
-    if bounds_one(asked):
-        return bounds_of(asked, load_rules(path, "prove"), tell).values()
-    if not asked.sector:
-        loop = loop_of(asked, controller)
-        if not asked.stable and asked.claim is None:
-            return [tube_of(asked, loop, tell)[0]]
-        return loops_of(asked, loop, (claim_of(asked),), tell)
+    if request.check is not None:
+        return [check_certificate(request.check, controller)]
+    if bounds_one(request):
+        return bounds_of(request, load_rules(path, "prove"), tell).values()
+    if not request.sector:
+        loop = loop_of(request, controller)
+        if not request.stable and request.claim is None:
+            return [tube_of(request, loop, tell)[0]]
+        return loops_of(request, loop, (claim_of(request),), tell)
     if controller is not None:
-        return drives_of(asked, controller, tell)
-    sectors, failed = sectors_of(asked, load_rules(path, "prove"), tell)
+        return drives_of(request, controller, tell)
+    sectors, failed = sectors_of(request, load_rules(path, "prove"), tell)
     if not sectors:
         raise WordError(f"no sector {failed[0]}")
     return sectors
@@ -87,99 +87,101 @@ def _single(asked: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
 # --- What goes together ---
 
 
-def require_sensible(asked: ProveRequest) -> None:
+def require_sensible(request: ProveRequest) -> None:
     """Tell mistakes before anything is read."""
-    if asked.check is not None:
+    if request.check is not None:
         return
-    if not asked.files:
+    if not request.files:
         raise UsageError("no file is given", hint="a rule base or a controller, or --check")
-    for word in asked.files:
+    for word in request.files:
         if re.search(r"[<>=]| in ", word) and not os.path.exists(word):
             raise UsageError(f"'{word}' is a statement: it stands in the file, as  prove {word}")
-    single = asked.sector or wants_loop(asked) or bounds_one(asked)
-    if single and len(asked.files) > 1:
-        raise UsageError(f"{_mode(asked)} takes one file")
-    if asked.along is not None and not asked.sector:
+    single = request.sector or wants_loop(request) or bounds_one(request)
+    if single and len(request.files) > 1:
+        raise UsageError(f"{_mode(request)} takes one file")
+    if request.along is not None and not request.sector:
         raise UsageError("--along goes with --sector")
-    if asked.output is not None and not (asked.sector or bounds_one(asked)):
+    if request.output is not None and not (request.sector or bounds_one(request)):
         raise UsageError("--output goes with --range, --slope, --table or --sector")
 
 
-def _mode(asked: ProveRequest) -> str:
+def _mode(request: ProveRequest) -> str:
     modes = ("sector", "stable", "claim", "duration", "range", "slope", "table")
-    known = asked.given(modes)
+    known = request.given(modes)
     assert known is not None
     return known.spelling
 
 
-def bounds_one(asked: ProveRequest) -> bool:
+def bounds_one(request: ProveRequest) -> bool:
     """Whether one number of an output is to be bounded."""
-    return asked.range or asked.slope or asked.table is not None
+    return request.range or request.slope or request.table is not None
 
 
-def wants_loop(asked: ProveRequest) -> bool:
+def wants_loop(request: ProveRequest) -> bool:
     """Whether a claim about a loop, or a tube of it, is asked for beside the lines of a file."""
-    wanted = asked.stable or asked.claim is not None or asked.duration is not None
+    required = request.stable or request.claim is not None or request.duration is not None
     for word, field in _PARTS.items():
-        if getattr(asked, field) is not None:
-            if asked.claim is not None:
+        if getattr(request, field) is not None:
+            if request.claim is not None:
                 raise UsageError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
-            if not wanted:
+            if not required:
                 raise UsageError(f"--{word} goes with --stable or --for")
-    if asked.stable and asked.duration is not None:
+    if request.stable and request.duration is not None:
         raise UsageError("--stable is for all time: --for goes with --claim, or alone")
-    return bool(wanted)
+    return bool(required)
 
 
 # --- The lines of files ---
 
 
 def lines_of(
-    asked: ProveRequest, path: str, controller: ControllerText | None, tell: Tell
+    request: ProveRequest, path: str, controller: ControllerText | None, tell: Tell
 ) -> Iterator[Verdict | LoopVerdict | DriveProof]:
     """Judge the ``prove`` lines of a file; of a controller what holds of its drives, too."""
     rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
-    yield from rules_of(asked, rulebases, tell)
+    yield from rules_of(request, rulebases, tell)
     if controller is not None:
-        yield from loops_of(asked, controller, controller.model.claims, tell)
-        yield from drives_of(asked, controller, tell)
+        yield from loops_of(request, controller, controller.model.claims, tell)
+        yield from drives_of(request, controller, tell)
 
 
 def rules_of(
-    asked: ProveRequest, rulebases: Iterable[RuleBase], tell: Tell = _unheard
+    request: ProveRequest, rulebases: Iterable[RuleBase], tell: Tell = _unheard
 ) -> Iterator[Verdict]:
     """Judge the ``prove`` lines of rule bases."""
     for rulebase in rulebases:
         yield from prove_all(
-            rulebase, tolerance=asked.tolerance, budget=budget_of(asked), exact=asked.exact,
+            rulebase, tolerance=request.tolerance, budget=budget_of(request), exact=request.exact,
             tell=tell,
         )  # fmt: skip
 
 
-def budget_of(asked: ProveRequest) -> float:
+def budget_of(request: ProveRequest) -> float:
     """Return how long each statement may take, s."""
-    return asked.budget or math.inf
+    return request.budget or math.inf
 
 
 # --- One number ---
 
 
-def bounds_of(asked: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard) -> dict[str, Bounds]:
+def bounds_of(
+    request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
+) -> dict[str, Bounds]:
     """Bound the values, the slopes or the error of a table, by what they are called."""
-    prover = prover_of(asked, rulebase, only_output(rulebase, asked.output), tell)
-    if asked.table is not None:
-        return {"worst": _error_of_table(prover, asked.table)}
-    if asked.range:
+    prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
+    if request.table is not None:
+        return {"worst": _error_of_table(prover, request.table)}
+    if request.range:
         return {"range": prover.value({})}
     return {name: prover.slope({}, name) for name in prover.names}
 
 
-def prover_of(asked: ProveRequest, rulebase: RuleBase, output: str, tell: Tell) -> Prover:
+def prover_of(request: ProveRequest, rulebase: RuleBase, output: str, tell: Tell) -> Prover:
     """Return what bounds an output as a request says; it tells of its file, or of the output."""
-    what = asked.files[0] if asked.files else output
-    stop = Stop(budget_of(asked), lambda count, gap: tell(what, count, gap))
+    what = request.files[0] if request.files else output
+    stop = Stop(budget_of(request), lambda count, gap: tell(what, count, gap))
     stop.say(0)
-    return Prover(rulebase, output, tolerance=asked.tolerance, stop=stop, exact=asked.exact)
+    return Prover(rulebase, output, tolerance=request.tolerance, stop=stop, exact=request.exact)
 
 
 def only_output(rulebase: RuleBase, name: str | None) -> str:
@@ -205,14 +207,14 @@ def _error_of_table(prover: Prover, which: str) -> Bounds:
 
 
 def sectors_of(
-    asked: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
+    request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
 ) -> tuple[list[Sector], list[str]]:
     """Return the sectors of an output, and in words along what there is none."""
-    if asked.plant is not None:
+    if request.plant is not None:
         raise UsageError("--plant is for controllers, not for rule bases")
-    prover = prover_of(asked, rulebase, only_output(rulebase, asked.output), tell)
+    prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
     sectors, failed = list[Sector](), list[str]()
-    for weights in _forms(prover, asked.along, failed):
+    for weights in _forms(prover, request.along, failed):
         try:
             sectors.append(sector(prover, weights))
         except FuzzyarmError as error:
@@ -239,29 +241,29 @@ def _forms(prover: Prover, along: str | None, failed: list[str]) -> list[dict[st
 
 
 def drives_of(
-    asked: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+    request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
 ) -> list[DriveProof]:
     """Prove the static part of a controller."""
-    if asked.along is not None or asked.output is not None:
+    if request.along is not None or request.output is not None:
         raise UsageError("--along and --output are for rule bases, not for controllers")
-    plant = find_plant(asked.plant) if asked.plant is not None else None
-    return prove_drives(controller, plant, budget=budget_of(asked), tell=tell)
+    plant = find_plant(request.plant) if request.plant is not None else None
+    return prove_drives(controller, plant, budget=budget_of(request), tell=tell)
 
 
 # --- Loops ---
 
 
-def loop_of(asked: ProveRequest, controller: ControllerText | None) -> ControllerText:
+def loop_of(request: ProveRequest, controller: ControllerText | None) -> ControllerText:
     """Return the controller whose loop is asked about."""
     if controller is None:
         raise WordError(
-            f"{asked.files[0]} is not a controller: --stable, --claim and --for are about loops"
+            f"{request.files[0]} is not a controller: --stable, --claim and --for are about loops"
         )
     return controller
 
 
 def loops_of(
-    asked: ProveRequest,
+    request: ProveRequest,
     controller: ControllerText,
     claims: tuple[LoopClaim, ...],
     tell: Tell = _unheard,
@@ -269,15 +271,15 @@ def loops_of(
     """Judge claims about the loop of a controller."""
     for claim in claims:
         yield prove_loop(
-            controller, claim, budget=budget_of(asked), continuous=asked.continuous, tell=tell,
-            **setup_of(asked, claim),
+            controller, claim, budget=budget_of(request), continuous=request.continuous, tell=tell,
+            **setup_of(request, claim),
         )  # fmt: skip
 
 
-def setup_of(asked: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
+def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
     """Return connections and sensors of a loop, as keywords of `prove_loop`."""
     loop = ExperimentRequest(
-        connect=asked.connect, quantise=asked.quantise, sensor_delay=asked.sensor_delay
+        connect=request.connect, quantise=request.quantise, sensor_delay=request.sensor_delay
     )
     setup: dict[str, Any] = {"connect": connections(loop)}
     if loop.quantise or loop.sensor_delay:
@@ -285,33 +287,33 @@ def setup_of(asked: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
     return setup
 
 
-def claim_of(asked: ProveRequest, dashes: str = "--") -> LoopClaim:
+def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
     """Return the claim that the fields say: ``claim``, or ``stable`` with its parts.
 
     Parameters
     ----------
-    asked : ProveRequest
+    request : ProveRequest
         With one of both.
     dashes : str, optional
         What stands before the name of a field in a message; nothing in that of a page.
     """
-    plant = asked.plant or ""
-    if asked.claim is not None:
-        return _ended(read_claim(asked.claim, plant, f"{dashes}claim '{asked.claim}'"), asked)
+    plant = request.plant or ""
+    if request.claim is not None:
+        return _ended(read_claim(request.claim, plant, f"{dashes}claim '{request.claim}'"), request)
     if not plant:
-        word = "stable" if asked.stable else "for"
+        word = "stable" if request.stable else "for"
         hint = f"{dashes}plant motor" if dashes else "choose one"
         raise UsageError(f"{dashes}{word} needs a plant", hint=hint)
     parts = {}
-    if asked.at is not None:
-        pairs = (pair.partition("=") for pair in asked.at.split(","))
+    if request.at is not None:
+        pairs = (pair.partition("=") for pair in request.at.split(","))
         parts["at"] = ", ".join(f"{_name(port)} = {value}" for port, _, value in pairs)
     for word in ("with", "from"):
-        value = getattr(asked, _PARTS[word])
+        value = getattr(request, _PARTS[word])
         if value is not None:
             parts[word] = value
     for word, value in parts.items():  # each alone first: so a mistake has the name of its option
-        said = f"{dashes}{word} '{getattr(asked, _PARTS[word])}'"
+        said = f"{dashes}{word} '{getattr(request, _PARTS[word])}'"
         read_claim(f"stable {word} {value}", plant, said)
     return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
 
@@ -320,32 +322,32 @@ def _name(word: str) -> str:
     return name_text(word.strip().strip("'"))
 
 
-def _ended(claim: LoopClaim, asked: ProveRequest) -> LoopClaim:
+def _ended(claim: LoopClaim, request: ProveRequest) -> LoopClaim:
     """Return a claim with the end that ``duration`` says."""
-    if asked.duration is None:
+    if request.duration is None:
         return claim
     if claim.stable or claim.when == "during":
         raise UsageError(
             "--for gives a claim with `after` or `always` an end; this has none to give"
         )
-    end = read_time(asked.duration, "--for")
+    end = read_time(request.duration, "--for")
     if not end > claim.begin:
         raise WordError(f"--for ends at {end:g} s, before the claim begins at {claim.begin:g} s")
     return replace(claim, when="during", end=end)
 
 
 def tube_of(
-    asked: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+    request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
 ) -> tuple[Tube, tuple[str, ...], str]:
     """Bound all ports of the plant for a time: the tube, what is left open, and what it is of."""
-    claim = claim_of(asked)
-    duration = read_time(asked.duration or "", "--for")
+    claim = claim_of(request)
+    duration = read_time(request.duration or "", "--for")
     statement = claim_text(claim).removeprefix("stable ") + f" for {duration:g} s"
     try:
         way, left_open = loop_tube(
-            controller, claim, duration, budget=budget_of(asked), **setup_of(asked, claim),
+            controller, claim, duration, budget=budget_of(request), **setup_of(request, claim),
             tell=lambda share, boxes: tell(statement, boxes, 1.0 - share),
         )  # fmt: skip
     except EnclosureError as error:
-        raise WordError(f"{asked.files[0]}: {error}") from error
+        raise WordError(f"{request.files[0]}: {error}") from error
     return way, left_open, statement

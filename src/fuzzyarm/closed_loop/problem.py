@@ -211,10 +211,10 @@ def loop_problem(
 
 
 def _chosen(
-    what: str, given: Mapping[str, tuple[float, float]] | None, names: Mapping[str, object]
+    what: str, ranges: Mapping[str, tuple[float, float]] | None, names: Mapping[str, object]
 ) -> dict[str, Interval]:
     intervals = {}
-    for name, (low, high) in (given or {}).items():
+    for name, (low, high) in (ranges or {}).items():
         if name not in names:
             hint = near_hint(name, list(names))[0] or f"there are {', '.join(names)}"
             raise ClaimError(f"the plant has no {what} '{name}'", hint=hint)

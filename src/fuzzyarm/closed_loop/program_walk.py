@@ -165,8 +165,8 @@ class ProgramWalk:
     def _inputs(self) -> list[Address]:
         return list(self.problem.site.interface.inputs)
 
-    def _port(self, kind: str, asked: Address) -> Address:
-        return self.problem.site.find(self.problem.text.model, kind, asked)
+    def _port(self, kind: str, address: Address) -> Address:
+        return self.problem.site.find(self.problem.text.model, kind, address)
 
     def _state(self, name: str) -> Any:
         if name not in self._after:
@@ -320,9 +320,9 @@ def _limits(node: Apply) -> tuple[Node, float, float] | None:
     return None
 
 
-def _against_infinity(operation: str, given: list[Any]) -> Any:
+def _against_infinity(operation: str, arguments: list[Any]) -> Any:
     """Return a comparison, or the smaller or larger, where one of two is infinite."""
-    first, second = given
+    first, second = arguments
     if operation in ("less", "less_equal"):
         return first < 0 if isinstance(first, float) else second > 0
     endless, other = (first, second) if isinstance(first, float) else (second, first)

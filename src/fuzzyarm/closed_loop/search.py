@@ -134,15 +134,15 @@ class _Search:
         return [(row, limit) for row in form.rows_of(signal)]
 
     def _proposal(
-        self, choice: Assumptions, form: Form, found: CertificateCandidate | None
+        self, choice: Assumptions, form: Form, candidate: CertificateCandidate | None
     ) -> Proposal | str:
-        if found is None:
+        if candidate is None:
             what = f" with {form.words[0]}" if form.words else ""
             return f"no quadratic function was found that falls{what}"
         rate = Fraction(0)
         if self.claim.begin and not self.continuous:
-            rate = rate_of(form, found.p, found.multipliers)
-        return Proposal(choice, form, found.p, found.multipliers, rate, found.size)
+            rate = rate_of(form, candidate.p, candidate.multipliers)
+        return Proposal(choice, form, candidate.p, candidate.multipliers, rate, candidate.size)
 
     # --- plants whose equations are affine ---
 

@@ -138,33 +138,33 @@ def loop_tube(
     return way, in_the_way(way)
 
 
-def _failure(problem: LoopProblem, found: Tube, claim: LoopClaim, haven: Haven | None) -> str:
+def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | None) -> str:
     """Return in words how far a tube got, and which box is in the way."""
     what = "the region" if haven is not None and not claim.output else "the claim"
     if haven is not None and claim.output:
         what = "the claim and the region"
-    reason = f"a tube of {found.boxes} box{'es' * (found.boxes != 1)} does not show {what}"
-    if found.complete and claim.output and haven is None:
+    reason = f"a tube of {tube.boxes} box{'es' * (tube.boxes != 1)} does not show {what}"
+    if tube.complete and claim.output and haven is None:
         port = claimed_port(problem, claim)
-        low, high = found.bounds(port, claim.begin, min(claim.end, found.duration))
+        low, high = tube.bounds(port, claim.begin, min(claim.end, tube.duration))
         reason += f": {claim.output} in {low:.6g} .. {high:.6g}"
-    if not found.complete:
+    if not tube.complete:
         reason += "; some of the starts could not be followed to the end"
     return reason
 
 
-def in_the_way(found: Tube) -> tuple[str, ...]:
+def in_the_way(tube: Tube) -> tuple[str, ...]:
     """Return in words the first box of starts of which nothing is known."""
-    if not found.open:
+    if not tube.open:
         return ()
-    if not found.open[0]:  # a start without a width: there is nothing to halve
-        never = f"the bounds grow too wide before {found.duration:g} s, and the start is one point"
-        return () if found.complete else (f"{never}; a shorter time may be bounded",)
+    if not tube.open[0]:  # a start without a width: there is nothing to halve
+        never = f"the bounds grow too wide before {tube.duration:g} s, and the start is one point"
+        return () if tube.complete else (f"{never}; a shorter time may be bounded",)
     box = ", ".join(
         f"{name} in {number_text(low)} .. {number_text(high)}"
-        for name, (low, high) in found.open[0].items()
+        for name, (low, high) in tube.open[0].items()
     )
-    more = len(found.open) - 1
+    more = len(tube.open) - 1
     return (f"in the way: {box}" + (f", and {more} other boxes" if more else ""),)
 
 

@@ -186,7 +186,7 @@ class TubeLoop:
         return around_motion(self.problem, ranges)
 
     def _plant_spread(
-        self, moving: Mapping[str, RationalInterval], given: Sequence[Slope], names: Sequence[str]
+        self, moving: Mapping[str, RationalInterval], drives: Sequence[Slope], names: Sequence[str]
     ) -> list[list[RationalInterval]]:
         """Return how the plant's next states go with the coordinates of the set."""
         equations = self.problem.equations
@@ -197,7 +197,7 @@ class TubeLoop:
         rates = slopes_of(equations.rates, values)
         jacobian = [[rate.along.get(key, ZERO) for key in variables] for rate in rates]
         flow = flow_over(jacobian, exactly(self.problem.period))
-        return [[dot(row, [x.along.get(name, ZERO) for x in given]) for name in names]
+        return [[dot(row, [x.along.get(name, ZERO) for x in drives]) for name in names]
                 for row in flow]  # fmt: skip
 
     def _followed(

@@ -171,26 +171,26 @@ class Forms:
                 parts[symbol, row] += self.rest[row]
         return Forms(self.centre, parts, np.zeros_like(self.rest))
 
-    def reduced(self, kept: int, most: int) -> Forms:
+    def reduced(self, columns: int, most: int) -> Forms:
         """Return forms, one for each state along the first axis, over fewer symbols.
 
         The symbols that matter least become one for each state (Girard's method): of a zonotope
-        the smallest box around what they span. The first `kept` symbols stay.
+        the smallest box around what they span. The first `columns` symbols stay.
         """
         states = self.shape[0]
         count = len(self.parts)
         if count <= most:
             return self
-        sizes = np.abs(self.parts[kept:])
+        sizes = np.abs(self.parts[columns:])
         scale = np.maximum(sizes.sum(axis=0), TINY)
         share = sizes / scale
         # A symbol that one state has for itself is a box already.
         weight = (share.sum(axis=1) - share.max(axis=1)).sum(axis=1)
         order = np.argsort(weight, kind="stable")
-        dropped = order[: count - kept - (most - kept - states)]
+        dropped = order[: count - columns - (most - columns - states)]
         stays = np.ones(count, dtype=bool)
-        stays[kept + dropped] = False
-        rest = (self.rest + np.abs(self.parts[kept + dropped]).sum(axis=0)) * ENLARGED
+        stays[columns + dropped] = False
+        rest = (self.rest + np.abs(self.parts[columns + dropped]).sum(axis=0)) * ENLARGED
         forms = Forms(self.centre, self.parts[stays], rest)
         staying = int(stays.sum())
         return forms.with_symbols(staying + states, range(staying, staying + states))

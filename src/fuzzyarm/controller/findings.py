@@ -96,9 +96,9 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
     return site
 
 
-def _has(site: Site, model: ControllerModel, kind: str, asked: Address) -> bool:
+def _has(site: Site, model: ControllerModel, kind: str, address: Address) -> bool:
     try:
-        site.find(model, kind, asked)
+        site.find(model, kind, address)
     except SourceError:
         return False
     return True
@@ -133,7 +133,7 @@ def doubts_of(
             diagnostics += _limits(text.model, reaches, site)
     # Axes that share their lines share their findings.
     once = dict.fromkeys(replace(diagnostic, path=text.path) for diagnostic in diagnostics)
-    return sorted(once, key=lambda each: (each.span, each.name))
+    return sorted(once, key=lambda finding: (finding.span, finding.name))
 
 
 # --- Ranges of signals, and universes ---
@@ -162,44 +162,45 @@ def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
             yield finding
 
 
-def _too_wide(model: ControllerModel, each: LookUp) -> Diagnostic | None:
-    reach, universe = each.reach, each.universe
+def _too_wide(model: ControllerModel, look_up: LookUp) -> Diagnostic | None:
+    reach, universe = look_up.reach, look_up.universe
     whole, inside = width(reach.at), width(overlap(reach.at, universe))
     # Of a sum whose parts may cancel the interval is wider than what the signal reaches.
     if not reach.tight or not FACTORS[reach.kept] * inside < whole < math.inf:
         return None
     if reach.kept != FED_BACK:
         hint = f"multiply its gain by about {width(universe) / whole:.2g}"
-        return _of_range(each, "everything saturates", hint)
+        return _of_range(look_up, "everything saturates", hint)
     hint = f"multiply its gain by {FACTORS[FED_BACK] * width(universe) / whole:.2g} or less"
     step = reach.pace * model.period * model.every
     if SLOW * step <= 0.5 * width(universe):
         verdict = f"all but {_percent(inside / whole)} of it saturates"
-        return _of_range(each, verdict, hint, Severity.INFO)
+        return _of_range(look_up, verdict, hint, Severity.INFO)
     speed = f"; at full speed it moves by {step:.3g} in one set point" if step < math.inf else ""
-    return _of_range(each, f"everything saturates{speed}", hint)
+    return _of_range(look_up, f"everything saturates{speed}", hint)
 
 
-def _too_narrow(each: LookUp) -> Diagnostic | None:
-    at, universe = each.reach.at, each.universe
+def _too_narrow(look_up: LookUp) -> Diagnostic | None:
+    at, universe = look_up.reach.at, look_up.universe
     share = width(overlap(at, universe)) / width(universe)
     if not 0.0 < share < LEAST:
         return None
     hint = f"multiply its gain by about {width(universe) / width(at):.2g}"
-    return _of_range(each, f"it uses {_percent(share)} of the universe", hint)
+    return _of_range(look_up, f"it uses {_percent(share)} of the universe", hint)
 
 
 def _of_range(
-    each: LookUp, verdict: str, hint: str, severity: Severity = Severity.WARNING
+    look_up: LookUp, verdict: str, hint: str, severity: Severity = Severity.WARNING
 ) -> Diagnostic:
-    at, universe = each.reach.at, each.universe
+    at, universe = look_up.reach.at, look_up.universe
     return Diagnostic(
         "range-mismatch",
-        f"{each.signal} reaches {_end(at)} here, {each.sheet} takes {_range(universe)}: {verdict}",
-        each.line.span,
+        f"{look_up.signal} reaches {_end(at)} here, "
+        f"{look_up.sheet} takes {_range(universe)}: {verdict}",
+        look_up.line.span,
         severity,
         hint=hint,
-        related=_made(each),
+        related=_made(look_up),
     )
 
 
@@ -216,11 +217,11 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %"
 
 
-def _made(each: LookUp) -> tuple[Related, ...]:
+def _made(look_up: LookUp) -> tuple[Related, ...]:
     """Return where a signal is made, if that is another line."""
-    for line in each.axes.lines:
-        if isinstance(line, Signal) and each.signal in line.names and line is not each.line:
-            return (Related(f"{each.signal} is made here", line.span),)
+    for line in look_up.axes.lines:
+        if isinstance(line, Signal) and look_up.signal in line.names and line is not look_up.line:
+            return (Related(f"{look_up.signal} is made here", line.span),)
     return ()
 
 
@@ -280,14 +281,14 @@ def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
         )
 
 
-def _unlike_option(each: Meeting, gain: GainModel) -> Diagnostic:
+def _unlike_option(meeting: Meeting, gain: GainModel) -> Diagnostic:
     return Diagnostic(
         "unlike-units",
-        f"{each.option} is in {gain.unit}, what it is taken of in {unit_text(each.reach)}",
-        each.span,
+        f"{meeting.option} is in {gain.unit}, what it is taken of in {unit_text(meeting.reach)}",
+        meeting.span,
         Severity.WARNING,
         hint="write both in one unit",
-        related=(Related(f"gain {each.name}", gain.span),),
+        related=(Related(f"gain {meeting.name}", gain.span),),
     )
 
 
@@ -335,9 +336,9 @@ def _axes_on(site: Site, model: ControllerModel) -> set[str]:
     return {*axes, *(model.axis_names if one else ())}
 
 
-def _asking(model: ControllerModel, kind: str, asked: Address) -> tuple[Axes, Span] | None:
+def _asking(model: ControllerModel, kind: str, address: Address) -> tuple[Axes, Span] | None:
     """Return the first line that asks for a port, and its axes."""
-    axis, port = asked
+    axis, port = address
     for axes, line in model.lines():
         if axis not in axes.names:
             continue

@@ -100,8 +100,8 @@ class Site:
         cells: dict[str, dict[Address, int]] = {kind: {} for kind in first}
         for kind, wires in cells.items():
             places = {port: at for at, port in enumerate(self._ports(kind))}
-            for asked in ports_of(model, kind):
-                wires[asked] = first[kind] + places[self.find(model, kind, asked)]
+            for address in ports_of(model, kind):
+                wires[address] = first[kind] + places[self.find(model, kind, address)]
         return Wiring(
             cells["reference"],
             cells["measured"],
@@ -114,16 +114,16 @@ class Site:
         """Return the inputs that a controller drives."""
         return frozenset(self.find(model, "drive", port) for port in ports_of(model, "drive"))
 
-    def find(self, model: ControllerModel, kind: str, asked: Address) -> Address:
+    def find(self, model: ControllerModel, kind: str, address: Address) -> Address:
         """Return axis and port of the plant for those of a controller.
 
         One axis on both sides is the same one, whatever it is called; an axis may be joined as
         a whole, to run on one of several.
         """
-        axis, port = asked
+        axis, port = address
         joined = self.connect.get(axis, axis)
         axis = joined if joined in self.interface.axes else axis
-        named = self.connect.get(".".join(asked), self.connect.get(port, port))
+        named = self.connect.get(".".join(address), self.connect.get(port, port))
         if "." in named:
             axis, _, named = named.rpartition(".")
         elif len(model.axis_names) == len(self.interface.axes) == 1:

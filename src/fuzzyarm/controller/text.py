@@ -529,15 +529,15 @@ class ControllerRun:
     @state.setter
     def state(self, values: Sequence[float]) -> None:
         """Set it to what it was before; a first number of 0 starts it anew, whatever follows."""
-        periods, *kept = values
-        if len(kept) != len(self._memory):
+        periods, *memory = values
+        if len(memory) != len(self._memory):
             count = 1 + len(self._memory)
             raise PortError(f"a state of {len(values)} numbers does not fit {count}", port="state")
         if periods == 0:
             self.start()
             return
         self._periods = int(periods)
-        for cell, value in zip(self._memory, kept, strict=True):
+        for cell, value in zip(self._memory, memory, strict=True):
             self._cells[cell] = value
 
     def step(

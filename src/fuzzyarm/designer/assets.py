@@ -23,8 +23,8 @@ KINDS = {
 @cache
 def names() -> frozenset[str]:
     """Return the names of the files that a page may ask for."""
-    found = (path.relative_to(PAGE).as_posix() for path in PAGE.rglob("*") if path.is_file())
-    return frozenset(name for name in found if Path(name).suffix in KINDS)
+    paths = (path.relative_to(PAGE).as_posix() for path in PAGE.rglob("*") if path.is_file())
+    return frozenset(name for name in paths if Path(name).suffix in KINDS)
 
 
 @cache

@@ -85,7 +85,7 @@ def merged(base: str, mine: str, theirs: str) -> str | None:
         return mine
     lines = base.splitlines(keepends=True)
     edits = [*_edits(lines, mine), *_edits(lines, theirs)]
-    edits.sort(key=lambda each: each[:2])
+    edits.sort(key=lambda edit: edit[:2])
     parts: list[str] = []
     at = 0
     for number, (start, end, new) in enumerate(edits):

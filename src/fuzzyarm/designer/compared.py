@@ -46,15 +46,15 @@ class ComparedSurface:
     at: Callable[[Mapping[str, Array]], Array]
 
 
-def compare(session: Session, asked: CompareWork, job: WindowJob) -> None:
+def compare(session: Session, request: CompareWork, job: WindowJob) -> None:
     """Tell how the surfaces of two files differ, where most, and what differs in meaning."""
-    other = job.folder.session(asked.other)
+    other = job.folder.session(request.other)
     one, two = model_of(session), model_of(other)
     for model in (one, two):
         if not isinstance(model, RuleBase | LookupTable):
             raise ExportRefusedError("surfaces are those of rule bases and tables")
     shared = [name for name in outputs_of(one) if name in outputs_of(two)]
-    output = asked.output if asked.output in shared else shared[0] if shared else ""
+    output = request.output if request.output in shared else shared[0] if shared else ""
     first = surface_of(one, output or outputs_of(one)[0])
     second = surface_of(two, output or outputs_of(two)[0])
     names = [name for name in first.ranges if name in second.ranges]
@@ -62,13 +62,13 @@ def compare(session: Session, asked: CompareWork, job: WindowJob) -> None:
         raise ExportRefusedError("the two files have no input of the same name")
     ranges = {**second.ranges, **first.ranges, **_overlap(first, second, names)}
     output = output or f"{outputs_of(one)[0]}, {outputs_of(two)[0]}"
-    files = Path(session.path).name, asked.other
+    files = Path(session.path).name, request.other
     job.tell({
         "outputs": shared,
         "output": output,
         "names": list(ranges),
         "shared": names,
-        **_slice((first, second), files, output, names, ranges, asked.axes),
+        **_slice((first, second), files, output, names, ranges, request.axes),
     })  # fmt: skip
     job.tell({"changes": _changes(one, two)})
     job.progress("looking for the largest difference")
@@ -108,14 +108,14 @@ def _overlap(
     first: ComparedSurface, second: ComparedSurface, names: list[str]
 ) -> dict[str, tuple[float, float]]:
     """Return where both have values."""
-    found = {}
+    overlap = {}
     for name in names:
         low = max(first.ranges[name][0], second.ranges[name][0])
         high = min(first.ranges[name][1], second.ranges[name][1])
         if not low < high:
             raise ExportRefusedError(f"the ranges of '{name}' in the two files do not overlap")
-        found[name] = (low, high)
-    return found
+        overlap[name] = (low, high)
+    return overlap
 
 
 def _slice(
@@ -205,9 +205,11 @@ def _largest(
     mesh = dict(zip(points, np.ix_(*points.values()), strict=True))
     shape = (count,) * len(points)
     values = [np.broadcast_to(surface.at(mesh), shape) for surface in (first, second)]
-    found = _where(np.abs(values[1] - values[0]), points)
+    largest = _where(np.abs(values[1] - values[0]), points)
     one_sided = int(np.sum(np.isnan(values[0]) != np.isnan(values[1])))
-    return None if found is None else {**found, "points": count ** len(ranges), "alone": one_sided}
+    return (
+        None if largest is None else {**largest, "points": count ** len(ranges), "alone": one_sided}
+    )
 
 
 def _changes(one: RuleBase | LookupTable, two: RuleBase | LookupTable) -> dict[str, Any]:

@@ -29,14 +29,14 @@ class NothingToComputeError(FuzzyarmError, ValueError):
     """The text is no sound rule base now."""
 
 
-def surface(session: Session, asked: SurfaceWork, job: WindowJob) -> None:
+def surface(session: Session, request: SurfaceWork, job: WindowJob) -> None:
     """Tell what fires at a point, then an output over two inputs through it.
 
     Parameters
     ----------
     session : Session
         The text.
-    asked : SurfaceWork
+    request : SurfaceWork
         Which point, and which surface through it.
     job : WindowJob
         Hears ``strengths`` and ``outputs``, then ``z`` row by row from the lowest; None where
@@ -49,32 +49,34 @@ def surface(session: Session, asked: SurfaceWork, job: WindowJob) -> None:
     gaps = (replace(o, no_rule=math.nan) if isinstance(o.no_rule, str) else o
             for o in rulebase.outputs)  # fmt: skip
     model = replace(rulebase, outputs=tuple(gaps))
-    point = list(asked.point)
+    point = list(request.point)
     names = [variable.name for variable in model.inputs]
     if len(point) != len(names):
         raise MessageError(f"must have {len(names)} values, as the inputs", "point")
-    if asked.fired:
+    if request.fired:
         strengths, _ = firing_strengths(model, dict(zip(names, point, strict=True)))
         values = compiled(model).at(*point)
         job.tell({"strengths": strengths.tolist(), "outputs": jsonable(values)})
-    _tell_surface(model, point, asked, job)
+    _tell_surface(model, point, request, job)
 
 
-def _tell_surface(model: RuleBase, point: list[float], asked: SurfaceWork, job: WindowJob) -> None:
+def _tell_surface(
+    model: RuleBase, point: list[float], request: SurfaceWork, job: WindowJob
+) -> None:
     import numpy as np
 
-    x, y = (_at(model.inputs, getattr(asked, axis), axis) for axis in ("x", "y"))
-    output = _at(model.outputs, asked.output, "output")
-    across = min(MOST_ACROSS, max(2, asked.across))
+    x, y = (_at(model.inputs, getattr(request, axis), axis) for axis in ("x", "y"))
+    output = _at(model.outputs, request.output, "output")
+    across = min(MOST_ACROSS, max(2, request.across))
     run = compiled(model)
     held = {variable.name: value for variable, value in zip(model.inputs, point, strict=True)}
-    columns = {**held, x.name: np.linspace(*_ends(x, asked.ends[0]), across)}
-    rows = [None] if x is y else np.linspace(*_ends(y, asked.ends[1]), across)
+    columns = {**held, x.name: np.linspace(*_ends(x, request.ends[0]), across)}
+    rows = [None] if x is y else np.linspace(*_ends(y, request.ends[1]), across)
     z: list[float | None] = []
     for row in rows:
         job.check()
-        given = columns if row is None else {**columns, y.name: row}
-        values = np.broadcast_to(run(given)[output.name], (across,))
+        inputs = columns if row is None else {**columns, y.name: row}
+        values = np.broadcast_to(run(inputs)[output.name], (across,))
         z += jsonable(values)
     job.tell({"z": z, "across": across})
 

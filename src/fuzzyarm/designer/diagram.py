@@ -108,7 +108,7 @@ def _short(value: float) -> float:
 # --- What it looks up ---
 
 
-def sheets(session: Session, asked: BareMessage, job: WindowJob) -> None:
+def sheets(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell what the rule bases and tables of a controller do: each over its first two inputs."""
     from fuzzyarm.designer.compared import outputs_of, surface_of
 
@@ -117,16 +117,16 @@ def sheets(session: Session, asked: BareMessage, job: WindowJob) -> None:
         raise TextRefusedError("the text is not a controller without mistakes")
     controller, _ = with_files(model, Path(session.path).parent, session.path)
     files = {use.name: use.files for use in model.uses}
-    found: list[dict[str, Any]] = []
+    pictures: list[dict[str, Any]] = []
     for name, parts in controller.sheets.items():
         for number, sheet in enumerate(parts):
             file = files.get(name, ())[number : number + 1]
             for output in outputs_of(sheet):
-                if len(found) < MOST_SHEETS:
+                if len(pictures) < MOST_SHEETS:
                     job.check()
                     facts = {"name": name, "output": output, **_file(file, session)}
-                    found.append({**facts, **_facts(sheet), **_plane(sheet, output, surface_of)})
-    job.tell({"sheets": found})
+                    pictures.append({**facts, **_facts(sheet), **_plane(sheet, output, surface_of)})
+    job.tell({"sheets": pictures})
 
 
 def _file(files: tuple[str, ...], session: Session) -> dict[str, Any]:

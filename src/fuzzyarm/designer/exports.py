@@ -128,13 +128,13 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
     }
 
 
-def export(session: Session, asked: ExportWork, job: WindowJob) -> None:
+def export(session: Session, request: ExportWork, job: WindowJob) -> None:
     """Make files, and tell what is said of them; a page loads them by their addresses."""
-    made, lines = files_of(session, asked.suffix, asked.options, job.progress)
+    files, lines = files_of(session, request.suffix, request.options, job.progress)
     job.check()
     offered = [
-        {"name": each.name, "bytes": len(each.content), "href": job.offer(each.name, each.content)}
-        for each in made
+        {"name": file.name, "bytes": len(file.content), "href": job.offer(file.name, file.content)}
+        for file in files
     ]
     job.tell({"files": offered, "lines": lines})
 
@@ -172,9 +172,9 @@ def files_of(
         path = Path(folder) / Path(session.path).name
         path.write_bytes(_content(session))
         program, reports = program_of(replace(model, path=str(path)), out, how, progress)
-        made = [_offered(path.name, content) for path, content in program.files]
+        files = [_offered(path.name, content) for path, content in program.files]
         lines = [line for report in reports for line in report_lines(report, out)]
-        return made, [*lines, *controller_lines(program)]
+        return files, [*lines, *controller_lines(program)]
 
 
 def _content(session: Session) -> bytes:
@@ -207,8 +207,8 @@ def _sheet(
     if suffix in SOURCES:
         exported, reports = source_of(model, out, how, progress)
         lines = [line for report in reports for line in report_lines(report, out)]
-        made = [_offered(path.name, text) for path, text in exported.files]
-        return made, [*lines, *export_lines(exported)]
+        files = [_offered(path.name, text) for path, text in exported.files]
+        return files, [*lines, *export_lines(exported)]
     if suffix in PICTURES:
         return [Offered(out, _picture(model, suffix, how, options))], []
     if suffix in WRITTEN_TABLES:

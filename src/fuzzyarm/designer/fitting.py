@@ -31,7 +31,7 @@ TELL_EVERY = 0.1
 """Seconds between two words of how far it is."""
 
 
-def fittable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell what the form is, and which files of the folder can be learned from."""
     job.tell({
         "samples": job.folder.listed(*SAMPLES),
@@ -40,11 +40,11 @@ def fittable(session: Session, asked: BareMessage, job: WindowJob) -> None:
     })  # fmt: skip
 
 
-def fit(session: Session, asked: FitWork, job: WindowJob) -> None:
+def fit(session: Session, record: FitWork, job: WindowJob) -> None:
     """Learn, tell, and write what a page takes; goes on until it wants no more."""
-    if not asked.form.get("data"):
+    if not record.form.get("data"):
         raise FieldError("choose the samples to learn from", field="data")
-    request = FIT.request(asked.form, Path(session.path).parent)
+    request = FIT.request(record.form, Path(session.path).parent)
     named = request.name or Path(request.data).stem
     request = request.replaced(
         name=named,

@@ -248,16 +248,16 @@ class Workspace:
 
     # --- What a page asks ---
 
-    def answer(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+    def answer(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Answer a question about the folder, or do what it wants; an error is said in words."""
-        what = str(asked.get("what"))
+        what = str(request.get("what"))
         if what not in _ACTS:
             return {"error": "unknown question"}
         try:
-            found = _ACTS[what](self, read_record(requests.FOLDER_QUESTIONS[what], asked))
+            answer = _ACTS[what](self, read_record(requests.FOLDER_QUESTIONS[what], request))
         except Exception as error:  # the page waits for an answer
-            found = error_of(error, f"the question {what!r} about the folder")
-        return {**found, **self.listing()}
+            answer = error_of(error, f"the question {what!r} about the folder")
+        return {**answer, **self.listing()}
 
     def listing(self) -> dict[str, Any]:
         """Return the files with what is quickly known of them."""
@@ -290,24 +290,24 @@ class Workspace:
             return self._checked[name][1]
         try:
             review = self.session(name).review()
-            found = {"summary": review.summary, "sound": not review.failed}
+            verdict = {"summary": review.summary, "sound": not review.failed}
         except (FuzzyarmError, OSError) as error:
-            found = {"summary": in_words(error), "sound": False}
-        self._checked[name] = known, found
-        return found
+            verdict = {"summary": in_words(error), "sound": False}
+        self._checked[name] = known, verdict
+        return verdict
 
     # --- What a hand does ---
 
-    def _list(self, _asked: requests.BareMessage) -> dict[str, Any]:
+    def _list(self, _request: requests.BareMessage) -> dict[str, Any]:
         return {}
 
-    def _new(self, asked: requests.NewFile) -> dict[str, Any]:
-        name, kind = with_suffix(asked.name, ".frb"), asked.kind
+    def _new(self, request: requests.NewFile) -> dict[str, Any]:
+        name, kind = with_suffix(request.name, ".frb"), request.kind
         if kind not in PURPOSES:
             raise MessageError(f"must be one of {', '.join(PURPOSES)}", "kind")
         if kind != CONTROLLER:
             return self._written(name, starting_text(Path(name).stem, kind))
-        return self._written(name, self._around(name, asked.around))
+        return self._written(name, self._around(name, request.around))
 
     def _around(self, name: str, file: str) -> str:
         """Return the text of a controller around a rule base of the folder, or a shipped one."""
@@ -320,19 +320,19 @@ class Workspace:
             raise OutsideError(f"'{printable(file)}' has mistakes, or is not a rule base")
         return controller_text(Path(name).stem, file, rulebase)
 
-    def _adopt(self, asked: requests.OfFile) -> dict[str, Any]:
+    def _adopt(self, request: requests.OfFile) -> dict[str, Any]:
         """Copy a file that comes with fuzzyarm into the folder, to be changed there."""
-        name = demand_name(asked.file)
+        name = demand_name(request.file)
         return self._written(name, shipped(name).read_text(encoding="utf-8"))
 
-    def _duplicate(self, asked: requests.Naming) -> dict[str, Any]:
-        name = with_suffix(asked.name, Path(asked.file).suffix)
-        return self._written(name, self.session(asked.file).text)
+    def _duplicate(self, request: requests.Naming) -> dict[str, Any]:
+        name = with_suffix(request.name, Path(request.file).suffix)
+        return self._written(name, self.session(request.file).text)
 
-    def _rename(self, asked: requests.Naming) -> dict[str, Any]:
-        old = asked.file
+    def _rename(self, request: requests.Naming) -> dict[str, Any]:
+        old = request.file
         path = self._path(old)
-        name = with_suffix(asked.name, path.suffix)
+        name = with_suffix(request.name, path.suffix)
         target = self._reserved(name)
         try:
             path.replace(target)
@@ -345,22 +345,22 @@ class Workspace:
             self._open[name] = shared
         return {"renamed": [old, name], "open": name}
 
-    def _delete(self, asked: requests.OfFile) -> dict[str, Any]:
-        name = asked.file
+    def _delete(self, request: requests.OfFile) -> dict[str, Any]:
+        name = request.file
         self._demand_folder()
         self._path(name).unlink()
         self._open.pop(name, None)
         return {"deleted": name}
 
-    def _users(self, asked: requests.OfFile) -> dict[str, Any]:
+    def _users(self, request: requests.OfFile) -> dict[str, Any]:
         """Name the controllers that use a file: they would miss it."""
-        use = re.compile(rf'^use\s[^#\n]*"{re.escape(asked.file)}"', re.MULTILINE)
-        found = []
+        use = re.compile(rf'^use\s[^#\n]*"{re.escape(request.file)}"', re.MULTILINE)
+        users = []
         for name in self.files():
             with contextlib.suppress(OSError, FuzzyarmError):
                 if use.search(self.session(name).text):
-                    found.append(name)
-        return {"users": found}
+                    users.append(name)
+        return {"users": users}
 
     def put(self, name: str, text: str) -> dict[str, Any]:
         """Write what was dropped under a free name near to `name`."""

@@ -72,13 +72,13 @@ class RequestForm(Generic[AnyRequest]):
 
     def fields(self, **defaults: Any) -> list[FormField]:
         """Return the fields for the page, some with another default than the command has."""
-        found = []
+        fields = []
         for field in form_fields(self.kind, *self.first, *self.more):
             name = field["name"]
             folded = {"group": self.title if name in self.more else ""}
             changed = {"default": defaults[name]} if name in defaults else {}
-            found.append(field | folded | changed)
-        return cast(list[FormField], found)
+            fields.append(field | folded | changed)
+        return cast(list[FormField], fields)
 
     def request(self, values: FormValues, folder: Path, **others: Any) -> AnyRequest:
         """Return the request that a page has filled in.
@@ -172,12 +172,12 @@ def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
     kind : {"rules", "controller", "table"}
         Of the file.
     """
-    made = () if kind == "table" else ("direct", "table", "levels")
+    makings = () if kind == "table" else ("direct", "table", "levels")
     output = ("output",) if kind == "rules" else ()
     if suffix == ".fmu":
-        return RequestForm(ExportRequest, (*made, "mode", "q", "fmi"))
+        return RequestForm(ExportRequest, (*makings, "mode", "q", "fmi"))
     if suffix in SOURCES:
-        return RequestForm(ExportRequest, (*made, *output, "mode", "q", "precision", "name"))
+        return RequestForm(ExportRequest, (*makings, *output, "mode", "q", "precision", "name"))
     if suffix in WRITTEN_TABLES and kind != "table":
         return RequestForm(ExportRequest, ("output", "levels", "mode", "tolerance", "round"))
     return RequestForm(ExportRequest, output if suffix in PICTURES else ())

@@ -74,7 +74,7 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
         fits = set(model.axis_names) <= set(interface.axes)
         found.append({"name": name, "fits": fits, **followable(name, plant, label)})
     is_likeliest = likeliest.name if likeliest is not None else ""
-    found.sort(key=lambda each: (not each["fits"], each["name"] != is_likeliest))
+    found.sort(key=lambda entry: (not entry["fits"], entry["name"] != is_likeliest))
     return found
 
 
@@ -135,7 +135,7 @@ def signal_of(folder: Path, word: str) -> str:
     return f"{port}{equals}{path}"
 
 
-def check_words(asked: ExperimentRequest, plant: Plant) -> None:
+def check_words(request: ExperimentRequest, plant: Plant) -> None:
     """Read each of the words by itself, so that a mistake is said at its field.
 
     Raises
@@ -148,7 +148,7 @@ def check_words(asked: ExperimentRequest, plant: Plant) -> None:
 
     interface = interface_of(plant)
     for name in MANY:
-        alone = ExperimentRequest(**{name: getattr(asked, name)})
+        alone = ExperimentRequest(**{name: getattr(request, name)})
         with at_field(name):
             driven(alone, plant)
             connections(alone)

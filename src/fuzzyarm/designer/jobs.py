@@ -75,15 +75,15 @@ class Downloads:
         return self._kept.get(key)
 
 
-def _size(kept: tuple[str, bytes]) -> int:
-    return len(kept[1])
+def _size(download: tuple[str, bytes]) -> int:
+    return len(download[1])
 
 
 class Work(Protocol):
     """What runs as a job."""
 
-    def __call__(self, session: Session, asked: Any, job: WindowJob) -> None:
-        """Do it; `asked` is a record of `fuzzyarm.designer.requests.WORKS`."""
+    def __call__(self, session: Session, request: Any, job: WindowJob) -> None:
+        """Do it; `request` is a record of `fuzzyarm.designer.requests.WORKS`."""
 
 
 class WindowJob:
@@ -135,13 +135,13 @@ class WindowJob:
         """Tell that it does not begin."""
         await self._send({"end": "failed", "message": str(error), "field": ""})
 
-    async def run(self, work: Work, session: Session, asked: Any) -> None:
+    async def run(self, work: Work, session: Session, request: Any) -> None:
         """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
-        await self._send(await run_to_its_end(lambda: self._end(work, session, asked)))
+        await self._send(await run_to_its_end(lambda: self._end(work, session, request)))
 
-    def _end(self, work: Work, session: Session, asked: Any) -> dict[str, Any]:
+    def _end(self, work: Work, session: Session, request: Any) -> dict[str, Any]:
         try:
-            work(session, asked, self)
+            work(session, request, self)
         except StoppedError:
             return {"end": "stopped"}
         except (FuzzyarmError, OSError) as error:
@@ -152,9 +152,9 @@ class WindowJob:
             return {"end": "failed", "message": words, "internal": True}
         return {"end": "done"}
 
-    def hear(self, said: dict[str, Any]) -> None:
+    def hear(self, message: dict[str, Any]) -> None:
         """Take what a hand does."""
-        self._said.put(said)
+        self._said.put(message)
 
     def stop(self) -> None:
         """Have the work end at its next word."""
@@ -184,11 +184,11 @@ class WindowJob:
         wait : float, optional
             How long to wait for a word where there is none, s.
         """
-        found: list[Word] = []
+        words: list[Word] = []
         # It waits for the first word only.
-        while (said := self._said.take(0.0 if found else wait)) is not None:
-            found.append(read_record(kind, said))
-        return found
+        while (message := self._said.take(0.0 if words else wait)) is not None:
+            words.append(read_record(kind, message))
+        return words
 
     def word(self, kind: type[Word]) -> Word:
         """Wait for what the page says next; as `heard`.
@@ -202,9 +202,9 @@ class WindowJob:
         """
         while True:
             self.check()
-            said = self._said.take(LOOK_EVERY)
-            if said is not None:
-                return read_record(kind, said)
+            message = self._said.take(LOOK_EVERY)
+            if message is not None:
+                return read_record(kind, message)
 
     def check(self) -> None:
         """Raise `StoppedError` if the page wants no more."""

@@ -54,7 +54,7 @@ def controller_model(session: Session) -> ControllerModel | None:
     return parse(session.text, session.path).controller
 
 
-def learnable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+def learnable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell which controllers can be trained, where, and with what they may begin."""
     from fuzzyarm.controller.catalogue import TEXTS
     from fuzzyarm.language.reading import read_text
@@ -66,25 +66,25 @@ def learnable(session: Session, asked: BareMessage, job: WindowJob) -> None:
     def teaches(model: ControllerModel | None) -> bool:
         return model is not None and any(isinstance(line, Learn) for _, line in model.lines())
 
-    found = []
+    trainees = []
     own = controller_model(session)
     if own is not None and teaches(own):
-        found.append({"name": "", "plants": fitting(own)})
+        trainees.append({"name": "", "plants": fitting(own)})
     for entry in TEXTS:
         model = parse(read_text(entry.file())).controller
         if model is not None and teaches(model):
-            found.append({"name": entry.name, "plants": fitting(model)})
+            trainees.append({"name": entry.name, "plants": fitting(model)})
     job.tell({
-        "texts": found,
+        "texts": trainees,
         "own": teaches(own),
         "tables": job.folder.listed(".lut"),
         "form": LEARN.fields(passes=DEFAULT_PASSES),
     })  # fmt: skip
 
 
-def learn(session: Session, asked: LearnWork, job: WindowJob) -> None:
+def learn(session: Session, request: LearnWork, job: WindowJob) -> None:
     """Train, and tell; goes on until the page wants no more."""
-    TrainingWork(session, asked, job).run()
+    TrainingWork(session, request, job).run()
 
 
 class TrainingWork:
@@ -100,16 +100,16 @@ class TrainingWork:
         Who is told, and says what is to be done.
     """
 
-    def __init__(self, session: Session, asked: LearnWork, job: WindowJob) -> None:
+    def __init__(self, session: Session, request: LearnWork, job: WindowJob) -> None:
         self.job = job
-        values = {"passes": DEFAULT_PASSES, **asked.form}
+        values = {"passes": DEFAULT_PASSES, **request.form}
         self.request = LEARN.request(values, Path(session.path).parent)
         self.passes = self.request.passes
         self.limit = self.passes
         self.name, self.trainee = self._trainee(session)
         self.motion, self.along = self._motion()
-        self.mode: str = "step" if asked.step else "run"
-        self.hold = SPEEDS[asked.speed]
+        self.mode: str = "step" if request.step else "run"
+        self.hold = SPEEDS[request.speed]
         self.errors: list[list[float]] = []
         self.told_errors = 0
         self.last: Snapshot | None = None
@@ -128,8 +128,8 @@ class TrainingWork:
         from fuzzyarm.language.reading import read_text
         from fuzzyarm.learning.self_organizing import Trainee
 
-        asked = self.request
-        name = asked.controller
+        request = self.request
+        name = request.controller
         path, source = session.path, str(session.text)
         if name:
             entry = CATALOGUE.get(name)
@@ -142,13 +142,13 @@ class TrainingWork:
         controller = text_controller(
             path,
             choice,
-            change=teaching(0.0 if asked.freeze else asked.rate, asked.delay),
+            change=teaching(0.0 if request.freeze else request.rate, request.delay),
             source=source,
         )
         title = name or Path(path).name
         model = parse(source, path).controller
         assert model is not None
-        plant = plant_named(asked.plant or "", model, self.job.plants)
+        plant = plant_named(request.plant or "", model, self.job.plants)
         return title, Trainee(controller, plant, name=title)
 
     @property
@@ -174,21 +174,21 @@ class TrainingWork:
         from fuzzyarm.loop.run import plant_motion
         from fuzzyarm.loop.words import signals
 
-        asked, plant = self.request, self.trainee.plant
+        request, plant = self.request, self.trainee.plant
         if plant.trajectories:
             motion = trajectory_motion_of(
-                asked.trajectory or "",
+                request.trajectory or "",
                 self.trainee.controller,
                 plant,
-                payload=bool(asked.payload),
+                payload=bool(request.payload),
             )
             return motion, trajectory_words(motion.name, payload=any(motion.carrying))
-        check_words(asked, plant)
+        check_words(request, plant)
         with at_field("duration"):
-            seconds = None if asked.duration is None else seconds_of(asked.duration)
-        motion = plant_motion(self.trainee.controller, plant, signals(asked) or None, seconds)
-        named = Path(asked.plant or plant.name).name  # as the command says it
-        return motion, reference_words(named, asked.reference)
+            seconds = None if request.duration is None else seconds_of(request.duration)
+        motion = plant_motion(self.trainee.controller, plant, signals(request) or None, seconds)
+        named = Path(request.plant or plant.name).name  # as the command says it
+        return motion, reference_words(named, request.reference)
 
     # --- The training ---
 
@@ -198,7 +198,7 @@ class TrainingWork:
         for snapshot in self._snapshots():
             self.last = snapshot
             if snapshot.complete:
-                self.errors.append([float(each) for each in snapshot.rms])
+                self.errors.append([float(error) for error in snapshot.rms])
             for word in self.job.heard(LearnWord):
                 self._take(word)
             if self._is_due(snapshot):

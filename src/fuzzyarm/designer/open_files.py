@@ -42,8 +42,8 @@ __all__ = ["WORKS", "OpenFiles", "Window"]
 def _later(module: str, function: str) -> Work:
     """Return work whose module is loaded when it begins: few pages want all of it."""
 
-    def work(session: Session, asked: Any, job: WindowJob) -> None:
-        getattr(import_module(f"fuzzyarm.designer.{module}"), function)(session, asked, job)
+    def work(session: Session, request: Any, job: WindowJob) -> None:
+        getattr(import_module(f"fuzzyarm.designer.{module}"), function)(session, request, job)
 
     work.__name__ = function
     return work
@@ -134,17 +134,17 @@ class OpenFiles:
 
         return Running(self.plants)
 
-    def _run(self, session: Session, asked: requests.RunWork, job: WindowJob) -> None:
-        self._runs(session, asked, job)
+    def _run(self, session: Session, request: requests.RunWork, job: WindowJob) -> None:
+        self._runs(session, request, job)
 
-    def _describe(self, session: Session, asked: requests.PlantsWork, job: WindowJob) -> None:
-        self._runs.describe(session, asked, job)
+    def _describe(self, session: Session, request: requests.PlantsWork, job: WindowJob) -> None:
+        self._runs.describe(session, request, job)
 
-    async def hear(self, window: Window, said: str | None) -> None:
+    async def hear(self, window: Window, text: str | None) -> None:
         """Do what a window says; whatever is wrong with it is answered, and ends nothing."""
         message: dict[str, Any] = {}
         try:
-            message = _object_of(said)
+            message = _object_of(text)
             do = str(message.get("do"))
             if do not in _COMMANDS:
                 raise MessageError(f"must be one of {', '.join(_COMMANDS)}", "do")
@@ -156,8 +156,8 @@ class OpenFiles:
     # What follows does what a window says: a record, and the message itself, of which the record of
     # a question or of work is one more reading.
 
-    async def _close(self, window: Window, said: requests.OfFile, _: dict[str, Any]) -> None:
-        await self._leave(window, said.file)
+    async def _close(self, window: Window, request: requests.OfFile, _: dict[str, Any]) -> None:
+        await self._leave(window, request.file)
 
     async def _leave(self, window: Window, name: str) -> None:
         """Have a window show a file no more; the next one that does writes it."""
@@ -167,10 +167,10 @@ class OpenFiles:
             for heir in self._on(name)[:1]:
                 await self._give(name, heir)
 
-    async def _write(self, window: Window, said: requests.OfFile, _: dict[str, Any]) -> None:
+    async def _write(self, window: Window, request: requests.OfFile, _: dict[str, Any]) -> None:
         """Let a window write a file that it has followed."""
-        if said.file in window.files:
-            await self._give(said.file, window)
+        if request.file in window.files:
+            await self._give(request.file, window)
 
     async def _give(self, name: str, writer: Window) -> None:
         """Let a window write a file, and have the one that did so follow."""
@@ -184,51 +184,53 @@ class OpenFiles:
         return {"is": "writer", "file": name, "writes": self._writers.get(name) is window}
 
     async def _ask(
-        self, window: Window, said: requests.TextQuestion, message: dict[str, Any]
+        self, window: Window, request: requests.TextQuestion, message: dict[str, Any]
     ) -> None:
-        shared = self.workspace.text(said.file)
-        await window.tell({"is": "answer", "id": said.id, **shared.answer(message)})
+        shared = self.workspace.text(request.file)
+        await window.tell({"is": "answer", "id": request.id, **shared.answer(message)})
 
-    async def _settle(self, _window: Window, said: requests.Settle, _: dict[str, Any]) -> None:
-        shared = self.workspace.text(said.file)
+    async def _settle(self, _window: Window, request: requests.Settle, _: dict[str, Any]) -> None:
+        shared = self.workspace.text(request.file)
         before = shared.version
-        shared.settle(said.keep)
-        await self._changed(said.file, shared, before, disk=True)
+        shared.settle(request.keep)
+        await self._changed(request.file, shared, before, disk=True)
 
-    async def _say(self, window: Window, said: requests.OfJob, message: dict[str, Any]) -> None:
+    async def _say(self, window: Window, request: requests.OfJob, message: dict[str, Any]) -> None:
         """Give words to work that still runs; what has ended hears nothing."""
-        if said.id in window.jobs:
-            window.jobs[said.id].hear(message)
+        if request.id in window.jobs:
+            window.jobs[request.id].hear(message)
 
-    async def _stop(self, window: Window, said: requests.OfJob, _: dict[str, Any]) -> None:
-        if said.id in window.jobs:
-            window.jobs[said.id].stop()
+    async def _stop(self, window: Window, request: requests.OfJob, _: dict[str, Any]) -> None:
+        if request.id in window.jobs:
+            window.jobs[request.id].stop()
 
     def _why_not(self, _what: str) -> str:
         """Return why long work cannot be done here; empty where it can."""
         return ""
 
     async def _start(
-        self, window: Window, said: requests.StartWork, message: dict[str, Any]
+        self, window: Window, request: requests.StartWork, message: dict[str, Any]
     ) -> None:
         """Begin long work beside the answering; the text is the one of now."""
-        shared, works = self.workspace.text(said.file), {**WORKS, **self.works}
-        if said.what not in works:
+        shared, works = self.workspace.text(request.file), {**WORKS, **self.works}
+        if request.what not in works:
             raise MessageError("is not a kind of work", "what")
-        if why := self._why_not(said.what):
-            await window.tell({"is": "job", "id": said.id, "end": "failed", "message": why})
+        if why := self._why_not(request.what):
+            await window.tell({"is": "job", "id": request.id, "end": "failed", "message": why})
             return
-        job = WindowJob(said.id, window.tell, self.workspace, self.downloads, lambda: self.plants)
+        job = WindowJob(
+            request.id, window.tell, self.workspace, self.downloads, lambda: self.plants
+        )
         try:
-            asked: Any = read_record(requests.WORKS[said.what], message)
+            record: Any = read_record(requests.WORKS[request.what], message)
         except MessageError as error:
             await job.refuse(error)
             return
-        window.jobs[said.id] = job
+        window.jobs[request.id] = job
 
         async def run() -> None:
-            await job.run(works[said.what], shared.session.copy(), asked)
-            window.jobs.pop(said.id, None)
+            await job.run(works[request.what], shared.session.copy(), record)
+            window.jobs.pop(request.id, None)
 
         self._hold(run())
 
@@ -243,20 +245,20 @@ class OpenFiles:
         task.add_done_callback(self._running.discard)
 
     async def _folder(
-        self, window: Window, said: requests.FolderQuestion, message: dict[str, Any]
+        self, window: Window, request: requests.FolderQuestion, message: dict[str, Any]
     ) -> None:
-        self._hold(self._answered(window, said, message))
+        self._hold(self._answered(window, request, message))
 
     async def _answered(
-        self, window: Window, said: requests.FolderQuestion, message: dict[str, Any]
+        self, window: Window, request: requests.FolderQuestion, message: dict[str, Any]
     ) -> None:
         """Answer a question about the folder."""
         try:
-            found = await self._act(said.what, message)
+            answer = await self._act(request.what, message)
         except Exception as error:  # the page waits for an answer
-            found = error_of(error, f"the question {said.what!r} about the folder")
-        await self._moved(found)
-        await window.tell({"is": "answer", "id": said.id, **found})
+            answer = error_of(error, f"the question {request.what!r} about the folder")
+        await self._moved(answer)
+        await window.tell({"is": "answer", "id": request.id, **answer})
 
     async def _act(self, what: str, message: dict[str, Any]) -> dict[str, Any]:
         """Do what a page wants of the folder: what takes its time does so beside the answering."""
@@ -271,10 +273,10 @@ class OpenFiles:
             return await self._imported(name, self.workspace.foreign_data(name))
         return self.workspace.answer(message)
 
-    async def _moved(self, found: dict[str, Any]) -> None:
+    async def _moved(self, answer: dict[str, Any]) -> None:
         """Tell the windows which file has another name now, or none, and go on with its check."""
-        moved = [(old, new) for old, new in [found.get("renamed", ("", ""))] if old]
-        moved += [(found["deleted"], "")] if "deleted" in found else []
+        moved = [(old, new) for old, new in [answer.get("renamed", ("", ""))] if old]
+        moved += [(answer["deleted"], "")] if "deleted" in answer else []
         told = []
         for old, new in moved:
             check = self._checks.pop(old, None)
@@ -296,30 +298,30 @@ class OpenFiles:
 
     async def _imported(self, name: str, data: bytes) -> dict[str, Any]:
         """Convert a file, and write it; with one file open it is to replace its text."""
-        found = await aside(converted_file, name, data)
+        answer = await aside(converted_file, name, data)
         if self.workspace.only is not None:
-            return {**found, "only": True}
-        put = self.workspace.put(found["name"], found["text"])
-        return {"findings": found["findings"], **put, **self.workspace.listing()}
+            return {**answer, "only": True}
+        put = self.workspace.put(answer["name"], answer["text"])
+        return {"findings": answer["findings"], **put, **self.workspace.listing()}
 
-    async def _open(self, window: Window, said: requests.Open, _: dict[str, Any]) -> None:
-        name = said.file
+    async def _open(self, window: Window, request: requests.Open, _: dict[str, Any]) -> None:
+        name = request.file
         try:
             shared = self.workspace.text(name)
         except OutsideError:
-            if said.text is None:
+            if request.text is None:
                 raise
-            shared = self.workspace.revived(name, said.text)
+            shared = self.workspace.revived(name, request.text)
         window.files.add(name)
         writes = self._writers.setdefault(name, window) is window
         before = shared.version
-        if said.epoch == shared.epoch:  # the connection was lost, not the server
-            missed = shared.since(said.version)
+        if request.epoch == shared.epoch:  # the connection was lost, not the server
+            missed = shared.since(request.version)
             if missed is not None:
                 again: Reopened = {
                     "is": "reopened",
                     "file": name,
-                    "version": said.version,
+                    "version": request.version,
                     "updates": missed,
                     "saved": shared.saved,
                     "writes": writes,
@@ -328,8 +330,8 @@ class OpenFiles:
                 await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
-        elif said.text is not None:
-            shared.resume(said.text, said.saved, "resumed")
+        elif request.text is not None:
+            shared.resume(request.text, request.saved, "resumed")
         opened: Opened = {
             "is": "opened",
             "file": name,
@@ -343,13 +345,13 @@ class OpenFiles:
         await self._changed(name, shared, before)
         self._check(name, shared)
 
-    async def _push(self, window: Window, said: requests.Push, nothing: dict[str, Any]) -> None:
-        version, name = said.version, said.file
+    async def _push(self, window: Window, request: requests.Push, nothing: dict[str, Any]) -> None:
+        version, name = request.version, request.file
         shared = self.workspace.text(name)
         if self._writers.get(name) is not window:  # what it has typed stays there until it writes
             await window.tell(self._right(window, name))
             return
-        if shared.push(version, said.updates):
+        if shared.push(version, request.updates):
             await self._changed(name, shared, version)
             return
         missed = shared.since(version)
@@ -359,9 +361,9 @@ class OpenFiles:
             late: Updates = {"is": "updates", "file": name, "version": version, "updates": missed}
             await window.tell(late)
 
-    async def _save(self, window: Window, said: requests.Save, _: dict[str, Any]) -> None:
+    async def _save(self, window: Window, request: requests.Save, _: dict[str, Any]) -> None:
         """Save a file; a window that has asked with a number is answered."""
-        name, number = said.file, said.id
+        name, number = request.file, request.id
         shared = self.workspace.text(name)
         before, wrong = shared.version, ""
         try:
@@ -394,8 +396,8 @@ class OpenFiles:
             news.insert(0, {"is": "updates", "version": before, "updates": updates})
         shared.forget()
         for window in self._on(name):
-            for each in news:
-                await window.tell({**each, "file": name})
+            for item in news:
+                await window.tell({**item, "file": name})
         if updates:
             self._check(name, shared)
         await self._tell_unsaved()
@@ -440,10 +442,12 @@ class OpenFiles:
             return
         self._unsaved = names
         news: Unsaved = {"is": "unsaved", "names": names}
-        for window in [each for each in self.windows if each.follows]:
+        for window in [candidate for candidate in self.windows if candidate.follows]:
             await window.tell(news)
 
-    async def _hello(self, window: Window, _said: requests.BareMessage, _: dict[str, Any]) -> None:
+    async def _hello(
+        self, window: Window, _request: requests.BareMessage, _: dict[str, Any]
+    ) -> None:
         self._hold(self._welcome(window))
 
     async def _welcome(self, window: Window) -> None:
@@ -470,10 +474,10 @@ _COMMANDS: Mapping[str, Callable[[OpenFiles, Window, Any, dict[str, Any]], Await
 """What a window may say → what does it."""
 
 
-def _object_of(said: str | None) -> dict[str, Any]:
+def _object_of(text: str | None) -> dict[str, Any]:
     """Return what a window says."""
     try:
-        message = json.loads(said or "")
+        message = json.loads(text or "")
     except (ValueError, RecursionError):
         raise MessageError("is not JSON") from None
     if not isinstance(message, dict):

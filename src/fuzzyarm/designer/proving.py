@@ -35,7 +35,7 @@ BUDGET = 60.0
 """Seconds for each statement, where the form says none: a page is not left to itself for hours."""
 
 
-def provable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell what the form is, and which lines and outputs the text has."""
     _refuse_table(session)
     controller, rulebase = session.reading.parsed.controller, session.reading.parsed.rulebase
@@ -66,7 +66,7 @@ def _form(*, is_loop: bool) -> RequestForm[ProveRequest]:
     return PROVE_LOOP if is_loop else PROVE
 
 
-def prove(session: Session, asked: ProveWork, job: WindowJob) -> None:
+def prove(session: Session, record: ProveWork, job: WindowJob) -> None:
     """Judge what is asked for; each verdict is told when it is there."""
     from fuzzyarm.closed_loop.orders import require_sensible
 
@@ -74,12 +74,12 @@ def prove(session: Session, asked: ProveWork, job: WindowJob) -> None:
     model = model_of(session)
     path = Path(session.path)
     form = _form(is_loop=not isinstance(model, RuleBase))
-    request = form.request({"budget": BUDGET, **asked.form}, path.parent, files=(path.name,))
+    request = form.request({"budget": BUDGET, **record.form}, path.parent, files=(path.name,))
     require_sensible(request)
     if isinstance(model, RuleBase):
         _prove_rules(model, request, job)
     else:
-        _LoopProof(model, request, job, wants_certificate=asked.certificate).run()
+        _LoopProof(model, request, job, wants_certificate=record.certificate).run()
 
 
 def _told(job: WindowJob) -> Any:
@@ -95,26 +95,26 @@ def _told(job: WindowJob) -> Any:
 # --- Rule bases ---
 
 
-def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: WindowJob) -> None:
+def _prove_rules(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> None:
     from fuzzyarm.closed_loop.orders import bounds_of, bounds_one, only_output, rules_of
     from fuzzyarm.show.proofs import bound_lines
 
-    if not (asked.sector or bounds_one(asked)):
+    if not (request.sector or bounds_one(request)):
         if not rulebase.properties:
             raise TextRefusedError(
                 "the text has no `prove` lines", hint="write one, or have a range or slopes bounded"
             )
-        for judged in rules_of(asked, (rulebase,), _told(job)):
+        for judged in rules_of(request, (rulebase,), _told(job)):
             tell_result(job, _verdict_lines(judged), verdict=judged.verdict)
         return
     with at_field("output"):
-        name = only_output(rulebase, asked.output or rulebase.outputs[0].name)
-    asked = asked.replaced(output=name, table=_table(asked.table, job))
-    if asked.sector:
+        name = only_output(rulebase, request.output or rulebase.outputs[0].name)
+    request = request.replaced(output=name, table=_table(request.table, job))
+    if request.sector:
         with at_field("along"):
-            _prove_sectors(rulebase, asked, job)
+            _prove_sectors(rulebase, request, job)
         return
-    for key, bounds in bounds_of(asked, rulebase, _told(job)).items():
+    for key, bounds in bounds_of(request, rulebase, _told(job)).items():
         verdict = "proved" if bounds.complete else "undecided"
         tell_result(job, bound_lines(name, key, bounds), verdict=verdict)
 
@@ -130,14 +130,14 @@ def _table(word: str | None, job: WindowJob) -> str | None:
     return str(job.folder.beside(word, ".lut"))
 
 
-def _prove_sectors(rulebase: RuleBase, asked: ProveRequest, job: WindowJob) -> None:
+def _prove_sectors(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> None:
     """Tell between which multiples of its inputs an output lies."""
     from fuzzyarm.closed_loop.orders import sectors_of
     from fuzzyarm.show.proofs import sector_lines
     from fuzzyarm.show.sector import rulebase_sectors, sector_chart
 
-    name = asked.output or ""
-    sectors, failed = sectors_of(asked, rulebase, _told(job))
+    name = request.output or ""
+    sectors, failed = sectors_of(request, rulebase, _told(job))
     for sector in sectors:
         chart = sector_chart(rulebase_sectors(rulebase, name, [sector]))
         verdict = "proved" if sector.complete else "undecided"
@@ -159,18 +159,23 @@ class _LoopProof:
     """What is asked of a controller in its loop."""
 
     def __init__(
-        self, text: ControllerText, asked: ProveRequest, job: WindowJob, *, wants_certificate: bool
+        self,
+        text: ControllerText,
+        request: ProveRequest,
+        job: WindowJob,
+        *,
+        wants_certificate: bool,
     ) -> None:
         self.text, self.job = text, job
-        self.asked = asked
+        self.asked = request
         self.wants_certificate = wants_certificate
 
     def run(self) -> None:
         """Judge, and tell."""
-        asked = self.asked
-        if asked.sector:
+        request = self.asked
+        if request.sector:
             self._sectors()
-        elif asked.duration is not None and asked.claim is None:
+        elif request.duration is not None and request.claim is None:
             self._tube()
         else:
             claims = self._claims()
@@ -183,9 +188,9 @@ class _LoopProof:
         """Return what is claimed: by the form, or by the lines of the text."""
         from fuzzyarm.closed_loop.orders import claim_of, wants_loop
 
-        asked = self.asked
-        with at_field("claim" if asked.claim is not None else "stable"):
-            if wants_loop(asked):
+        request = self.asked
+        with at_field("claim" if request.claim is not None else "stable"):
+            if wants_loop(request):
                 return [claim_of(self._with_plant(), dashes="")]
         if not self.text.model.claims:
             raise TextRefusedError(
@@ -248,10 +253,10 @@ class _LoopProof:
         from fuzzyarm.closed_loop.orders import tube_of
         from fuzzyarm.show.tube import tube_chart
 
-        asked = self._with_plant()
-        self._require_plant(asked.plant or "")
+        request = self._with_plant()
+        self._require_plant(request.plant or "")
         with at_field("duration"):
-            way, left_open, statement = tube_of(asked, self.text, _told(self.job))
+            way, left_open, statement = tube_of(request, self.text, _told(self.job))
         lines = [statement, *(way.lines() if way.complete else ()), *left_open]
         charts = [tube_chart(way, statement, None)] if way.complete else []
         verdict = "proved" if way.complete and not way.open else "undecided"

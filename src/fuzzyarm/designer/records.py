@@ -134,18 +134,18 @@ def _literal(words: tuple[Any, ...], value: Any, where: str) -> Any:
 def _mapping(kinds: tuple[Any, ...], value: Any, where: str) -> dict[str, Any]:
     if not isinstance(value, Mapping):
         raise MessageError("must be an object", where)
-    return {key: _read(kinds[1], each, f"{where}.{key}") for key, each in value.items()}
+    return {key: _read(kinds[1], item, f"{where}.{key}") for key, item in value.items()}
 
 
 def _tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
     if not isinstance(value, list | tuple):
         raise MessageError("must be a list", where)
     if len(kinds) == 2 and kinds[1] is Ellipsis:
-        return tuple(_read(kinds[0], each, f"{where}[{i}]") for i, each in enumerate(value))
+        return tuple(_read(kinds[0], item, f"{where}[{i}]") for i, item in enumerate(value))
     if len(value) != len(kinds):
         raise MessageError(f"must have {len(kinds)} values", where)
     pairs = enumerate(zip(kinds, value, strict=True))
-    return tuple(_read(kind, each, f"{where}[{i}]") for i, (kind, each) in pairs)
+    return tuple(_read(kind, item, f"{where}[{i}]") for i, (kind, item) in pairs)
 
 
 def _text(value: Any, where: str) -> str:

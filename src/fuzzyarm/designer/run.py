@@ -89,13 +89,13 @@ class Running:
     def __init__(self, plants: Plants) -> None:
         self.plants = plants
 
-    def __call__(self, session: Session, asked: RunWork, job: WindowJob) -> None:
+    def __call__(self, session: Session, request: RunWork, job: WindowJob) -> None:
         """Run until the page wants no more."""
-        LiveRun(self.plants, session, asked, job).go_on()
+        LiveRun(self.plants, session, request, job).go_on()
 
-    def describe(self, session: Session, asked: PlantsWork, job: WindowJob) -> None:
+    def describe(self, session: Session, request: PlantsWork, job: WindowJob) -> None:
         """Tell which plants there are, and which of them the text fits."""
-        text = session.text if asked.text is None else asked.text
+        text = session.text if request.text is None else request.text
         if session.path.lower().endswith(".lut"):
             raise TextRefusedError(
                 "a table does not run by itself",
@@ -109,13 +109,13 @@ class Running:
                 raise
             job.tell({"plants": [], "chosen": "", "likely": "", "direct": "", "alone": True})
             return
-        found = self.plants.described(controller)
-        fitting = [each["name"] for each in found if not each["why"]]
+        plants = self.plants.described(controller)
+        fitting = [plant["name"] for plant in plants if not plant["why"]]
         site = site_by_axes(source_of(controller).model)
         chosen = site.name if site is not None and site.name in fitting else None
         job.tell(
             {
-                "plants": found,
+                "plants": plants,
                 "chosen": chosen or next(iter(fitting), ""),
                 # On which a command runs it by itself; a rule base on that of its controller.
                 "likely": site.name if site is not None else "",
@@ -177,15 +177,15 @@ class LiveRun:
         The connection with the page.
     """
 
-    def __init__(self, plants: Plants, session: Session, asked: RunWork, job: WindowJob) -> None:
+    def __init__(self, plants: Plants, session: Session, request: RunWork, job: WindowJob) -> None:
         self.plants, self.path, self.job = plants, session.path, job
-        self.asked = asked
+        self.asked = request
         self.text = session.text
         self.gains: dict[str, list[float]] = {}  # moved by hand, and not in the text (yet)
-        self.speed = _speed(asked.speed)
-        self.paused = asked.paused
+        self.speed = _speed(request.speed)
+        self.paused = request.paused
         self.pull = (0.0, 0.0)
-        self.rate = CALM if asked.calm else PICTURES
+        self.rate = CALM if request.calm else PICTURES
         self._begin()
 
     # --- What runs ---
@@ -302,31 +302,31 @@ class LiveRun:
 
     # --- What the page says ---
 
-    def _take(self, said: RunWord) -> None:
+    def _take(self, word: RunWord) -> None:
         before = self.__dict__.copy()
-        if not isinstance(said.speed, Absent):
-            self.speed = _speed(said.speed)
+        if not isinstance(word.speed, Absent):
+            self.speed = _speed(word.speed)
             self.behind = -math.inf
-        if said.pause is not None:
-            self.paused = said.pause
+        if word.pause is not None:
+            self.paused = word.pause
             self.reached = False
-        if said.calm is not None:
-            self.rate = CALM if said.calm else PICTURES
-        if not isinstance(said.pull, Absent):
-            self._pull(*(said.pull or (0.0, 0.0)))
+        if word.calm is not None:
+            self.rate = CALM if word.calm else PICTURES
+        if not isinstance(word.pull, Absent):
+            self._pull(*(word.pull or (0.0, 0.0)))
         self._anchor()
-        if said.gains is not None:
-            self._move_gains(said.gains)
-        if said.text is not None:
-            self.text = said.text
+        if word.gains is not None:
+            self._move_gains(word.gains)
+        if word.text is not None:
+            self.text = word.text
             self._take_text()
-        if said.step is not None:
+        if word.step is not None:
             self.paused = True
             self._hold()
-            self.run.advance(self.run.next + max(1, min(said.step, 10_000)))
-        if said.restart:
-            if said.asked is not None:
-                self.asked = said.asked
+            self.run.advance(self.run.next + max(1, min(word.step, 10_000)))
+        if word.restart:
+            if word.asked is not None:
+                self.asked = word.asked
             self._try_again(before)
 
     def _pull(self, x: float, y: float) -> None:
@@ -346,13 +346,13 @@ class LiveRun:
             self.job.tell({"news": "note", "text": in_words(error), "field": field})
 
     def _move_gains(self, values: Mapping[str, Sequence[float]]) -> None:
-        wanted = {**self.gains, **{name: list(value) for name, value in values.items()}}
+        gains = {**self.gains, **{name: list(value) for name, value in values.items()}}
         try:
-            self.run.take_over(self.controller.with_gains(wanted))
+            self.run.take_over(self.controller.with_gains(gains))
         except FuzzyarmError as error:
             self.job.tell({"news": "note", "text": str(error)})
             return
-        self.gains = wanted
+        self.gains = gains
 
     def _take_text(self) -> None:
         """Go on with the text as it is now, where that is possible."""
@@ -428,8 +428,8 @@ class LiveRun:
         shown = zip(motion.tracked, shown_units(course), strict=True)
         driven = driven_by(self.loop.controller, self.loop.site)
         drives = [
-            (index, port, each)
-            for index, (port, each) in enumerate(interface.inputs.items())
+            (index, port, drive)
+            for index, (port, drive) in enumerate(interface.inputs.items())
             if port in driven or port[1] == "torque"
         ]
         self.columns = [index for index, _, _ in drives]
@@ -446,11 +446,11 @@ class LiveRun:
                 "drives": [
                     {
                         "name": interface.label(port),
-                        "unit": each.unit,
-                        "low": short(each.low),
-                        "high": short(each.high),
+                        "unit": drive.unit,
+                        "low": short(drive.low),
+                        "high": short(drive.high),
                     }
-                    for _, port, each in drives
+                    for _, port, drive in drives
                 ],
                 "units": metric_units(course),
                 "gains": self._gains(),
@@ -512,18 +512,18 @@ class LiveRun:
         """
         course, count = self.loop.course, len(self.motion.tracked)
         scale = scales(course)
-        outputs, wanted = rows[:, :count] * scale, rows[:, count : 2 * count] * scale
+        outputs, gains = rows[:, :count] * scale, rows[:, count : 2 * count] * scale
         begin = 2 * count + len(self.loop.site.interface.outputs)
         drives = rows[:, [begin + column for column in self.columns]]
-        values = np.hstack([wanted, outputs, wanted - outputs, drives])
+        values = np.hstack([gains, outputs, gains - outputs, drives])
         every = max(self.every, math.ceil(len(values) / MOST_AT_ONCE))
         at = np.arange(0, len(values), every)
         times = self.motion.sampled[self.run.record.taken[first : first + len(rows)][at]]
-        found: dict[str, Any] = {"t": [short(t, 9) for t in times.tolist()]}
-        found["low"] = _columns(np.minimum.reduceat(values, at))
+        curves: dict[str, Any] = {"t": [short(t, 9) for t in times.tolist()]}
+        curves["low"] = _columns(np.minimum.reduceat(values, at))
         if every > 1:
-            found["high"] = _columns(np.maximum.reduceat(values, at))
-        return found
+            curves["high"] = _columns(np.maximum.reduceat(values, at))
+        return curves
 
     def _measure(self) -> None:
         """Tell the metrics so far, now and then: they are those of the whole run."""
@@ -537,8 +537,8 @@ class LiveRun:
         self.measured, self._measured_at = now, self.run.next
         self.measuring = time.perf_counter() - now
         metrics = {
-            name: {k: None if v is None else short(v, 5) for k, v in each.as_dict().items()}
-            for name, each in found.items()
+            name: {k: None if v is None else short(v, 5) for k, v in value.as_dict().items()}
+            for name, value in found.items()
         }
         self.job.tell({"news": "metrics", "metrics": metrics})
 
@@ -560,7 +560,7 @@ class LiveRun:
 
 
 def _columns(values: NDArray[np.float64]) -> list[list[float | None]]:
-    return [[short(each) for each in column] for column in values.T.tolist()]
+    return [[short(value) for value in column] for column in values.T.tolist()]
 
 
 def _speed(speed: float | None) -> float:

@@ -95,7 +95,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
     """
     positions = Positions(reading.raw_lines)
     functions = Functions()
-    made = plan(rulebase)
+    whole = plan(rulebase)
     lower = doubled(rulebase).lower_names if rulebase.is_type2 else {}
     numbers, reason = None, ""
     try:
@@ -109,9 +109,9 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
             _variable(variable, functions, positions, lower) for variable in rulebase.inputs
         ],
         "outputs": [
-            _output(output, made, functions, positions, lower) for output in rulebase.outputs
+            _output(output, whole, functions, positions, lower) for output in rulebase.outputs
         ],
-        "rules": _rules(rulebase, made, reading, positions),
+        "rules": _rules(rulebase, whole, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "methods": _methods(rulebase, reading),
         "missing": [
@@ -163,7 +163,7 @@ def _term(
     term: Term, variable: Input | Output, functions: Functions, positions: Positions, lower: str
 ) -> SceneTerm:
     """Describe a term; `lower` is what its lower end is called in the numbers, where it has one."""
-    found: SceneTerm = {
+    term_scene: SceneTerm = {
         "name": term.name,
         "at": positions.of(term.span)[0],
         **_shape(term.shape, variable, functions),
@@ -172,13 +172,13 @@ def _term(
         "lower": None,
     }
     if term.lower is not None:
-        found["lower"] = {**_shape(term.lower, variable, functions), "marks": [lower]}
-    return found
+        term_scene["lower"] = {**_shape(term.lower, variable, functions), "marks": [lower]}
+    return term_scene
 
 
 def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> SceneShape:
     kind = SHAPES[shape.kind]
-    found: SceneShape = {
+    drawn: SceneShape = {
         "kind": shape.kind,
         "parameters": list(map(_number, shape.parameters)),
         "names": list(kind.parameters),
@@ -190,17 +190,17 @@ def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> Scen
         "handles": [],
     }
     if not kind.fuzzy:
-        return found
-    found["centre"] = centre(shape, variable.low, variable.high)
-    found["curve"] = _curve(functions.curve(shape, ()))
+        return drawn
+    drawn["centre"] = centre(shape, variable.low, variable.high)
+    drawn["curve"] = _curve(functions.curve(shape, ()))
     if shape.kind == "points":
-        found["handles"] = list(range(0, len(shape.parameters), 2))
+        drawn["handles"] = list(range(0, len(shape.parameters), 2))
     elif shape.kind != "formula":
         names = enumerate(zip(kind.parameters, shape.parameters, strict=True))
-        found["handles"] = [
+        drawn["handles"] = [
             i for i, (name, value) in names if name not in WIDTHS and math.isfinite(value)
         ]
-    return found
+    return drawn
 
 
 def _curve(function: Any) -> SceneCurve:
@@ -208,9 +208,9 @@ def _curve(function: Any) -> SceneCurve:
 
 
 def _output(
-    output: Output, made: Plan, functions: Functions, positions: Positions, lower: LowerNames
+    output: Output, plan: Plan, functions: Functions, positions: Positions, lower: LowerNames
 ) -> SceneOutput:
-    output_plan = made.outputs[output.name]
+    output_plan = plan.outputs[output.name]
     upper = {name: term for (of, term), name in lower.items() if of == output.name}
     members: list[SceneMember] = []
     for i, member in enumerate(output_plan.members):
@@ -247,20 +247,20 @@ def _output(
 
 
 def _rules(
-    rulebase: RuleBase, made: Plan, reading: Reading, positions: Positions
+    rulebase: RuleBase, plan: Plan, reading: Reading, positions: Positions
 ) -> list[SceneRule]:
-    if len(made.rules) > MOST_RULES:
+    if len(plan.rules) > MOST_RULES:
         return []
     concluded: dict[int, list[list[int]]] = {}
-    for o, output in enumerate(made.outputs.values()):
+    for o, output in enumerate(plan.outputs.values()):
         for member, index in output.contributions:
             concluded.setdefault(index, []).append([o, member])
     names = [variable.name for variable in rulebase.inputs]
     nodes = (statement.node for statement in reading.document.statements)
     written = {node.span.line: row_sentence(node) for node in nodes if isinstance(node, RuleNode)}
-    found: list[SceneRule] = []
+    rules: list[SceneRule] = []
     for number, rule in enumerate(rulebase.rules):
-        found.append(
+        rules.append(
             {
                 "text": sentence(rule),
                 "place": place_of(number + 1, rule.span.line, rule.span.column),
@@ -272,14 +272,14 @@ def _rules(
                 "inGrid": rule.in_grid,
                 "parts": list(_parts(rule, names)),
                 # Of type 2 a rule is read twice: by its upper degrees, then by the lower ones.
-                "readings": list(made.readings[number]),
-                "concludes": concluded.get(made.readings[number][0], []),
+                "readings": list(plan.readings[number]),
+                "concludes": concluded.get(plan.readings[number][0], []),
                 "concludesLower": [
-                    each for index in made.readings[number][1:] for each in concluded.get(index, [])
+                    each for index in plan.readings[number][1:] for each in concluded.get(index, [])
                 ],
             }
         )
-    return found
+    return rules
 
 
 def _parts(rule: Rule, names: list[str]) -> Iterable[list[Any]]:
@@ -304,16 +304,16 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
     }
     norms = RuleBlock()
     usual = {"and": norms.conjunction, "or": norms.disjunction, "implication": norms.implication}
-    found = [_method(key, written.get(("", key), value)) for key, value in usual.items()]
+    methods = [_method(key, written.get(("", key), value)) for key, value in usual.items()]
     for key in ("aggregation", "defuzzifier"):
         own = [each for each in rulebase.outputs if (each.name, key) in written]
         others = [each for each in rulebase.outputs if each not in own]
         # Outputs without their own line share one row, told by the first of them.
         for output in [*others[:1], *own]:
             target = output.name if output in own else ""
-            found.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))
-    said = [text_of(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
-    return [*found, *(Method(block=each) for each in said)]
+            methods.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))
+    settings = [text_of(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
+    return [*methods, *(Method(block=each) for each in settings)]
 
 
 def _value(setting: SettingNode) -> str:

@@ -132,10 +132,10 @@ class Designer(OpenFiles):
 
     async def _download(self, request: Request) -> Response:
         """Answer with an exported file, which a browser saves and never shows."""
-        found = self.downloads.find(request.path_params["key"])
-        if found is None:
+        download = self.downloads.find(request.path_params["key"])
+        if download is None:
             return PlainTextResponse("not found", 404)
-        name, content = found
+        name, content = download
         plain = "".join(c if c.isascii() and c not in '"\\%' else "_" for c in name)
         text = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
         headers = {"Content-Disposition": text, "Content-Security-Policy": "default-src 'none'"}
@@ -153,8 +153,8 @@ class Designer(OpenFiles):
         window = Window(send)
         self.windows.append(window)
         try:
-            while (said := await socket.receive())["type"] == "websocket.receive":
-                await self.hear(window, said.get("text"))
+            while (event := await socket.receive())["type"] == "websocket.receive":
+                await self.hear(window, event.get("text"))
         finally:
             window.stop()
             self.windows.remove(window)

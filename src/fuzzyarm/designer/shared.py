@@ -169,8 +169,8 @@ class SharedText:
         for update in updates:
             text = applied(text, update.get("changes"))
         for update in updates:
-            kept = {"clientID": str(update.get("clientID", "")), "changes": update["changes"]}
-            self.updates.append(kept)
+            entry = {"clientID": str(update.get("clientID", "")), "changes": update["changes"]}
+            self.updates.append(entry)
         self.version += len(updates)
         self.session.replace(text, self.version)
         return True
@@ -335,17 +335,17 @@ class SharedText:
     def scene(self, session: Session) -> SceneMessage:
         """Return what is drawn of a session's text; nothing where it has mistakes."""
         reading = session.reading
-        found: Scene | None = None
+        scene: Scene | None = None
         if isinstance(reading, Reading):
             rulebase = session.review().rulebase
             if rulebase is None and _is_begun(reading):
                 rulebase = reading.model  # it is not finished; what is there is drawn
             if rulebase is not None:
-                found = scene_of(rulebase, reading)
+                scene = scene_of(rulebase, reading)
         return {
             "is": "scene",
             "version": session.version,
-            "scene": found,
+            "scene": scene,
             "why": "mistakes" if session.review().failed else "other",
             "diagram": self._diagram(reading),
         }
@@ -362,13 +362,13 @@ class SharedText:
 
     # --- What a page asks ---
 
-    def answer(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def answer(self, request: dict[str, Any]) -> dict[str, Any]:
         """Answer a question about the text; an error is said in words."""
-        what = str(asked.get("what"))
+        what = str(request.get("what"))
         if what not in _QUESTIONS:
             return {"error": "unknown question"}
         try:
-            return _QUESTIONS[what](self, read_record(requests.TEXT_QUESTIONS[what], asked))
+            return _QUESTIONS[what](self, read_record(requests.TEXT_QUESTIONS[what], request))
         except Exception as error:  # the page waits for an answer
             return error_of(error, f"the question {what!r} about {self.path.name}")
 
@@ -388,9 +388,9 @@ class SharedText:
         changes = [{"range": positions.of(edit.span), "text": edit.text} for edit in edits]
         return {"version": self.version, "edits": changes}
 
-    def _complete(self, asked: requests.At) -> dict[str, Any]:
+    def _complete(self, request: requests.At) -> dict[str, Any]:
         kind, positions = self.session.kind, Positions(self.session.lines)
-        candidates = kind.complete(self.session.quick_reading, *self._place(asked.at))
+        candidates = kind.complete(self.session.quick_reading, *self._place(request.at))
         return {
             "options": [
                 {
@@ -404,8 +404,8 @@ class SharedText:
             ]
         }
 
-    def _hover(self, asked: requests.At) -> dict[str, Any]:
-        hover = self.session.hover(*self._place(asked.at))
+    def _hover(self, request: requests.At) -> dict[str, Any]:
+        hover = self.session.hover(*self._place(request.at))
         if hover is None:
             return {"markdown": ""}
         return {
@@ -413,16 +413,16 @@ class SharedText:
             "range": Positions(self.session.lines).of(hover.span),
         }
 
-    def _rename(self, asked: requests.Rename) -> dict[str, Any]:
-        reading, place = self.session.reading, self._place(asked.at)
-        if asked.name is None:
-            found = self.session.kind.name_at(reading, *place)
-            return {"name": None if found is None else found[0]}
-        return self._edits(self.session.kind.rename(reading, *place, asked.name))
+    def _rename(self, request: requests.Rename) -> dict[str, Any]:
+        reading, place = self.session.reading, self._place(request.at)
+        if request.name is None:
+            name = self.session.kind.name_at(reading, *place)
+            return {"name": None if name is None else name[0]}
+        return self._edits(self.session.kind.rename(reading, *place, request.name))
 
-    def _fixes(self, asked: requests.Fixes) -> dict[str, Any]:
+    def _fixes(self, request: requests.Fixes) -> dict[str, Any]:
         """Return the repairs of a finding, or of all in a line."""
-        line, name = self._place(asked.at)[0], asked.name
+        line, name = self._place(request.at)[0], request.name
         diagnostics = self.session.review().diagnostics if self.session.reviewed else ()
         return {
             "fixes": [
@@ -434,13 +434,13 @@ class SharedText:
             ]
         }
 
-    def _format(self, _asked: requests.BareMessage) -> dict[str, Any]:
+    def _format(self, _request: requests.BareMessage) -> dict[str, Any]:
         text = self.session.kind.formatted(self.session.reading)
         if text is None:
             return {"error": "a text with mistakes is not formatted"}
         return {"version": self.version, "changes": difference(self.text, text)}
 
-    def _shapes(self, asked: requests.Shapes) -> dict[str, Any]:
+    def _shapes(self, request: requests.Shapes) -> dict[str, Any]:
         shapes = [
             Reshaped(
                 shape.variable,
@@ -448,85 +448,87 @@ class SharedText:
                 _shape(shape),
                 _shape(shape.lower) if shape.lower else None,
             )
-            for shape in asked.shapes
+            for shape in request.shapes
         ]
         return self._edits(set_shapes(self._rules, shapes))
 
-    def _term(self, asked: requests.TermEdit) -> dict[str, Any]:
+    def _term(self, request: requests.TermEdit) -> dict[str, Any]:
         """Add a term, remove one, or give it another name or kind."""
-        place = self._rules, asked.variable, asked.term
-        if asked.kind is not None:
-            return self._edits(set_kind(*place, asked.kind))
-        if asked.shape is not None:
-            return self._edits(add_term(*place, _shape(asked.shape)))
-        if asked.name is not None:
-            return self._edits(rename_term(*place, asked.name))
+        place = self._rules, request.variable, request.term
+        if request.kind is not None:
+            return self._edits(set_kind(*place, request.kind))
+        if request.shape is not None:
+            return self._edits(add_term(*place, _shape(request.shape)))
+        if request.name is not None:
+            return self._edits(rename_term(*place, request.name))
         return self._edits(remove_term(*place))
 
-    def _variable(self, asked: requests.VariableEdit) -> dict[str, Any]:
+    def _variable(self, request: requests.VariableEdit) -> dict[str, Any]:
         """Add a variable, remove one, or give it another name."""
-        reading, variable = self._rules, asked.variable
-        if asked.role is not None:
-            ends = asked.low, asked.high
-            return self._edits(add_variable(reading, asked.role, variable, ends, asked.terms))
-        if asked.name is not None:
-            return self._edits(rename_variable(reading, variable, asked.name))
+        reading, variable = self._rules, request.variable
+        if request.role is not None:
+            ends = request.low, request.high
+            return self._edits(add_variable(reading, request.role, variable, ends, request.terms))
+        if request.name is not None:
+            return self._edits(rename_variable(reading, variable, request.name))
         return self._edits(remove_variable(reading, variable))
 
-    def _setting(self, asked: requests.SettingEdit) -> dict[str, Any]:
-        return self._edits(set_setting(self._rules, asked.key, asked.value, asked.target))
+    def _setting(self, request: requests.SettingEdit) -> dict[str, Any]:
+        return self._edits(set_setting(self._rules, request.key, request.value, request.target))
 
-    def _grid(self, asked: requests.GridEdit) -> dict[str, Any]:
+    def _grid(self, request: requests.GridEdit) -> dict[str, Any]:
         """Add a grid, or remove one."""
         reading = self._rules
-        if asked.line is not None:
-            return self._edits(remove_grid(reading, asked.line))
-        row = asked.row or None
-        return self._edits(add_grid(reading, asked.output, asked.column, row, asked.fill))
+        if request.line is not None:
+            return self._edits(remove_grid(reading, request.line))
+        row = request.row or None
+        return self._edits(add_grid(reading, request.output, request.column, row, request.fill))
 
-    def _head(self, asked: requests.HeadEdit) -> dict[str, Any]:
+    def _head(self, request: requests.HeadEdit) -> dict[str, Any]:
         """Add a row or a column to a grid, maybe of a new term, or remove one."""
-        place = self._rules, asked.line, asked.term
-        if asked.remove:
-            return self._edits((remove_row if asked.row else remove_column)(*place))
-        shape = None if asked.shape is None else _shape(asked.shape)
-        return self._edits((add_row if asked.row else add_column)(*place, shape))
+        place = self._rules, request.line, request.term
+        if request.remove:
+            return self._edits((remove_row if request.row else remove_column)(*place))
+        shape = None if request.shape is None else _shape(request.shape)
+        return self._edits((add_row if request.row else add_column)(*place, shape))
 
-    def _compose(self, asked: requests.Compose) -> dict[str, Any]:
-        return self._edits(add_rule(self._rules, asked.if_, asked.then, asked.join))
+    def _compose(self, request: requests.Compose) -> dict[str, Any]:
+        return self._edits(add_rule(self._rules, request.if_, request.then, request.join))
 
-    def _range(self, asked: requests.RangeEdit) -> dict[str, Any]:
-        return self._edits(set_variable_range(self._rules, asked.variable, asked.low, asked.high))
+    def _range(self, request: requests.RangeEdit) -> dict[str, Any]:
+        return self._edits(
+            set_variable_range(self._rules, request.variable, request.low, request.high)
+        )
 
-    def _rule(self, asked: requests.RuleEdit) -> dict[str, Any]:
-        return self._edits(set_rule(self._rules, asked.line, asked.sentence))
+    def _rule(self, request: requests.RuleEdit) -> dict[str, Any]:
+        return self._edits(set_rule(self._rules, request.line, request.sentence))
 
-    def _cell(self, asked: requests.CellEdit) -> dict[str, Any]:
-        return self._edits(set_cell(self._rules, *asked.cell, asked.term))
+    def _cell(self, request: requests.CellEdit) -> dict[str, Any]:
+        return self._edits(set_cell(self._rules, *request.cell, request.term))
 
-    def _table(self, asked: requests.TablePage) -> dict[str, Any]:
+    def _table(self, request: requests.TablePage) -> dict[str, Any]:
         from fuzzyarm.designer.tables import table_page
 
-        return {"table": table_page(self.session, asked.page)}
+        return {"table": table_page(self.session, request.page)}
 
-    def _table_cell(self, asked: requests.TableCell) -> dict[str, Any]:
+    def _table_cell(self, request: requests.TableCell) -> dict[str, Any]:
         from fuzzyarm.designer.tables import cell_place
 
-        span = cell_place(self.session, asked.cell)
+        span = cell_place(self.session, request.cell)
         return {"range": None if span is None else Positions(self.session.lines).of(span)}
 
-    def _exports(self, _asked: requests.BareMessage) -> dict[str, Any]:
+    def _exports(self, _request: requests.BareMessage) -> dict[str, Any]:
         from fuzzyarm.designer.exports import forms_of
 
         return {"forms": forms_of(self.session)}
 
-    def _judge(self, asked: requests.FormQuestion) -> dict[str, Any]:
+    def _judge(self, request: requests.FormQuestion) -> dict[str, Any]:
         """Say what is wrong with a form while a hand fills it in."""
         from fuzzyarm.designer.forms import judged
 
-        return judged(asked.form, asked.values, Path(self.session.path).parent)
+        return judged(request.form, request.values, Path(self.session.path).parent)
 
-    def _movable(self, _asked: requests.BareMessage) -> dict[str, Any]:
+    def _movable(self, _request: requests.BareMessage) -> dict[str, Any]:
         """Write into the text what tuning moves where nothing is said, and ranges of gains."""
         from fuzzyarm.tuning.design import default_ranges, everything
 
@@ -543,24 +545,24 @@ class SharedText:
             return {"error": "there is nothing in this text that may move"}
         return self._edits(edits)
 
-    def _merge(self, asked: requests.Merge) -> dict[str, Any]:
+    def _merge(self, request: requests.Merge) -> dict[str, Any]:
         """Bring the change from one text to another into the text as it is now."""
-        both = merged(asked.old, self.text, asked.new)
+        both = merged(request.old, self.text, request.new)
         if both is None:
             return {"error": "the text has changed in the same lines meanwhile"}
         return {"version": self.version, "changes": difference(self.text, both)}
 
-    def _gain(self, asked: requests.GainEdit) -> dict[str, Any]:
-        if not all(map(math.isfinite, asked.values)):
+    def _gain(self, request: requests.GainEdit) -> dict[str, Any]:
+        if not all(map(math.isfinite, request.values)):
             raise MessageError("must be finite", "values")
-        return self._edits(set_gain(self._rules, asked.name, asked.values))
+        return self._edits(set_gain(self._rules, request.name, request.values))
 
-    def _numbers(self, asked: requests.OfVariable) -> dict[str, Any]:
+    def _numbers(self, request: requests.OfVariable) -> dict[str, Any]:
         rulebase = getattr(self.session.reading.parsed, "rulebase", None)  # a table has none
         if rulebase is None:
             return {"numbers": None}
-        found = held_numbers(rulebase, asked.variable)
-        return {"version": self.version, "numbers": found}
+        numbers = held_numbers(rulebase, request.variable)
+        return {"version": self.version, "numbers": numbers}
 
 
 _QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
@@ -597,11 +599,11 @@ def _is_begun(reading: Reading) -> bool:
     return bool(wrong) and wrong <= INCOMPLETE
 
 
-def _shape(asked: requests.ShapeOf) -> Shape:
+def _shape(request: requests.ShapeOf) -> Shape:
     """Return a shape as a page describes it."""
-    if asked.kind not in SHAPES:
+    if request.kind not in SHAPES:
         raise MessageError("is not a shape", "kind")
-    return Shape(asked.kind, asked.parameters, asked.height)
+    return Shape(request.kind, request.parameters, request.height)
 
 
 def _unix(text: str) -> str:

@@ -37,7 +37,7 @@ class Plants:
 
     def __init__(self, own: tuple[str, ...] = ()) -> None:
         self.own = own
-        self.known: dict[str, Plant] = {name: made() for name, made in PLANTS.items()}
+        self.known: dict[str, Plant] = {name: make() for name, make in PLANTS.items()}
         self.known |= {name: find_plant(name) for name in own}
 
     def new(self, name: str) -> Plant:
@@ -148,8 +148,8 @@ def loads_of(plant: Plant, scene: PlantScene, interface: Interface, x: float, y:
 
 
 def _strength(interface: Interface, port: Address) -> float:
-    each = interface.inputs[port]
-    reach = 0.5 * (each.high - each.low)
+    drive = interface.inputs[port]
+    reach = 0.5 * (drive.high - drive.low)
     return reach if math.isfinite(reach) else 1.0
 
 

@@ -29,7 +29,7 @@ TELL_EVERY = 0.1
 """Seconds between two words of how far it is."""
 
 
-def sweepable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+def sweepable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell what the form is, on what the text runs, and the names of its gains."""
     controller, model = _controller(session)
     job.tell({
@@ -49,13 +49,13 @@ def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
     return controller, source_of(controller).model
 
 
-def sweep(session: Session, asked: SweepWork, job: WindowJob) -> None:
+def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
     """Run, and tell what came of it."""
     from fuzzyarm.loop.many import many_of
     from fuzzyarm.loop.sweeps import answered
     from fuzzyarm.show.sweep import sweep_lines
 
-    request, plan = _plan(session, asked, job)
+    request, plan = _plan(session, record, job)
     last = time.monotonic()
 
     def moved(done: int) -> None:
@@ -74,14 +74,14 @@ def sweep(session: Session, asked: SweepWork, job: WindowJob) -> None:
         tell_result(job, lines, charts, files={file.path.name: file.path.read_bytes()})
 
 
-def _plan(session: Session, asked: SweepWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
+def _plan(session: Session, record: SweepWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
     """Return the request and its runs; a mistake is said at its field."""
     from fuzzyarm.loop.sweep import read_range
     from fuzzyarm.loop.sweeps import sweep_of
 
     controller, model = _controller(session)
     path = Path(session.path)
-    request = SWEEP.request(asked.form, path.parent, controller=path.name)
+    request = SWEEP.request(record.form, path.parent, controller=path.name)
     with at_field("plant"):
         plant = plant_named(request.plant or "", model, job.plants)
         request = request.replaced(plant=request.plant or plants_for(model, job.plants)[0]["name"])

@@ -118,14 +118,14 @@ def cell_place(session: Session, cell: Sequence[int]) -> Any:
 # --- A table against its rules ---
 
 
-def table_error(session: Session, asked: TableErrorWork, job: WindowJob) -> None:
+def table_error(session: Session, request: TableErrorWork, job: WindowJob) -> None:
     """Tell how far a table is from direct inference: a map, the worst point, proofs.
 
     Of a rule base the table is compiled as the page asks; a table is compared with the file
     of the folder that it was compiled from.
     """
     model = model_of(session)
-    options = asked.options
+    options = request.options
     if isinstance(model, LookupTable):
         rulebase, words = _source_of(model, job)
         table, mode = model, str(options.get("mode") or model.default_mode)
@@ -136,7 +136,7 @@ def table_error(session: Session, asked: TableErrorWork, job: WindowJob) -> None
         table, mode, lines = report.table, how.mode or report.table.default_mode, []
     else:
         raise ExportRefusedError("a controller has no table of its own: open its rule base")
-    job.tell({"map": error_map(table, rulebase, mode, asked.axes)})
+    job.tell({"map": error_map(table, rulebase, mode, request.axes)})
     if isinstance(model, LookupTable):
         job.progress("measuring the difference")
         fidelities = _fidelities(table, rulebase, mode)
@@ -246,9 +246,9 @@ def error_map(
     }
 
 
-def _held(axis: TableAxis, wanted: float | None) -> float:
+def _held(axis: TableAxis, value: float | None) -> float:
     low, high = axis.ends
-    return min(max(wanted, low), high) if wanted is not None else 0.5 * (low + high)
+    return min(max(value, low), high) if value is not None else 0.5 * (low + high)
 
 
 def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: WindowJob) -> None:
@@ -266,7 +266,7 @@ def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: WindowJ
         done = 0
         while batch := [*islice(errors, AT_ONCE)]:
             done += len(batch)
-            told = [[*cell, max(bounds.high, -bounds.low)] for cell, bounds in batch]
-            job.tell({"cells": told, "done": done, "of": cells})
+            rows = [[*cell, max(bounds.high, -bounds.low)] for cell, bounds in batch]
+            job.tell({"cells": rows, "done": done, "of": cells})
     except UnprovableError as error:
         job.tell({"unproved": str(error)})

@@ -63,26 +63,26 @@ async def run_to_its_end(function: Callable[[], Result]) -> Result:
     return await asyncio.wrap_future(ended)
 
 
-def wait_for(told: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop) -> None:
+def wait_for(telling: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop) -> None:
     """Have the answering do something for work, and wait until it has."""
     if not IN_A_PAGE:
-        asyncio.run_coroutine_threadsafe(told, loop).result()
+        asyncio.run_coroutine_threadsafe(telling, loop).result()
     elif can_take_turns():
         from pyodide.ffi import run_sync
 
-        run_sync(told)
+        run_sync(telling)
         run_sync(asyncio.sleep(0.0))  # what has been said meanwhile is heard
     else:
-        _at_once(told)
+        _at_once(telling)
 
 
-def _at_once(told: Coroutine[Any, Any, None]) -> None:
+def _at_once(telling: Coroutine[Any, Any, None]) -> None:
     """Run what says something to a page: there it waits for nothing."""
     try:
-        told.send(None)
+        telling.send(None)
     except StopIteration:
         return
-    told.close()
+    telling.close()
     raise RuntimeError("what is said to a page waits, and this browser's WebAssembly cannot")
 
 

@@ -92,7 +92,7 @@ def subject_of(path: str, text: str) -> ControllerText | RuleBase:
 # --- What may be asked ---
 
 
-def tunable(session: Session, asked: BareMessage, job: WindowJob) -> None:
+def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell whether the text can be tuned, what may move in it, and on what."""
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.tuning import TuneError
@@ -142,34 +142,34 @@ def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
     from fuzzyarm.tuning.cost import read_cost
     from fuzzyarm.tuning.tune import read_tuning
 
-    asked = TUNE.request(work.form, Path(session.path).parent, file=session.path)
-    asked = asked.replaced(**_samples_of(asked, job))
+    request = TUNE.request(work.form, Path(session.path).parent, file=session.path)
+    request = request.replaced(**_samples_of(request, job))
     with at_field("cost"):
-        if ".py" in (asked.cost or ""):
+        if ".py" in (request.cost or ""):
             raise GroundsError("functions of files are a cost on the command line alone")
-        if asked.cost and asked.data is None:
-            read_cost(asked.cost)
+        if request.cost and request.data is None:
+            read_cost(request.cost)
     with at_field("tune"):
-        read_tuning(asked.tune)
+        read_tuning(request.tune)
     with at_field("duration"):
-        if asked.duration is not None:
-            seconds_of(asked.duration)
-    if asked.evals > MOST_EVALS:
+        if request.duration is not None:
+            seconds_of(request.duration)
+    if request.evals > MOST_EVALS:
         raise FieldError(
-            f"evals must be at most {MOST_EVALS} here, not {asked.evals}", field="evals"
+            f"evals must be at most {MOST_EVALS} here, not {request.evals}", field="evals"
         )
-    most = max(asked.unseen, asked.scenarios or 0)
+    most = max(request.unseen, request.scenarios or 0)
     if most > MOST_SCENARIOS:
         raise GroundsError(f"there must be at most {MOST_SCENARIOS} scenarios here, not {most}")
     with at_field("time"):
-        longest(asked)
-    return PageOrder(session.path, session.text, asked, job.plants.own)
+        longest(request)
+    return PageOrder(session.path, session.text, request, job.plants.own)
 
 
-def _samples_of(asked: TuneRequest, job: WindowJob) -> dict[str, str]:
+def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
     """Return the files of samples as they stand in the folder."""
     files = {}
-    for name, file in (("data", asked.data), ("test", asked.test)):
+    for name, file in (("data", request.data), ("test", request.test)):
         if file is None:
             continue
         if file not in job.folder.listed(*SAMPLES):
@@ -181,9 +181,9 @@ def _samples_of(asked: TuneRequest, job: WindowJob) -> dict[str, str]:
 # --- Here: what a page hears ---
 
 
-def tune(session: Session, asked: TuneWork, job: WindowJob) -> None:
+def tune(session: Session, request: TuneWork, job: WindowJob) -> None:
     """Search, tell, report; goes on until the page wants no more."""
-    order = order_of(session, asked, job)
+    order = order_of(session, request, job)
     prepared(order)  # what does not fit is said at once
     report = _searched(order, job)
     files = report.pop("files")
@@ -203,12 +203,12 @@ def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
     process = context.Process(target=search, args=(there, order), name="fuzzyarm-tune")
     process.start()
     there.close()
-    kept: list[dict[str, Any]] = []
+    searches: list[dict[str, Any]] = []
     try:
-        return _heard(here, job, kept)
+        return _heard(here, job, searches)
     except (EOFError, OSError):
-        if kept:
-            return _with_fault(kept[-1], "its process has ended unexpectedly")
+        if searches:
+            return _with_fault(searches[-1], "its process has ended unexpectedly")
         raise TextRefusedError("the search has ended unexpectedly") from None
     finally:
         here.close()  # at which it ends itself, wherever it is
@@ -217,7 +217,7 @@ def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
             process.kill()
 
 
-def _heard(here: Connection, job: WindowJob, kept: list[dict[str, Any]]) -> dict[str, Any]:
+def _heard(here: Connection, job: WindowJob, searches: list[dict[str, Any]]) -> dict[str, Any]:
     """Pass on what the search says; return its report, and keep what comes before that."""
     while True:
         if any(word.enough for word in job.heard(TuneWord)):
@@ -225,17 +225,17 @@ def _heard(here: Connection, job: WindowJob, kept: list[dict[str, Any]]) -> dict
         if not here.poll(TELL_EVERY):
             job.check()
             continue
-        said: dict[str, Any] = here.recv()
-        if "done" in said:
-            return said["done"]  # type: ignore[no-any-return]
-        if "kept" in said:
-            kept.append(said["kept"])
-        elif "failed" in said and kept:
-            return _with_fault(kept[-1], said["failed"])
-        elif "failed" in said:
-            raise _failure(said["failed"], said.get("field", ""))
+        message: dict[str, Any] = here.recv()
+        if "done" in message:
+            return message["done"]  # type: ignore[no-any-return]
+        if "kept" in message:
+            searches.append(message["kept"])
+        elif "failed" in message and searches:
+            return _with_fault(searches[-1], message["failed"])
+        elif "failed" in message:
+            raise _failure(message["failed"], message.get("field", ""))
         else:
-            job.tell(said)
+            job.tell(message)
 
 
 def _with_fault(report: dict[str, Any], words: str) -> dict[str, Any]:
@@ -252,7 +252,7 @@ def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, repl
 
     own, *others = files
     stem = Path(session.path).stem
-    names = {each["name"]: f"{stem}-{each['name']}.frb" for each in others if each["changed"]}
+    names = {sheet["name"]: f"{stem}-{sheet['name']}.frb" for sheet in others if sheet["changed"]}
     try:
         there = [name for name in names.values() if job.folder.beside(name, ".frb").exists()]
         if there and not replace:
@@ -260,9 +260,9 @@ def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, repl
             return
         from fuzzyarm.text.files import write_atomically
 
-        for each in others:
-            if each["name"] in names:
-                write_atomically(job.folder.beside(names[each["name"]], ".frb"), each["new"])
+        for sheet in others:
+            if sheet["name"] in names:
+                write_atomically(job.folder.beside(names[sheet["name"]], ".frb"), sheet["new"])
     except (FuzzyarmError, OSError) as error:
         job.check()
         job.tell({"untaken": str(error)})
@@ -321,15 +321,15 @@ def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]
     from fuzzyarm.tuning.tune import keywords_of
 
     subject = subject_of(order.path, order.text)
-    asked, stage = order.asked, None
+    request, stage = order.asked, None
     samples: dict[str, Samples] = {}
     if isinstance(subject, ControllerText):
         stage = _stage(order, subject)
     else:
-        samples = _samples(asked, subject)
-    conventions = conventions_of(asked)
+        samples = _samples(request, subject)
+    conventions = conventions_of(request)
     return subject, keywords_of(
-        asked, Order(order.path, subject, stage, samples, conventions, None)
+        request, Order(order.path, subject, stage, samples, conventions, None)
     )
 
 
@@ -340,27 +340,27 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
     from fuzzyarm.loop.words import driven
     from fuzzyarm.tuning.asked import stage_asked
 
-    asked = order.asked
-    plant = plant_named(asked.plant or "", text.model, Plants(order.own))
-    check_words(asked, plant)
+    request = order.asked
+    plant = plant_named(request.plant or "", text.model, Plants(order.own))
+    check_words(request, plant)
     with at_field("vary"):
-        for word in asked.vary:
+        for word in request.vary:
             read_range(word)
     if not plant.trajectories:
-        asked = asked.replaced(trajectory=None, payload=None)
-    return stage_asked(asked, text, driven(asked, plant))
+        request = request.replaced(trajectory=None, payload=None)
+    return stage_asked(request, text, driven(request, plant))
 
 
-def _samples(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
+def _samples(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
     """Return the samples for a rule base alone, its only output being what is to be met."""
     from fuzzyarm.tuning.asked import samples_asked
 
-    if asked.data is None:
+    if request.data is None:
         raise TextRefusedError(
             f"'{rulebase.name}' is a rule base alone: nothing says what is good",
             hint="put samples into the folder, or tune the controller that uses it",
         )
-    return samples_asked(asked, rulebase)
+    return samples_asked(request, rulebase)
 
 
 def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[str, Any]:
@@ -416,19 +416,19 @@ class Teller:
             for parameter, share in zip(design.parameters, design.start, strict=True)
         ]})  # fmt: skip
 
-    def search(self, found: Found) -> None:
+    def search(self, result: Found) -> None:
         """Hear of the search."""
-        self._hear("search", found)
+        self._hear("search", result)
 
-    def linear(self, found: Found) -> None:
+    def linear(self, result: Found) -> None:
         """Hear of the search of the linear opponent."""
-        self._hear("linear", found)
+        self._hear("linear", result)
 
     def rest(self) -> None:
         """Say what has not been said."""
-        for phase, (found, when) in self.found.items():
-            if self.told[phase] < len(found.trials):
-                self._say(phase, found, when - self.begin)
+        for phase, (result, when) in self.found.items():
+            if self.told[phase] < len(result.trials):
+                self._say(phase, result, when - self.begin)
 
     def end(self) -> None:
         """Say what has not been said, and draw the costs of all trials."""
@@ -440,35 +440,35 @@ class Teller:
         begin = time.monotonic()
         if not is_last and begin - self.drawn < 20.0 * self.drawing:
             return {}
-        searches = {NAMES[phase]: found for phase, (found, _) in self.found.items()}
+        searches = {NAMES[phase]: result for phase, (result, _) in self.found.items()}
         panel = cost_panel(searches)
         parts = [_thinned(part) if isinstance(part, Dots) else part for part in panel.parts]
         data = panel_data(replace(panel, parts=parts, title=""))
         self.drawn, self.drawing = begin, time.monotonic() - begin
         return {"panel": data}
 
-    def _hear(self, phase: str, found: Found) -> None:
+    def _hear(self, phase: str, result: Found) -> None:
         now = time.monotonic()
-        self.found[phase] = found, now
+        self.found[phase] = result, now
         if now - self.last >= TELL_EVERY:
             self.last = now
             self.rest()
         if self.enough.is_set():
             raise KeyboardInterrupt
 
-    def _say(self, phase: str, found: Found, seconds: float) -> None:
-        trials = found.trials
+    def _say(self, phase: str, result: Found, seconds: float) -> None:
+        trials = result.trials
         self.told[phase] = len(trials)
         news: dict[str, Any] = {
             "phase": phase,
             "count": len(trials),
             **self._picture(),
-            "best": jsonable(found.best.score.cost),
-            "refused": found.refused,
+            "best": jsonable(result.best.score.cost),
+            "refused": result.refused,
             "seconds": round(seconds, 2),
         }
         if phase == "search":
-            best = found.best.point
+            best = result.best.point
             news["best_shares"] = [float(share) for share in best]
             news["shares"] = [float(share) for share in trials[-1].point]
             pairs = zip(self.design.parameters, best, strict=True)

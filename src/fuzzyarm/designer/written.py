@@ -119,23 +119,23 @@ def _digest(text: str) -> str:
 
 def _colours(reading: Reading) -> list[list[Any]]:
     positions = Positions(reading.raw_lines)
-    found = []
+    spans = []
     for word in coloured(reading):
         (line, start), (_, end) = positions.of(Span(word.line, word.column, word.line, word.end))
-        found.append([line, start, end, word.colour])
-    return found
+        spans.append([line, start, end, word.colour])
+    return spans
 
 
 def _places(reading: Reading, rulebase: RuleBase) -> list[dict[str, Any]]:
     """Return where the shape of each term goes in the text: a stretch, and words in front of it."""
     variables: tuple[Input | Output, ...] = (*rulebase.inputs, *rulebase.outputs)
-    found = []
+    spans = []
     for variable in variables:
         for term in variable.terms:
             place = _place(reading, variable, term)
             if place is not None:
-                found.append({"variable": variable.name, "term": term.name, **place})
-    return found
+                spans.append({"variable": variable.name, "term": term.name, **place})
+    return spans
 
 
 def _place(reading: Reading, variable: Input | Output, term: Term) -> dict[str, Any] | None:

@@ -194,8 +194,8 @@ def _number(value: float, kind: Kind) -> str:
     return '__builtin_nanf("")' if math.isnan(value) else c_number(value, kind)
 
 
-def _member(made: CController, port: StepVariable) -> str:
-    return made.targets[port.symbol].replace("->", ".", 1)
+def _member(controller: CController, port: StepVariable) -> str:
+    return controller.targets[port.symbol].replace("->", ".", 1)
 
 
 # --- The sketch ---
@@ -237,7 +237,7 @@ def _routine_sketch(
 
 
 def _controller_sketch(
-    program: ControllerProgram, made: CController, stem: str, board: Board
+    program: ControllerProgram, controller: CController, stem: str, board: Board
 ) -> Iterator[str]:
     """Yield the lines of a sketch that runs a controller at its period."""
     steps, model = program.steps, program.text.model
@@ -266,7 +266,8 @@ def _controller_sketch(
     kind = steps.precision.outside
     for port in steps.of_sort("reference"):
         zero = c_number(0.0, kind)
-        yield f"    {_member(made, port)} = {zero}; /* what you want of {_said(program, port)} */"
+        member = _member(controller, port)
+        yield f"    {member} = {zero}; /* what you want of {_said(program, port)} */"
     arguments = ["&state"]
     if steps.of_sort("reference"):
         arguments.append("&reference")
@@ -276,14 +277,14 @@ def _controller_sketch(
     for number, port in enumerate(measured):
         text = _from_pin(-1.0, 1.0, number, None, kind, board)
         remark = f"/* {_said(program, port)}: the range of your sensor */"
-        yield f"    {_member(made, port)} = {text}; {remark}"
+        yield f"    {_member(controller, port)} = {text}; {remark}"
     if drives:
         yield f"    {stem}_drives drive;"
         arguments.append("&drive")
     yield f"    {stem}_step({', '.join(arguments)});"
     for port in drives:
         yield f'    Serial.print("{_quoted(_said(program, port))} ");'
-        yield f"    Serial.println({_member(made, port)}, 3);"
+        yield f"    Serial.println({_member(controller, port)}, 3);"
     yield from ["}", ""]
 
 

@@ -321,18 +321,18 @@ def _run_program(call: MeasuredStep) -> str:
     return re.sub(r"\b(" + "|".join(words) + r")\b", lambda match: words[match[0]], _RUN)
 
 
-def _figures(said: str) -> dict[str, list[int]]:
+def _figures(output: str) -> dict[str, list[int]]:
     """Return the numbers that a program said, by their words."""
     figures: dict[str, list[int]] = {}
-    for word, number in re.findall(r"(low|high|stack|empty|test)=(\d+)", said):
+    for word, number in re.findall(r"(low|high|stack|empty|test)=(\d+)", output):
         figures.setdefault(word, []).append(int(number))
     return figures
 
 
-def _cycles(found: dict[str, list[int]]) -> tuple[int, ...]:
-    empty, *lows = found["low"]
+def _cycles(figures: dict[str, list[int]]) -> tuple[int, ...]:
+    empty, *lows = figures["low"]
     cycles = []
-    for low, high in zip(lows, found["high"], strict=True):
+    for low, high in zip(lows, figures["high"], strict=True):
         # How often the 16 bits of the quick count went round.
         turns = round((high * 1024 - low) / 65536)
         cycles.append(low + 65536 * turns - empty)

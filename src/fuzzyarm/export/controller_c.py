@@ -347,25 +347,25 @@ class CController:
                 counts[name] = counts.get(name, 0) + 1
         return counts
 
-    def _step(self, each: Step, following: Step | None, uses: dict[str, int]) -> list[str]:
-        if isinstance(each, Set):
-            return self._set(each)
-        if isinstance(each, Teach):
-            return [self._taught(each)]
+    def _step(self, step: Step, following: Step | None, uses: dict[str, int]) -> list[str]:
+        if isinstance(step, Set):
+            return self._set(step)
+        if isinstance(step, Teach):
+            return [self._taught(step)]
         kind = self.wide
-        if isinstance(each, Ask):
-            text, kind = self._asked(each)
-        elif isinstance(each, Find):
-            inputs = ", ".join(self.members[name] for name in each.inputs)
-            function = self._cell_function(each.grid, self.steps.grids[each.grid])
+        if isinstance(step, Ask):
+            text, kind = self._asked(step)
+        elif isinstance(step, Find):
+            inputs = ", ".join(self.members[name] for name in step.inputs)
+            function = self._cell_function(step.grid, self.steps.grids[step.grid])
             text, kind = f"{function}({inputs})", "unsigned"
         else:
-            text, kind = f"{self.tables[each.table]}.values[{self.targets[each.cell]}]", self.outer
-        once = isinstance(following, Set) and uses.get(each.target) == 1
-        if once and kind != "unsigned" and each.target in symbols(following.value):  # type: ignore[union-attr]
-            self._know(each.target, text, kind)
+            text, kind = f"{self.tables[step.table]}.values[{self.targets[step.cell]}]", self.outer
+        once = isinstance(following, Set) and uses.get(step.target) == 1
+        if once and kind != "unsigned" and step.target in symbols(following.value):  # type: ignore[union-attr]
+            self._know(step.target, text, kind)
             return []
-        name = self._local(each.target, kind)
+        name = self._local(step.target, kind)
         return [f"const {kind} {name} = {text};"]
 
     def _local(self, target: str, kind: str) -> str:
@@ -376,18 +376,18 @@ class CController:
             self._know(target, name, kind)
         return name
 
-    def _set(self, each: Set) -> list[str]:
-        body, value = spread("part", each.value, self.parts)
+    def _set(self, assignment: Set) -> list[str]:
+        body, value = spread("part", assignment.value, self.parts)
         lines = self.language.lines(body)
         self.parts |= set(names_set(body))
         text = self.language.expression(value)
-        variable = self.steps.variables.get(each.target)
+        variable = self.steps.variables.get(assignment.target)
         if variable is not None:
             kind = self.kind_of(variable)
         else:
-            kind = self.outer if each.rounded else self.wide
+            kind = self.outer if assignment.rounded else self.wide
         narrow = kind != self.wide
-        if each.rounded and not narrow and self.outer != self.wide:
+        if assignment.rounded and not narrow and self.outer != self.wide:
             text = f"({self.wide})({self.outer})({text})"  # kept wide for a later line: zoom
         # A value that was narrow before needs no way through the wider type.
         plain = text.removeprefix(f"({self.wide})")
@@ -396,20 +396,20 @@ class CController:
         elif narrow:
             text = f"({kind}){text}" if text.isidentifier() else f"({kind})({text})"
         if variable is None:
-            return [*lines, f"const {kind} {self._local(each.target, kind)} = {text};"]
-        return [*lines, f"{self.targets[each.target]} = {text};"]
+            return [*lines, f"const {kind} {self._local(assignment.target, kind)} = {text};"]
+        return [*lines, f"{self.targets[assignment.target]} = {text};"]
 
-    def _asked(self, each: Ask) -> tuple[str, str]:
+    def _asked(self, query: Ask) -> tuple[str, str]:
         """Return the call of a routine and the type of its result."""
-        routine, function = self.steps.routines[each.routine], self.functions[each.routine]
+        routine, function = self.steps.routines[query.routine], self.functions[query.routine]
         core = getattr(routine, "core", None)
         if not isinstance(core, FixedTable):
             kind = C_TYPES[routine.kind]
-            texts = [self._in_type(name, kind) for name in each.inputs]
+            texts = [self._in_type(name, kind) for name in query.inputs]
             return f"{function}({', '.join(texts)})", kind
         kind, wide = C_TYPES[routine.kind], self.wide
         inputs = []
-        for scale, name in zip(core.inputs, each.inputs, strict=True):
+        for scale, name in zip(core.inputs, query.inputs, strict=True):
             text = self.language.expression(scaled(scale, symbol(name)))
             inputs.append(f"({kind})((int32_t)({text}) - {shift_of(scale)})")
         self.language.rename["whole number"] = f"({wide}){function}({', '.join(inputs)})"
@@ -419,23 +419,23 @@ class CController:
         """Return how a symbol is handed to a function that takes this type."""
         return self.targets[name] if kind != self.wide else self.members[name]
 
-    def _taught(self, each: Teach) -> str:
-        judge = self.steps.judges[each.judge]
+    def _taught(self, lesson: Teach) -> str:
+        judge = self.steps.judges[lesson.judge]
         kind = self.steps.precision.outside
-        if each.judge not in self.judges:
-            values = rounded(np.asarray(judge.values).ravel(), kind, f"table '{each.judge}'")
+        if lesson.judge not in self.judges:
+            values = rounded(np.asarray(judge.values).ravel(), kind, f"table '{lesson.judge}'")
             literals = [c_number(x, kind) for x in values.tolist()]
             columns = judge.shape[-1]
-            self.judges[each.judge] = self.writer.constant(kind, literals, each.judge, columns)
+            self.judges[lesson.judge] = self.writer.constant(kind, literals, lesson.judge, columns)
         cast = f"({self.wide})" if self.wide != self.outer else ""
         arguments = [
-            f"&{self.tables[each.table]}",
-            self.targets[each.cell],
-            f"{cast}{self.judges[each.judge]}[{self.targets[each.judged]}]",
-            self.language.expression(each.rate),
-            self.language.expression(each.bound),
+            f"&{self.tables[lesson.table]}",
+            self.targets[lesson.cell],
+            f"{cast}{self.judges[lesson.judge]}[{self.targets[lesson.judged]}]",
+            self.language.expression(lesson.rate),
+            self.language.expression(lesson.bound),
         ]
-        return f"{self._learn_function(each.table)}({', '.join(arguments)});"
+        return f"{self._learn_function(lesson.table)}({', '.join(arguments)});"
 
     # --- init, save, load ---
 
@@ -704,23 +704,24 @@ def controller_library(
     return CLibrary(header, source, tests, writer, prototypes, name), controller
 
 
-def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:
-    prefix = made.prefix
-    lines = [f"{prototype};" for prototype in made.prototypes().values()]
+def _use_words(controller: CController, stem: str, *, alone: bool) -> list[str]:
+    prefix = controller.prefix
+    lines = [f"{prototype};" for prototype in controller.prototypes().values()]
     lines += [
-        f"constants (flash): {made.writer.flash} bytes, besides the code",
-        f"state (RAM): about {made.ram()} bytes; nothing is allocated, nothing is static",
+        f"constants (flash): {controller.writer.flash} bytes, besides the code",
+        f"state (RAM): about {controller.ram()} bytes; nothing is allocated, nothing is static",
         f'use: #include "{stem}.h"' + ("" if alone else f", link {stem}.c"),
-        f"call {prefix}_init once, {prefix}_step every {number_text(made.steps.model.period)} s;"
+        f"call {prefix}_init once, "
+        f"{prefix}_step every {number_text(controller.steps.model.period)} s;"
         f" gains are s.gains, which {prefix}_init sets",
     ]
-    if made.steps.needs_last:
+    if controller.steps.needs_last:
         lines.append(
-            f"a set point lasts {made.steps.model.every} periods, counted from init; where the"
-            " next one comes off that count, set s.until_set_point = 1 before the last step of"
-            " the present one"
+            f"a set point lasts {controller.steps.model.every} periods, counted from init; "
+            "where the next one comes off that count, set s.until_set_point = 1 before the last"
+            " step of the present one"
         )
-    if made.steps.learned:
+    if controller.steps.learned:
         lines.append(
             f"tables that learn are part of the state: {prefix}_save copies their values and visits"
             f" out ({prefix.upper()}_LEARNED_CELLS numbers each, axis by axis), {prefix}_load"
@@ -732,16 +733,16 @@ def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:
 _TYPE_OF = {"reference": "reference", "measured": "measured", "drive": "drives"}
 
 
-def reads(each: Step) -> Iterator[str]:
+def reads(step: Step) -> Iterator[str]:
     """Yield the symbols that a step reads."""
-    if isinstance(each, Set):
-        yield from symbols(each.value)
-    elif isinstance(each, Ask | Find):
-        yield from each.inputs
-    elif isinstance(each, Pick):
-        yield each.cell
+    if isinstance(step, Set):
+        yield from symbols(step.value)
+    elif isinstance(step, Ask | Find):
+        yield from step.inputs
+    elif isinstance(step, Pick):
+        yield step.cell
     else:
-        yield from (each.cell, each.judged, *symbols(each.rate), *symbols(each.bound))
+        yield from (step.cell, step.judged, *symbols(step.rate), *symbols(step.bound))
 
 
 def _whole(table: LearningTable) -> str:

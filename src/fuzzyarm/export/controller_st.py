@@ -134,22 +134,22 @@ class _Controller:
             values = np.asarray(judge.values).ravel().tolist()
             self.arrays[key] = self._array("VAR CONSTANT", key, values, judge.shape[-1])
 
-    def _variable(self, each: StepVariable, title: str) -> None:
+    def _variable(self, variable: StepVariable, title: str) -> None:
         one = len(self.steps.model.axis_names) == 1
-        axis = f"{each.axis}_" if each.axis and not one else ""
-        front = f"{each.sort}_" if each.sort in ("reference", "measured") else ""
-        number = f"_{each.number + 1}" if each.number >= 0 else ""
-        name = self.names.new(f"{front}{axis}{each.name}{number}")
-        kind = self.wide if each.wide else self.outer
+        axis = f"{variable.axis}_" if variable.axis and not one else ""
+        front = f"{variable.sort}_" if variable.sort in ("reference", "measured") else ""
+        number = f"_{variable.number + 1}" if variable.number >= 0 else ""
+        name = self.names.new(f"{front}{axis}{variable.name}{number}")
+        kind = self.wide if variable.wide else self.outer
         start = ""
-        if each.sort in ("gain", "state"):
-            start = f" := {self._number(each.start, wide=each.wide)}"
+        if variable.sort in ("gain", "state"):
+            start = f" := {self._number(variable.start, wide=variable.wide)}"
         remark = ""
-        if each.sort == "gain":
-            unit = next(g.unit for g in self.steps.model.gains if g.name == each.name)
+        if variable.sort == "gain":
+            unit = next(g.unit for g in self.steps.model.gains if g.name == variable.name)
             remark = f" (* {plain(unit)} *)" if unit else ""
         self.sections[title].append(f"    {name} : {kind}{start};{remark}")
-        self._know(each.symbol, name, kind)
+        self._know(variable.symbol, name, kind)
 
     def _number(self, value: float, *, wide: bool = False) -> str:
         types = self.steps.precision
@@ -163,8 +163,8 @@ class _Controller:
         self.members[name] = text if kind == self.wide else f"{kind}_TO_{self.wide}({text})"
         self.language.rename[name] = self.members[name]
 
-    def _array(self, title: str, wanted: str, values: Sequence[float], columns: int = 0) -> str:
-        name = self.names.new(wanted)
+    def _array(self, title: str, stem: str, values: Sequence[float], columns: int = 0) -> str:
+        name = self.names.new(stem)
         literals = [self._number(float(value)) for value in values]
         lines = number_lines(literals, columns, indent="        ")
         head = f"    {name} : ARRAY [0..{len(literals) - 1}] OF {self.outer} := ["
@@ -241,21 +241,21 @@ class _Controller:
         if self.steps.needs_first:
             yield f"{self.language.rename[FIRST]} := FALSE;"
 
-    def _step(self, each: Step) -> Iterator[str]:
-        if isinstance(each, Set):
-            yield from self._set(each)
-        elif isinstance(each, Ask):
-            yield from self._asked(each)
-        elif isinstance(each, Find):
-            arguments = [self.members[name] for name in each.inputs]
-            call, result = self._call(each.grid, arguments)
+    def _step(self, step: Step) -> Iterator[str]:
+        if isinstance(step, Set):
+            yield from self._set(step)
+        elif isinstance(step, Ask):
+            yield from self._asked(step)
+        elif isinstance(step, Find):
+            arguments = [self.members[name] for name in step.inputs]
+            call, result = self._call(step.grid, arguments)
             yield call
-            yield f"{self._local(each.target, 'DINT')} := {result};"
-        elif isinstance(each, Pick):
-            value = f"{self.arrays[each.table]}[{self.targets[each.cell]}]"
-            yield f"{self._local(each.target, self.outer)} := {value};"
+            yield f"{self._local(step.target, 'DINT')} := {result};"
+        elif isinstance(step, Pick):
+            value = f"{self.arrays[step.table]}[{self.targets[step.cell]}]"
+            yield f"{self._local(step.target, self.outer)} := {value};"
         else:
-            yield from self._taught(each)
+            yield from self._taught(step)
 
     def _parts(self, value: Node) -> tuple[tuple[Statement, ...], Node]:
         """Return the statements that set parts of a value; a choice is not an expression here."""
@@ -268,61 +268,61 @@ class _Controller:
         body, result = self._parts(value)
         return self.language.lines(body), self.language.expression(result)
 
-    def _set(self, each: Set) -> Iterator[str]:
-        variable = self.steps.variables.get(each.target)
+    def _set(self, assignment: Set) -> Iterator[str]:
+        variable = self.steps.variables.get(assignment.target)
         if variable is not None:
             kind = self.wide if variable.wide else self.outer
         else:
-            kind = self.outer if each.rounded else self.wide
-        if kind == self.wide and not (each.rounded and self.outer != self.wide):
-            body, value = self._parts(each.value)
-            target = self._target(each.target, kind)
+            kind = self.outer if assignment.rounded else self.wide
+        if kind == self.wide and not (assignment.rounded and self.outer != self.wide):
+            body, value = self._parts(assignment.value)
+            target = self._target(assignment.target, kind)
             yield from self.language.lines(setting(target, body, value))
             return
-        lines, text = self._expression(each.value)
+        lines, text = self._expression(assignment.value)
         yield from lines
         text = f"{self.wide}_TO_{self.outer}({text})"
         if kind == self.wide:
             text = f"{self.outer}_TO_{self.wide}({text})"
-        yield f"{self._target(each.target, kind)} := {text};"
+        yield f"{self._target(assignment.target, kind)} := {text};"
 
     def _target(self, target: str, kind: str) -> str:
         """Return the variable that a step sets; a local one is declared."""
         is_variable = target in self.steps.variables
         return self.targets[target] if is_variable else self._local(target, kind)
 
-    def _asked(self, each: Ask) -> Iterator[str]:
-        routine = self.steps.routines[each.routine]
+    def _asked(self, query: Ask) -> Iterator[str]:
+        routine = self.steps.routines[query.routine]
         core = getattr(routine, "core", None)
         if not isinstance(core, FixedTable):
             kind = ST_TYPES[routine.kind]
             arguments = [
                 self.targets[name] if kind != self.wide else self.members[name]
-                for name in each.inputs
+                for name in query.inputs
             ]
-            call, result = self._call(each.routine, arguments)
+            call, result = self._call(query.routine, arguments)
             yield call
-            yield f"{self._local(each.target, kind)} := {result};"
+            yield f"{self._local(query.target, kind)} := {result};"
             return
         kind, arguments = ST_TYPES[routine.kind], []
-        for scale, name in zip(core.inputs, each.inputs, strict=True):
+        for scale, name in zip(core.inputs, query.inputs, strict=True):
             lines, text = self._expression(scaled(scale, symbol(name)))
             yield from lines
             arguments.append(f"DINT_TO_{kind}(TRUNC({text}) - {shift_of(scale)})")
-        call, result = self._call(each.routine, arguments)
+        call, result = self._call(query.routine, arguments)
         yield call
         self.language.rename["whole number"] = f"{kind}_TO_{self.wide}({result})"
         text = self.language.expression(unscaled(core.output, symbol("whole number")))
-        yield f"{self._local(each.target, self.wide)} := {text};"
+        yield f"{self._local(query.target, self.wide)} := {text};"
 
-    def _taught(self, each: Teach) -> Iterator[str]:
+    def _taught(self, lesson: Teach) -> Iterator[str]:
         """Correct a table, as `learn` in the kernel does."""
-        table, key = self.steps.learned[each.table], each.table
-        values, cell = self.arrays[key], self.targets[each.cell]
+        table, key = self.steps.learned[lesson.table], lesson.table
+        values, cell = self.arrays[key], self.targets[lesson.cell]
         responsible = self.arrays[f"{key} cell"]
         narrow = self.outer != self.wide
-        rate, bound = (self.language.expression(node) for node in (each.rate, each.bound))
-        judged = f"{self.arrays[each.judge]}[{self.targets[each.judged]}]"
+        rate, bound = (self.language.expression(node) for node in (lesson.rate, lesson.bound))
+        judged = f"{self.arrays[lesson.judge]}[{self.targets[lesson.judged]}]"
         old = f"{values}[{responsible}]"
         if narrow:
             judged, old = (f"{self.outer}_TO_{self.wide}({text})" for text in (judged, old))

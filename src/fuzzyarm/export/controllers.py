@@ -262,10 +262,10 @@ def port_name(steps: Steps, port: StepVariable) -> str:
     return port.name if len(steps.model.axis_names) == 1 else f"{port.axis}.{port.name}"
 
 
-def _by_port(steps: Steps, given: dict[str, float]) -> dict[str, dict[str, float]]:
+def _by_port(steps: Steps, values: dict[str, float]) -> dict[str, dict[str, float]]:
     return {
         sort: {
-            port_name(steps, variable): given[variable.symbol] for variable in steps.of_sort(sort)
+            port_name(steps, variable): values[variable.symbol] for variable in steps.of_sort(sort)
         }
         for sort in ("measured", "reference")
     }

@@ -94,19 +94,19 @@ def step_cost(text: ControllerText) -> StepCost:
     return StepCost(least, most, exported)
 
 
-def _cost(each: Step, steps: Steps) -> tuple[Operations, Operations]:
+def _cost(step: Step, steps: Steps) -> tuple[Operations, Operations]:
     """Return what a step takes, at least and at most."""
-    if isinstance(each, Set):
-        return operations_of(each.value, least=True), operations_of(each.value)
-    if isinstance(each, Ask):
-        operations = Operations(dict(steps.routines[each.routine].cost().operations))
+    if isinstance(step, Set):
+        return operations_of(step.value, least=True), operations_of(step.value)
+    if isinstance(step, Ask):
+        operations = Operations(dict(steps.routines[step.routine].cost().operations))
         del operations["index multiplications"]
         return operations, operations
-    if isinstance(each, Find):
-        sizes = [len(thresholds) for _, thresholds in steps.grids[each.grid]]
+    if isinstance(step, Find):
+        sizes = [len(thresholds) for _, thresholds in steps.grids[step.grid]]
         operations = Operations({COMPARISONS: sum(math.ceil(math.log2(n + 1)) for n in sizes)})
         return operations, operations
-    if isinstance(each, Teach):
+    if isinstance(step, Teach):
         operations = Operations({SUMS: 1, PRODUCTS: 1, COMPARISONS: 4})
         return Operations({COMPARISONS: 2}), operations
     return Operations(), Operations()

@@ -115,7 +115,7 @@ def controller_fmu(
     steps = program.steps
     files, writer = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
     entries = list(_entries(program, writer.targets))
-    settable = sum(each.sort in ("reference", "measured", "gain") for each, _, _ in entries)
+    settable = sum(entry.sort in ("reference", "measured", "gain") for entry, _, _ in entries)
     # The host compares this token with that of the library: it changes with what is computed.
     digest = hashlib.sha256((files[".h"] + str(version)).encode()).digest()
     token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
@@ -128,10 +128,10 @@ def controller_fmu(
     content: dict[str, str | bytes] = {
         "modelDescription.xml": description,
         **{
-            f"binaries/{each.folders[version]}/{prefix}{each.suffix}": compile_library(
-                [*compiler, "-target", each.target], sources, prefix, each.suffix
+            f"binaries/{entry.folders[version]}/{prefix}{entry.suffix}": compile_library(
+                [*compiler, "-target", entry.target], sources, prefix, entry.suffix
             )
-            for each in platforms
+            for entry in platforms
         },
         f"sources/{prefix}.h": files[".h"],
         f"sources/{prefix}.c": source,

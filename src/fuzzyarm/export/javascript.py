@@ -171,11 +171,11 @@ def numbers_of(
     }
 
 
-def _first_weight(made: Plan, layout: Layout) -> int:
+def _first_weight(plan: Plan, layout: Layout) -> int:
     """Return where the weights of the rules begin in the floats: in front of the first output's."""
     first = layout.whole[layout.whole[block.OUTPUTS_AT] + block.FLOATS_AT]
     # Two floats for each rule: weight and threshold.
-    return first - 2 * len(made.rules)
+    return first - 2 * len(plan.rules)
 
 
 def _base64(letter: str, numbers: Sequence[float]) -> str:

@@ -221,21 +221,21 @@ class Listing:
         inner = [self._symbols(self.calls[name][1]) for name in names & set(self.calls)]
         return names.union(*inner)
 
-    def _named_parts(self, each: Walked) -> Walked:
+    def _named_parts(self, statement: Walked) -> Walked:
         """Have the parts of a walk stand in variables where they take more than one statement."""
         parts = []
-        for part in each.parts:
-            body, value = spread(each.walk.total, part, self._taken)
+        for part in statement.parts:
+            body, value = spread(statement.walk.total, part, self._taken)
             self._taken |= set(variables(body))
             self.body += body
             parts.append(value)
-        return replace(each, parts=tuple(parts))
+        return replace(statement, parts=tuple(parts))
 
-    def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
-        assert isinstance(each, Assign)
-        body, value = spread(each.name, each.value, self._taken)
+    def _spread_out(self, statement: Statement) -> tuple[Statement, ...]:
+        assert isinstance(statement, Assign)
+        body, value = spread(statement.name, statement.value, self._taken)
         self._taken |= set(variables(body))
-        return setting(each.name, body, value, each.remark)
+        return setting(statement.name, body, value, statement.remark)
 
     # ── cost ─────────────────────────────────────────────────────────────────────────
 
@@ -307,10 +307,10 @@ def _lines(
     body: Sequence[Statement | Loop | Walked],
     language: Language,
     real: str,
-    made: set[str],
+    declared: set[str],
     walks: Mapping[DefuzzifierWalk, str],
 ) -> list[str]:
-    """Return the lines of some statements; `made` has the names that exist before.
+    """Return the lines of some statements; `declared` has the names that exist before.
 
     `walks` has the functions of the walks.
     """
@@ -327,7 +327,7 @@ def _lines(
                 *(f"{room}[{index}] = {part};" for index, part in enumerate(parts)),
                 f"{walk.value} = {walks[walk]}({room}, &{walk.total});",
             ]
-            made |= {walk.total, walk.value}
+            declared |= {walk.total, walk.value}
             continue
         if isinstance(step, Loop):
             sums = step.sums
@@ -337,30 +337,30 @@ def _lines(
             lines.append(
                 f"for (unsigned {sums.index} = 0u; {sums.index} < {sums.count}u; {sums.index}++) {{"
             )
-            inner = _lines(step.body, language, real, made | {sums.area, sums.moment}, walks)
+            inner = _lines(step.body, language, real, declared | {sums.area, sums.moment}, walks)
             lines += [*(f"    {line}" for line in inner), "}"]
-            made |= {sums.area, sums.moment}
+            declared |= {sums.area, sums.moment}
             continue
         again = isinstance(step, Assign) and times_set[step.name] > 1
-        text = language.lines([step], made={step.name} if again else made)
-        if again and step.name not in made:
+        text = language.lines([step], declared={step.name} if again else declared)
+        if again and step.name not in declared:
             text[0] = f"{real} {text[0]}"  # not const: it is set again
-        made.add(step.name)
+        declared.add(step.name)
         lines += text
     return lines
 
 
-def _sets(each: Statement | SampleSums | DefuzzifierWalk | Loop | Walked) -> tuple[str, ...]:
+def _sets(statement: Statement | SampleSums | DefuzzifierWalk | Loop | Walked) -> tuple[str, ...]:
     """Return the variables that something sets and others may read."""
-    if isinstance(each, Walked):
-        each = each.walk
-    if isinstance(each, DefuzzifierWalk):
-        return each.total, each.value
-    if isinstance(each, Loop):
-        each = each.sums
-    if isinstance(each, SampleSums):
-        return each.area, each.moment
-    return (each.name,)
+    if isinstance(statement, Walked):
+        statement = statement.walk
+    if isinstance(statement, DefuzzifierWalk):
+        return statement.total, statement.value
+    if isinstance(statement, Loop):
+        statement = statement.sums
+    if isinstance(statement, SampleSums):
+        return statement.area, statement.moment
+    return (statement.name,)
 
 
 def element(sums: SampleSums, column: str) -> str:

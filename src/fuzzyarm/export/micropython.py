@@ -111,12 +111,12 @@ class PythonModule:
             self.constants.append(f"{self.known[key]} = {text}  # {value!r}")
         return self.known[key]
 
-    def array(self, numbers: Any, kind: Kind, wanted: str) -> str:
+    def array(self, numbers: Any, kind: Kind, stem: str) -> str:
         """Return the name of an array, which no variable has; equal ones are shared."""
         data = np.asarray(numbers).astype(np.dtype(kind).newbyteorder("<")).tobytes()
         key = ("array", kind, data)
         if key not in self.known:
-            name = self.known[key] = f"_{self.names.new(wanted)}"
+            name = self.known[key] = f"_{self.names.new(stem)}"
             letter = _LETTERS[np.dtype(kind).name]
             parts = [data[i : i + 24] for i in range(0, len(data), 24)]
             lines = "".join(f"\n    {_bytes(part)}" for part in parts)
@@ -282,16 +282,16 @@ def _rules(routine: DirectRoutine, module: PythonModule, parameters: Sequence[st
     return [*lines, f"return {language.expression(listing.result)}"]
 
 
-def _one(each: Statement, language: Language) -> list[str]:
-    return language.lines([each])
+def _one(statement: Statement, language: Language) -> list[str]:
+    return language.lines([statement])
 
 
-def _loop(each: Loop, module: PythonModule, language: Language) -> list[str]:
-    sums = each.sums
+def _loop(loop: Loop, module: PythonModule, language: Language) -> list[str]:
+    sums = loop.sums
     for name, column in sums.columns.items():
         array = module.array(column, np.float64, sums.wanted[name])
         language.rename[element(sums, name)] = f"{array}[{sums.index}]"
-    inner = [line for part in each.body for line in _one(part, language)]
+    inner = [line for part in loop.body for line in _one(part, language)]
     return [
         *(f"{name} = 0.0" for name in (sums.area, sums.moment)),
         f"for {sums.index} in range({sums.count}):",

@@ -190,19 +190,19 @@ class _Class:
         drives = [self.targets[drive.symbol] for drive in self.steps.of_sort("drive")]
         return [*lines, f"return {', '.join(drives)}"] if drives else lines
 
-    def _step(self, each: Step) -> list[str]:
-        if isinstance(each, Set):
-            return self._set(each)
-        if isinstance(each, Ask):
-            return self._asked(each)
-        if isinstance(each, Teach):
-            return self._taught(each)
-        if isinstance(each, Find):
-            arguments = ", ".join(self.language.rename[name] for name in each.inputs)
-            value = f"{self._cell(each.grid)}({arguments})"
+    def _step(self, step: Step) -> list[str]:
+        if isinstance(step, Set):
+            return self._set(step)
+        if isinstance(step, Ask):
+            return self._asked(step)
+        if isinstance(step, Teach):
+            return self._taught(step)
+        if isinstance(step, Find):
+            arguments = ", ".join(self.language.rename[name] for name in step.inputs)
+            value = f"{self._cell(step.grid)}({arguments})"
         else:
-            value = f"{self.tables[each.table]}[{self.targets[each.cell]}]"
-        return [f"{self._local(each.target)} = {value}"]
+            value = f"{self.tables[step.table]}[{self.targets[step.cell]}]"
+        return [f"{self._local(step.target)} = {value}"]
 
     def _expression(self, value: Node) -> tuple[list[str], str]:
         """Return the lines before a value, and its text."""
@@ -210,30 +210,30 @@ class _Class:
         self.parts |= set(variables(body))
         return self.language.lines(body), self.language.expression(result)
 
-    def _set(self, each: Set) -> list[str]:
-        lines, text = self._expression(each.value)
-        if each.target not in self.targets:
-            self._local(each.target)
-        return [*lines, f"{self.targets[each.target]} = {text}"]
+    def _set(self, assignment: Set) -> list[str]:
+        lines, text = self._expression(assignment.value)
+        if assignment.target not in self.targets:
+            self._local(assignment.target)
+        return [*lines, f"{self.targets[assignment.target]} = {text}"]
 
-    def _asked(self, each: Ask) -> list[str]:
-        if each.routine not in self.routines:
-            name = self.routines[each.routine] = f"_{self.module.names.new(each.routine)}"
-            routine = self.steps.routines[each.routine]
+    def _asked(self, query: Ask) -> list[str]:
+        if query.routine not in self.routines:
+            name = self.routines[query.routine] = f"_{self.module.names.new(query.routine)}"
+            routine = self.steps.routines[query.routine]
             self.functions.append(routine_function(routine, name, self.module)[1])
-        function = self.routines[each.routine]
-        core = getattr(self.steps.routines[each.routine], "core", None)
+        function = self.routines[query.routine]
+        core = getattr(self.steps.routines[query.routine], "core", None)
         if not isinstance(core, FixedTable):
-            arguments = ", ".join(self.language.rename[name] for name in each.inputs)
-            return [f"{self._local(each.target)} = {function}({arguments})"]
+            arguments = ", ".join(self.language.rename[name] for name in query.inputs)
+            return [f"{self._local(query.target)} = {function}({arguments})"]
         lines, given_numbers = [], []
-        for scale, name in zip(core.inputs, each.inputs, strict=True):
+        for scale, name in zip(core.inputs, query.inputs, strict=True):
             before, text = self._expression(scaled(scale, symbol(name)))
             lines += before
             given_numbers.append(f"int({text}) - {shift_of(scale)}")
         self.language.rename["whole number"] = f"float({function}({', '.join(given_numbers)}))"
         text = self.language.expression(unscaled(core.output, symbol("whole number")))
-        return [*lines, f"{self._local(each.target)} = {text}"]
+        return [*lines, f"{self._local(query.target)} = {text}"]
 
     def _cell(self, key: str) -> str:
         """Return the function that finds a cell of a table that learns."""
@@ -247,16 +247,16 @@ class _Class:
             self.functions.append(f"{head}\n    return {cell}\n")
         return self.cells[key]
 
-    def _taught(self, each: Teach) -> list[str]:
+    def _taught(self, lesson: Teach) -> list[str]:
         """Correct a table, as `learn` in the kernel does."""
-        table, attribute = self.steps.learned[each.table], self.tables[each.table]
-        if each.judge not in self.judges:
-            values = np.asarray(self.steps.judges[each.judge].values).ravel()
-            self.judges[each.judge] = self.module.array(values, np.float64, each.judge)
-        judged = f"{self.judges[each.judge]}[{self.targets[each.judged]}]"
-        cell = self.targets[each.cell]
-        before, rate = self._expression(each.rate)
-        more, bound = self._expression(each.bound)
+        table, attribute = self.steps.learned[lesson.table], self.tables[lesson.table]
+        if lesson.judge not in self.judges:
+            values = np.asarray(self.steps.judges[lesson.judge].values).ravel()
+            self.judges[lesson.judge] = self.module.array(values, np.float64, lesson.judge)
+        judged = f"{self.judges[lesson.judge]}[{self.targets[lesson.judged]}]"
+        cell = self.targets[lesson.cell]
+        before, rate = self._expression(lesson.rate)
+        more, bound = self._expression(lesson.bound)
         names = {role: self.locals.new(role) for role in ("responsible", "rate", "value")}
         responsible, rate_name, value = names.values()
         self.language.rename.update({"value": value, "bound": bound})
@@ -315,14 +315,14 @@ class _Class:
 
     def test(
         self,
-        given: Sequence[Sequence[float]],
+        inputs: Sequence[Sequence[float]],
         expected: Sequence[Sequence[float]],
         tolerance: float,
         largest: float,
     ) -> list[str]:
         """Return a remark, and the lines that run a sequence through the class."""
-        rows = [(*ports, *drives) for ports, drives in zip(given, expected, strict=True)]
-        width, count = len(rows[0]), len(given[0])
+        rows = [(*ports, *drives) for ports, drives in zip(inputs, expected, strict=True)]
+        width, count = len(rows[0]), len(inputs[0])
         array = self.module.array(np.array(rows).ravel(), np.float64, "test")
         ports = ", ".join(f"{array}[k + {i}]" for i in range(count))
         one = width - count == 1

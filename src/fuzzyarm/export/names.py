@@ -79,9 +79,9 @@ class Names:
     def _key(self, name: str) -> str:
         return name.lower() if self._folds else name
 
-    def new(self, wanted: str) -> str:
-        """Return an identifier like `wanted` that has not been given out."""
-        base = identifier(wanted)
+    def new(self, stem: str) -> str:
+        """Return an identifier like `stem` that has not been given out."""
+        base = identifier(stem)
         refused = self._refused is not None and self._refused.fullmatch(base)
         if refused or self._key(base) in self._reserved:
             base = f"{base}_x"

@@ -219,18 +219,18 @@ class _Builder:
             result = where(guard > 0.0, result, math.nan)
         return OutputProgram(parameters, result, tuple(self.variables), self.calls, self.holds)
 
-    def fresh(self, value: Node, wanted: str, remark: str = "") -> Node:
+    def fresh(self, value: Node, name: str, remark: str = "") -> Node:
         """Give a part its own variable, unless it has one or needs none."""
         if not isinstance(value, Constant | Symbol) and value not in self.named:
             self.named.add(value)
-            self.variables.append(Assign(self.names.new(wanted), value, remark))
+            self.variables.append(Assign(self.names.new(name), value, remark))
         return value
 
-    def call(self, wanted: str, body: Node, argument: Node) -> Node:
+    def call(self, name: str, body: Node, argument: Node) -> Node:
         """Apply a function of ``h`` to an argument."""
         value = replace(body, {"h": argument})
         if isinstance(body, Apply):
-            self.calls[value] = Call(wanted, body, argument)
+            self.calls[value] = Call(name, body, argument)
         return value
 
     def _check_output(self, output: OutputPlan) -> None:

@@ -119,27 +119,27 @@ class _KernelCall:
         for statement in body:
             self.statement(statement)
 
-    def statement(self, each: ast.stmt) -> None:
-        if isinstance(each, ast.Expr):
-            if not isinstance(each.value, ast.Constant):  # else a docstring
-                self.value(each.value)
-        elif isinstance(each, ast.Assign):
-            value = self.value(each.value)
-            for target in each.targets:
+    def statement(self, node: ast.stmt) -> None:
+        if isinstance(node, ast.Expr):
+            if not isinstance(node.value, ast.Constant):  # else a docstring
+                self.value(node.value)
+        elif isinstance(node, ast.Assign):
+            value = self.value(node.value)
+            for target in node.targets:
                 self.assign(target, value)
-        elif isinstance(each, ast.AnnAssign) and each.value is not None:
-            self.assign(each.target, self.value(each.value))
-        elif isinstance(each, ast.AugAssign):
-            before = self.value(each.target)
-            self.assign(each.target, _BINARY[type(each.op)](before, self.value(each.value)))
-        elif isinstance(each, ast.If):
-            self.choose(each)
-        elif isinstance(each, ast.For):
-            for item in self.value(each.iter):
-                self.assign(each.target, item)
-                self.statements(each.body)
+        elif isinstance(node, ast.AnnAssign) and node.value is not None:
+            self.assign(node.target, self.value(node.value))
+        elif isinstance(node, ast.AugAssign):
+            before = self.value(node.target)
+            self.assign(node.target, _BINARY[type(node.op)](before, self.value(node.value)))
+        elif isinstance(node, ast.If):
+            self.choose(node)
+        elif isinstance(node, ast.For):
+            for item in self.value(node.iter):
+                self.assign(node.target, item)
+                self.statements(node.body)
         else:
-            raise NotImplementedError(ast.unparse(each))
+            raise NotImplementedError(ast.unparse(node))
 
     def assign(self, target: ast.expr, value: Any) -> None:
         if isinstance(target, ast.Name):
@@ -152,16 +152,16 @@ class _KernelCall:
             assert self.value(target.value) is self.cells
             self.cells.written[self.value(target.slice)] = value
 
-    def choose(self, each: ast.If) -> None:
-        condition = self.value(each.test)
+    def choose(self, node: ast.If) -> None:
+        condition = self.value(node.test)
         if not isinstance(condition, Node):
-            self.statements(each.body if condition else each.orelse)
+            self.statements(node.body if condition else node.orelse)
             return
         names, stores = dict(self.known), dict(self.cells.written)
-        self.statements(each.body)
+        self.statements(node.body)
         then_names, then_written = self.known, self.cells.written
         self.known, self.cells.written = dict(names), dict(stores)
-        self.statements(each.orelse)
+        self.statements(node.orelse)
         # What one branch alone sets is not read afterwards in a kernel.
         for name in then_names.keys() & self.known.keys():
             self.known[name] = _choice(condition, then_names[name], self.known[name])
@@ -173,38 +173,38 @@ class _KernelCall:
 
     # --- Expressions ---
 
-    def value(self, each: ast.expr) -> Any:
-        reader = self._READERS.get(type(each))
+    def value(self, node: ast.expr) -> Any:
+        reader = self._READERS.get(type(node))
         if reader is None:
-            raise NotImplementedError(ast.unparse(each))
-        return reader(self, each)
+            raise NotImplementedError(ast.unparse(node))
+        return reader(self, node)
 
-    def name(self, each: ast.Name) -> Any:
-        return self.known[each.id] if each.id in self.known else self.names[each.id]
+    def name(self, node: ast.Name) -> Any:
+        return self.known[node.id] if node.id in self.known else self.names[node.id]
 
-    def binary(self, each: ast.BinOp) -> Any:
-        return _BINARY[type(each.op)](self.value(each.left), self.value(each.right))
+    def binary(self, node: ast.BinOp) -> Any:
+        return _BINARY[type(node.op)](self.value(node.left), self.value(node.right))
 
-    def comparison(self, each: ast.Compare) -> Any:
-        (sign,), (right,) = each.ops, each.comparators
-        a, b = self.value(each.left), self.value(right)
+    def comparison(self, node: ast.Compare) -> Any:
+        (sign,), (right,) = node.ops, node.comparators
+        a, b = self.value(node.left), self.value(right)
         if isinstance(sign, ast.NotEq) and isinstance(a, Node) and b == 0.0:
             return self.cells.cells.is_not_zero(a)
         return _compared(type(sign), a, b)
 
-    def choice(self, each: ast.IfExp) -> Any:
-        condition = self.value(each.test)
+    def choice(self, node: ast.IfExp) -> Any:
+        condition = self.value(node.test)
         if isinstance(condition, Node):
-            return _choice(condition, self.value(each.body), self.value(each.orelse))
-        return self.value(each.body if condition else each.orelse)
+            return _choice(condition, self.value(node.body), self.value(node.orelse))
+        return self.value(node.body if condition else node.orelse)
 
-    def subscript(self, each: ast.Subscript) -> Any:
-        array, index = self.value(each.value), self.value(each.slice)
+    def subscript(self, node: ast.Subscript) -> Any:
+        array, index = self.value(node.value), self.value(node.slice)
         return self.cells.load(index) if array is self.cells else array[index]
 
-    def unary(self, each: ast.UnaryOp) -> Any:
-        value = self.value(each.operand)
-        return -value if isinstance(each.op, ast.USub) else not value
+    def unary(self, node: ast.UnaryOp) -> Any:
+        value = self.value(node.operand)
+        return -value if isinstance(node.op, ast.USub) else not value
 
     def joined(self, each: ast.BoolOp) -> Any:
         """Join conditions, as far as the known ones do not decide."""
@@ -219,14 +219,14 @@ class _KernelCall:
                 return value
         return conjunction if node is None else node
 
-    def called(self, each: ast.Call) -> Any:
-        if isinstance(each.func, ast.Attribute):  # math.isnan(x)
-            assert each.func.attr == "isnan"
-            value = self.value(each.args[0])
+    def called(self, node: ast.Call) -> Any:
+        if isinstance(node.func, ast.Attribute):  # math.isnan(x)
+            assert node.func.attr == "isnan"
+            value = self.value(node.args[0])
             is_number = not isinstance(value, Node)
             return math.isnan(value) if is_number else self.cells.cells.is_nan(value)
-        assert isinstance(each.func, ast.Name)
-        name, arguments = each.func.id, [self.value(part) for part in each.args]
+        assert isinstance(node.func, ast.Name)
+        name, arguments = node.func.id, [self.value(part) for part in node.args]
         if name == "stored":
             return self.cells.cells.rounded(arguments[0])
         if name in _PLAIN:

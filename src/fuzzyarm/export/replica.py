@@ -69,10 +69,10 @@ class Replica:
         wide = variable.wide or not self.program.single
         return variable.start if wide else float(np.float32(variable.start))
 
-    def step(self, given: Mapping[str, float]) -> dict[str, float]:
+    def step(self, inputs: Mapping[str, float]) -> dict[str, float]:
         """Run one period with values of references and measured ports, by symbol."""
         outside = self.program.precision.outside
-        for name, value in given.items():
+        for name, value in inputs.items():
             self.values[name] = self.real(outside(value))
         self._periods += 1
         self.values[FIRST] = np.bool_(self._periods == 1)
@@ -84,44 +84,44 @@ class Replica:
             for variable in self.program.of_sort("drive")
         }
 
-    def _run(self, each: Step) -> None:
+    def _run(self, step: Step) -> None:
         values = self.values
-        if isinstance(each, Set):
-            value = self._value(each.value)
-            if each.rounded and self.program.single:
+        if isinstance(step, Set):
+            value = self._value(step.value)
+            if step.rounded and self.program.single:
                 value = self.real(np.float32(value))
-            values[each.target] = value
-        elif isinstance(each, Ask):
-            arguments = [values[name] for name in each.inputs]
-            values[each.target] = self._routines[each.routine](arguments, self.real)
-        elif isinstance(each, Find):
-            values[each.target] = _cell(
-                self.program.grids[each.grid], [values[n] for n in each.inputs]
+            values[step.target] = value
+        elif isinstance(step, Ask):
+            arguments = [values[name] for name in step.inputs]
+            values[step.target] = self._routines[step.routine](arguments, self.real)
+        elif isinstance(step, Find):
+            values[step.target] = _cell(
+                self.program.grids[step.grid], [values[n] for n in step.inputs]
             )
-        elif isinstance(each, Pick):
-            values[each.target] = self.tables[each.table][values[each.cell]]
+        elif isinstance(step, Pick):
+            values[step.target] = self.tables[step.table][values[step.cell]]
         else:
-            self._teach(each)
+            self._teach(step)
 
     def _value(self, node: Node) -> Any:
         if node not in self._orders:
             self._orders[node] = schedule(node)
         return self.real(evaluate_arrays(node, self.values, self.real, self._orders[node]))
 
-    def _teach(self, each: Teach) -> None:
-        table, ring = self.tables[each.table], self._rings[each.table]
-        cell = self.values[each.cell]
+    def _teach(self, lesson: Teach) -> None:
+        table, ring = self.tables[lesson.table], self._rings[lesson.table]
+        cell = self.values[lesson.cell]
         responsible = ring.pop(0) if ring else cell
-        if self.program.learned[each.table].delay:
+        if self.program.learned[lesson.table].delay:
             ring.append(cell)
-        rate, bound = self._value(each.rate), self._value(each.bound)
+        rate, bound = self._value(lesson.rate), self._value(lesson.bound)
         if responsible >= 0 and rate != 0.0:
-            judged = self._judges[each.judge][self.values[each.judged]]
+            judged = self._judges[lesson.judge][self.values[lesson.judged]]
             value = table[responsible] + rate * judged
             if self.program.single:
                 value = self.real(np.float32(value))
             table[responsible] = min(max(value, -bound), bound)
-        self.visits[each.table][cell] += 1
+        self.visits[lesson.table][cell] += 1
 
 
 def _cell(grid: Grid, inputs: Sequence[Any]) -> int:

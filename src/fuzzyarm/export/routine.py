@@ -48,11 +48,11 @@ class CWriter:
         """Return the names of parameters, or of the members of a type."""
         return Names(refused=self.refused)
 
-    def constant(self, kind: Kind, literals: Sequence[str], wanted: str, columns: int = 0) -> str:
+    def constant(self, kind: Kind, literals: Sequence[str], stem: str, columns: int = 0) -> str:
         """Return the name of a constant array with these literals; equal ones are shared."""
         key = ("constant", kind, tuple(literals))
         if key not in self._known:
-            name = self.names.new(f"{self.prefix}_{wanted}")
+            name = self.names.new(f"{self.prefix}_{stem}")
             self._known[key] = name
             self.flash += np.dtype(kind).itemsize * len(literals)
             body = "\n".join(number_lines(literals, columns))
@@ -77,21 +77,21 @@ class CWriter:
             texts[users[0]] = f"{head}{brace}{inside}{body}"
         return "\n".join([*shared, *texts])
 
-    def definition(self, wanted: str, template: str, **words: str) -> str:
+    def definition(self, name: str, template: str, **words: str) -> str:
         """Return the name of a type that `template` defines, where NAME is its name."""
-        return self._written("definition", wanted, template, words, "")
+        return self._written("definition", name, template, words, "")
 
-    def helper(self, wanted: str, template: str, **words: str) -> str:
+    def helper(self, name: str, template: str, **words: str) -> str:
         """Return the name of a small function made of `template`, where NAME is its name."""
         keyword = "static inline " if self.storage else "static "
-        return self._written("helper", wanted, template, words, keyword)
+        return self._written("helper", name, template, words, keyword)
 
     def _written(
-        self, sort: str, wanted: str, template: str, words: dict[str, str], keyword: str
+        self, sort: str, stem: str, template: str, words: dict[str, str], keyword: str
     ) -> str:
         key = (sort, template, tuple(sorted(words.items())))
         if key not in self._known:
-            name = self.names.new(f"{self.prefix}_{wanted}")
+            name = self.names.new(f"{self.prefix}_{stem}")
             self._known[key] = name
             names = words | {"NAME": name}
             template = template.replace("IN_FLASH ", self.in_flash)

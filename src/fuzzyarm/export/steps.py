@@ -380,10 +380,10 @@ class _Walk:
                 return variable.axis, variable.name
         raise AssertionError("the result of an instruction is not used")
 
-    def _local(self, wanted: str = "") -> str:
+    def _local(self, name: str = "") -> str:
         """Return the symbol of a new local variable."""
         self.locals += 1
-        return f"local:{wanted or 't'}:{self.locals}"
+        return f"local:{name or 't'}:{self.locals}"
 
     # --- What kernels ask for (`Cells`) ---
 
@@ -573,8 +573,8 @@ class _Walk:
             self.scratch[cell] = self._local()
             self.made.steps.append(Ask(self.scratch[cell], self.asked[key], inputs))
 
-    def _routine(self, wanted: str, routine: Routine) -> str:
-        name = self.names.new(wanted)
+    def _routine(self, stem: str, routine: Routine) -> str:
+        name = self.names.new(stem)
         self.made.routines[name] = routine
         return name
 

@@ -131,13 +131,13 @@ class TableBlock(TableCode):
 
     # ── parts ────────────────────────────────────────────────────────────────────────
 
-    def _variable(self, wanted: str, kind: str) -> str:
-        name = self.names.new(wanted)
+    def _variable(self, stem: str, kind: str) -> str:
+        name = self.names.new(stem)
         self.variables.append((name, kind))
         return name
 
-    def _array(self, wanted: str, literals: Sequence[str], columns: int = 0) -> str:
-        name = self.names.new(wanted)
+    def _array(self, stem: str, literals: Sequence[str], columns: int = 0) -> str:
+        name = self.names.new(stem)
         lines = number_lines(literals, columns, indent="        ")
         head = f"    {name} : ARRAY [0..{len(literals) - 1}] OF {self.inner} := ["
         self.constants.append("\n".join([head, *lines, "    ];"]))
@@ -366,27 +366,27 @@ class RulesBlock:
             self.variables[identifier] = self.inner
         return self.language.rename[name]
 
-    def _lines_of(self, each: Statement | Loop | Walked) -> list[str]:
-        if isinstance(each, Walked):
-            return self._walk(each)
-        if isinstance(each, Loop):
-            return self._loop(each)
-        if isinstance(each, Choose):
-            condition = self._expression(each.condition)
-            then = [line for part in each.then for line in self._lines_of(part)]
-            otherwise = [line for part in each.otherwise for line in self._lines_of(part)]
+    def _lines_of(self, statement: Statement | Loop | Walked) -> list[str]:
+        if isinstance(statement, Walked):
+            return self._walk(statement)
+        if isinstance(statement, Loop):
+            return self._loop(statement)
+        if isinstance(statement, Choose):
+            condition = self._expression(statement.condition)
+            then = [line for part in statement.then for line in self._lines_of(part)]
+            otherwise = [line for part in statement.otherwise for line in self._lines_of(part)]
             inner = [*(f"    {line}" for line in then), "ELSE", *(f"    {x}" for x in otherwise)]
             return [f"IF {condition} THEN", *inner, "END_IF;"]
-        if isinstance(each.value, Constant) and math.isnan(each.value.value):
+        if isinstance(statement.value, Constant) and math.isnan(statement.value.value):
             zero = self.language.number(0.0)
-            return [f"{self._declared(each.name)} := {zero};", f"{self.fired} := FALSE;"]
-        body, value = statements(each.value, prefix="part_", taken=self.taken)
+            return [f"{self._declared(statement.name)} := {zero};", f"{self.fired} := FALSE;"]
+        body, value = statements(statement.value, prefix="part_", taken=self.taken)
         self.taken |= set(variables(body))
         if body:  # choices, which the language has no expression for
-            parts = setting(each.name, body, value, each.remark)
+            parts = setting(statement.name, body, value, statement.remark)
             return [line for part in parts for line in self._lines_of(part)]
-        target = self._declared(each.name)
-        remark = self.language.remark.format(each.remark) if each.remark else ""
+        target = self._declared(statement.name)
+        remark = self.language.remark.format(statement.remark) if statement.remark else ""
         return [f"{target} := {self._expression(value)};{remark}"]
 
     def _expression(self, node: Node) -> str:
@@ -428,9 +428,9 @@ class RulesBlock:
             ]
         return self.known[text]
 
-    def _walk(self, each: Walked) -> list[str]:
+    def _walk(self, statement: Walked) -> list[str]:
         """Return the call of the functions of a walk; its tables are variables of the block."""
-        walk = each.walk
+        walk = statement.walk
         text = walk_in_st(walk, self.file_names, f"{self.name}_{walk.output}_{WALKED}")
         self.functions += text.functions
         arrays = {}
@@ -445,7 +445,7 @@ class RulesBlock:
         flag = self.names.new("done")
         self.variables[flag] = "BOOL"
         lines = []
-        for index, part in enumerate(each.parts):
+        for index, part in enumerate(statement.parts):
             body_of_part, value = statements(part, prefix="part_", taken=self.taken)
             self.taken |= set(variables(body_of_part))
             lines += [line for inner in body_of_part for line in self._lines_of(inner)]
@@ -453,8 +453,8 @@ class RulesBlock:
         total, result = self._declared(walk.total), self._declared(walk.value)
         return [*lines, text.call.format(**arrays, total=total, value=result, done=flag)]
 
-    def _loop(self, each: Loop) -> list[str]:
-        sums = each.sums
+    def _loop(self, loop: Loop) -> list[str]:
+        sums = loop.sums
         index = self._declared(sums.index)
         self.variables[index] = "DINT"
         for name, column in sums.columns.items():
@@ -466,7 +466,7 @@ class RulesBlock:
             self.language.rename[element(sums, name)] = f"{array}[{index}]"
         zero = self.language.number(0.0)
         lines = [f"{self._declared(name)} := {zero};" for name in (sums.area, sums.moment)]
-        inner = [line for part in each.body for line in self._lines_of(part)]
+        inner = [line for part in loop.body for line in self._lines_of(part)]
         return [
             *lines,
             f"FOR {index} := 0 TO {sums.count - 1} DO",

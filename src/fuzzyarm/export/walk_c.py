@@ -60,12 +60,12 @@ _ENTRY = """double NAME(double *room, double *total)
 """
 
 
-def walk_in_c(walk: DefuzzifierWalk, writer: CWriter, wanted: str) -> str:
+def walk_in_c(walk: DefuzzifierWalk, writer: CWriter, name: str) -> str:
     """Write a walk into a file; return the name of the function that takes the room.
 
     It is ``double name(double *room, double *total)``: the room holds the parts and is worked in.
     """
-    translation = _InC(walk, writer, wanted)
+    translation = _InC(walk, writer, name)
     arrays = [Array.WHOLES, Array.CONSTANTS, Array.REALS, Array.REALS]
     try:
         function = translation.function(walk.function, [*arrays, WHOLE])
@@ -85,12 +85,12 @@ def walk_in_c(walk: DefuzzifierWalk, writer: CWriter, wanted: str) -> str:
     words |= {
         "TABLE_LENGTH": str(len(whole)),
         "NUMBERS_LENGTH": str(len(floats)),
-        "TABLE": writer.constant(np.int32, whole, f"{wanted}_table"),
-        "NUMBERS": writer.constant(np.float64, floats, f"{wanted}_numbers"),
+        "TABLE": writer.constant(np.int32, whole, f"{name}_table"),
+        "NUMBERS": writer.constant(np.float64, floats, f"{name}_numbers"),
         "ROOM": str(walk.room),
         "HEAP": str(walk.heap),
     }
-    return writer.helper(wanted, _ENTRY, **words)
+    return writer.helper(name, _ENTRY, **words)
 
 
 def _real(value: float) -> str:
@@ -104,8 +104,8 @@ def _real(value: float) -> str:
 class _InC(Translation):
     """The functions of one walk; small helpers are shared by all of a file."""
 
-    def __init__(self, walk: DefuzzifierWalk, writer: CWriter, wanted: str) -> None:
-        self.walk, self.writer, self.wanted = walk, writer, wanted
+    def __init__(self, walk: DefuzzifierWalk, writer: CWriter, name: str) -> None:
+        self.walk, self.writer, self.wanted = walk, writer, name
         # Between two @ stands a helper: `finish` writes those that are needed.
         extremes = {
             (extreme, type_): (f"@{extreme.__name__} {self._scalar(type_)}@({{}})", type_)

@@ -65,9 +65,9 @@ class WalkText:
         self.call = f"{{done}} := {name}({arguments});"
 
 
-def walk_in_st(walk: DefuzzifierWalk, names: Names, wanted: str) -> WalkText:
+def walk_in_st(walk: DefuzzifierWalk, names: Names, name: str) -> WalkText:
     """Return a walk as functions, whose names are new to a file."""
-    translation = _InST(walk, names, wanted)
+    translation = _InST(walk, names, name)
     arrays = [Array.WHOLES, Array.CONSTANTS, Array.REALS, Array.REALS]
     try:
         function = translation.function(walk.function, [*arrays, WHOLE])
@@ -111,9 +111,9 @@ _TARGET = replace(
 class _InST(Translation):
     """The functions of one walk."""
 
-    def __init__(self, walk: DefuzzifierWalk, names: Names, wanted: str) -> None:
+    def __init__(self, walk: DefuzzifierWalk, names: Names, name: str) -> None:
         super().__init__(_TARGET)
-        self.walk, self.names, self.wanted = walk, names, wanted
+        self.walk, self.names, self.wanted = walk, names, name
         self.dispatchers: dict[tuple[Type, ...], str] = {}
         layout = walk.layout
         self.sizes = {

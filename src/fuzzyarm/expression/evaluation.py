@@ -77,8 +77,8 @@ def specialise(root: Node, values: Mapping[str, float]) -> Node:
     return nodes[node]
 
 
-def _folded(node: Apply, made: Mapping[Node, Node]) -> Node:
-    arguments = [made[argument] for argument in node.arguments]
+def _folded(node: Apply, nodes: Mapping[Node, Node]) -> Node:
+    arguments = [nodes[argument] for argument in node.arguments]
     if node.operation == "where" and isinstance(arguments[0], Constant):
         return arguments[1] if arguments[0].value else arguments[2]
     constants = [argument.value for argument in arguments if isinstance(argument, Constant)]

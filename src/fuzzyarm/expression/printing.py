@@ -296,27 +296,27 @@ class Language(NamedTuple):
         text = template.format(*parts)
         return f"({text})" if binding < binds else text
 
-    def lines(self, body: Sequence[Statement], *, made: Iterable[str] = ()) -> list[str]:
-        """Return the lines of some statements; the variables in `made` exist already."""
-        made = set(made)
+    def lines(self, body: Sequence[Statement], *, declared: Iterable[str] = ()) -> list[str]:
+        """Return the lines of some statements; the variables in `declared` exist already."""
+        declared = set(declared)
         lines: list[str] = []
         for statement in body:
             name = statement.name
             if isinstance(statement, Assign):
-                template = self.assign if name in made else self.declare
-                made.add(name)
+                template = self.assign if name in declared else self.declare
+                declared.add(name)
                 value = self.expression(statement.value)
                 remark = self.remark.format(statement.remark) if statement.remark else ""
                 lines.append(template.format(name=name, value=value) + remark)
                 continue
-            if name not in made and self.declare_only:
+            if name not in declared and self.declare_only:
                 lines.append(self.declare_only.format(name=name))
-            made.add(name)
+            declared.add(name)
             before, between, behind = self.choose
             lines.append(before.format(condition=self.expression(statement.condition)))
-            lines += [f"    {line}" for line in self.lines(statement.then, made=made)]
+            lines += [f"    {line}" for line in self.lines(statement.then, declared=declared)]
             lines.append(between)
-            lines += [f"    {line}" for line in self.lines(statement.otherwise, made=made)]
+            lines += [f"    {line}" for line in self.lines(statement.otherwise, declared=declared)]
             if behind:
                 lines.append(behind)
         return lines

@@ -243,11 +243,11 @@ class SourceKind(Kind):
             return " of" if self.name == "error" else ""
         return {"signal": " of", "error": " of error of"}.get(self.of, "")
 
-    def settings(self, given: Mapping[str, Setting]) -> dict[str, str | float]:
+    def settings(self, options: Mapping[str, Setting]) -> dict[str, str | float]:
         """Return the arguments of the update that options say: numbers, or names of gains."""
         numbers: dict[str, str | float] = {}
         for word, kind in self.options.items():
-            name, value = word.replace("-", "_"), given.get(word)
+            name, value = word.replace("-", "_"), options.get(word)
             if kind.takes == "range":
                 ends = value if isinstance(value, tuple) else EVERYTHING
                 numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
@@ -259,10 +259,10 @@ class SourceKind(Kind):
                 numbers[name] = _number(value)
         return numbers
 
-    def starts(self, given: Mapping[str, Setting]) -> list[float]:
+    def starts(self, options: Mapping[str, Setting]) -> list[float]:
         """Return its states before the first period."""
         return [
-            _number(given.get(state.start)) if isinstance(state.start, str) else state.start
+            _number(options.get(state.start)) if isinstance(state.start, str) else state.start
             for state in self.states
         ]
 

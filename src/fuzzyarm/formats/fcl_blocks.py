@@ -86,17 +86,17 @@ class FunctionBlock(SystemReader):
             norms[key] = norm
         return norms
 
-    def _pair(self, found: dict[str, str], key: str, norm: str, word: TextPiece) -> None:
+    def _pair(self, norms: dict[str, str], key: str, norm: str, word: TextPiece) -> None:
         """Set OR with AND and AND with OR, as jFuzzyLogic does."""
         other = "OR" if key == "AND" else "AND"
         table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
         partner = table.get(norm)
         if partner is None:
             return
-        if other in found and found[other] != partner:
+        if other in norms and norms[other] != partner:
             message = f"to jFuzzyLogic this sets {other} to {partner} too, whatever stood there"
             self.findings.warn("paired-norms", message, word)
-        found[other] = partner
+        norms[other] = partner
 
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
         """Set the aggregation of the outputs that rules conclude from ACCU in their block."""

@@ -113,27 +113,27 @@ class _Reader:
         is_scikits = self.dialect.producer == "scikit-fuzzy"
         return (ScikitBlock if is_scikits else FunctionBlock)(word, self.dialect, self.findings)
 
-    def read(self, wanted: str | None) -> RuleBase | None:
-        """Return the rule base of one function block, the first where none is `wanted`."""
+    def read(self, name: str | None) -> RuleBase | None:
+        """Return the rule base of one function block, the first where none is `name`."""
         while not self.cursor.ended:
             try:
                 self._section()
             except FaultError as fault:
                 self.findings.fault(fault)
                 self._to_next_section()
-        block = self._chosen(wanted)
+        block = self._chosen(name)
         return None if block is None else block.read()
 
-    def _chosen(self, wanted: str | None) -> FunctionBlock | None:
+    def _chosen(self, name: str | None) -> FunctionBlock | None:
         if not self.blocks:
             if not self.findings.failed:
                 self.findings.error("no-engine", "this file has no FUNCTION_BLOCK")
             return None
         names = [block.word.text for block in self.blocks]
-        if wanted is not None and wanted not in names:
-            self.findings.unknown("unknown-block", "the function block", TextPiece(wanted), names)
+        if name is not None and name not in names:
+            self.findings.unknown("unknown-block", "the function block", TextPiece(name), names)
             return None
-        selection = self.blocks[names.index(wanted) if wanted is not None else 0]
+        selection = self.blocks[names.index(name) if name is not None else 0]
         for other in self.blocks:
             if other is not selection:
                 message = f"the function block '{other.word.text}' is left out"

@@ -507,7 +507,7 @@ def _is_plain(number: float) -> bool:
 
 def _nearest(xs: Sequence[float], x: float) -> float:
     i = bisect_left(xs, x)
-    return min(xs[max(0, i - 1) : i + 1] or xs[-1:], key=lambda each: abs(each - x))
+    return min(xs[max(0, i - 1) : i + 1] or xs[-1:], key=lambda candidate: abs(candidate - x))
 
 
 def _has(shape: Shape, xs: Sequence[float], ys: Sequence[float]) -> bool:

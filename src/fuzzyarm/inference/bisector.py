@@ -57,11 +57,11 @@ def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     return 0.5 * (values[0] + values[1])
 
 
-def _inside(function: Callable[[float], float], x0: float, x1: float, wanted: float) -> float:
+def _inside(function: Callable[[float], float], x0: float, x1: float, target: float) -> float:
     a, b = x0, x1
     for _ in range(STEPS):
         middle = 0.5 * (a + b)
-        if rule(function, x0, middle, 0.0)[0] < wanted:
+        if rule(function, x0, middle, 0.0)[0] < target:
             a = middle
         else:
             b = middle

@@ -164,31 +164,31 @@ class Compiled:
         return general if labels is None else labels.on(general)
 
     def _general(
-        self, given: Mapping[str, Any], held: Mapping[str, float] | None
+        self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
     ) -> dict[str, Any]:
-        if self._engine is None or given.keys() != set(self._names):
-            return self._plain(given, held)
+        if self._engine is None or inputs.keys() != set(self._names):
+            return self._plain(inputs, held)
         if held:
             check_names(held, self._outputs, what="output")
-        if holds_arrays(given):
-            return dict(self._engine.many(given, held))
-        values = self.ordinary(given)
-        return self._plain(given, held) if values is None else dict(values)
+        if holds_arrays(inputs):
+            return dict(self._engine.many(inputs, held))
+        values = self.ordinary(inputs)
+        return self._plain(inputs, held) if values is None else dict(values)
 
-    def ordinary(self, given: Mapping[str, Any]) -> dict[str, float] | None:
+    def ordinary(self, inputs: Mapping[str, Any]) -> dict[str, float] | None:
         """Return the outputs at a point by the kernel; None where one is not ordinary."""
-        if self._engine is None or given.keys() != set(self._names):
+        if self._engine is None or inputs.keys() != set(self._names):
             return None
         try:
-            return self._ordinary({name: number_of(name, given[name]) for name in self._names})
+            return self._ordinary({name: number_of(name, inputs[name]) for name in self._names})
         except NotANumberError:
             return None  # the engine for a point says so
 
-    def _plain(self, given: Mapping[str, Any], held: Mapping[str, float] | None) -> dict[str, Any]:
+    def _plain(self, inputs: Mapping[str, Any], held: Mapping[str, float] | None) -> dict[str, Any]:
         """Evaluate without the kernel: what it does not cover, and what is wrong."""
-        if holds_arrays(given):
-            return dict(infer_arrays(self.rulebase, given, held))
-        return dict(prepare(self.rulebase).evaluate(given, held))
+        if holds_arrays(inputs):
+            return dict(infer_arrays(self.rulebase, inputs, held))
+        return dict(prepare(self.rulebase).evaluate(inputs, held))
 
     def _mapping(self, values: tuple[Any, ...]) -> Any:
         if len(values) == 1 and (values[0] is None or _is_by_name(values[0])):
@@ -271,18 +271,18 @@ class _Engine:
         return at, named
 
     def many(
-        self, given: Mapping[str, Any], held: Mapping[str, float] | None
+        self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
     ) -> dict[str, NDArray[np.float64]]:
         """Evaluate arrays of points."""
         arrays = {
-            variable.name: np.asarray(given[variable.name]) for variable in self.rulebase.inputs
+            variable.name: np.asarray(inputs[variable.name]) for variable in self.rulebase.inputs
         }
         if any(array.dtype.kind not in "fiub" for array in arrays.values()):
-            return infer_arrays(self.rulebase, given, held)  # which says what is wrong
+            return infer_arrays(self.rulebase, inputs, held)  # which says what is wrong
         try:
             shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
         except ValueError:
-            return infer_arrays(self.rulebase, given, held)
+            return infer_arrays(self.rulebase, inputs, held)
         working = working_shape(arrays, shape)
         size = math.prod(shape)
         results = np.empty((len(self.rulebase.outputs), *working))
@@ -382,7 +382,7 @@ def _compiled(rulebase: RuleBase) -> Compiled:
 
 
 def infer_many(
-    rulebase: RuleBase, given: Mapping[str, Any], held: Mapping[str, float] | None = None
+    rulebase: RuleBase, inputs: Mapping[str, Any], held: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
     """Evaluate arrays of inputs: by the kernel, or by NumPy where there is no machine code.
 
@@ -394,16 +394,16 @@ def infer_many(
         As :func:`fuzzyarm.infer`.
     """
     if has_machine_code():
-        outputs: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
+        outputs: dict[str, Any] = _compiled(rulebase)(dict(inputs), held=held)
         return outputs
-    return dict(infer_arrays(rulebase, given, held))
+    return dict(infer_arrays(rulebase, inputs, held))
 
 
-def infer_one(rulebase: RuleBase, given: Mapping[str, Any]) -> dict[str, float] | None:
+def infer_one(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, float] | None:
     """Evaluate a point by the kernel; None where it does not cover it, or says what is wrong."""
     if not has_machine_code():
         return None
-    return _compiled(rulebase).ordinary(given)
+    return _compiled(rulebase).ordinary(inputs)
 
 
 def compiled(rulebase: AnyRuleBase) -> Compiled:

@@ -364,11 +364,13 @@ def _is_read(rulebase: RuleBase, name: str) -> bool:
     return any(name in formula_of(shape).names for shape in shapes)
 
 
-def _concluding_ends(rule: Rule, names: dict[str, tuple[str, str]], kept: Iterable[str]) -> Rule:
+def _concluding_ends(
+    rule: Rule, names: dict[str, tuple[str, str]], unchanged: Iterable[str]
+) -> Rule:
     consequents = [
         replace(consequent, variable=name)
         for consequent in rule.consequents
         for name in dict.fromkeys((consequent.variable, *names[consequent.variable]))
-        if name in kept
+        if name in unchanged
     ]
     return replace(rule, consequents=tuple(consequents))

@@ -81,26 +81,26 @@ def infer(
 
 def _outputs(
     rulebase: RuleBase,
-    given: Mapping[str, Any],
+    inputs: Mapping[str, Any],
     held: Mapping[str, float] | None,
     outputs: tuple[str, ...] | None,
 ) -> dict[str, Any]:
     """Evaluate a rule base at inputs without labels."""
     if outputs is not None:
-        return _some(rulebase, given, held, outputs)
-    if holds_arrays(given):
+        return _some(rulebase, inputs, held, outputs)
+    if holds_arrays(inputs):
         from fuzzyarm.inference.engine import infer_many
 
-        return dict(infer_many(rulebase, given, held))
+        return dict(infer_many(rulebase, inputs, held))
     prepared = prepare(rulebase)
     # The kernel leaves alone what is not an ordinary value; plain Python then says what it is.
     if prepared.is_worth_a_kernel():
         from fuzzyarm.inference.engine import infer_one
 
-        values = infer_one(rulebase, given)
+        values = infer_one(rulebase, inputs)
         if values is not None:
             return dict(values)
-    return dict(prepared.evaluate(given, held))
+    return dict(prepared.evaluate(inputs, held))
 
 
 def infer_interval(
@@ -167,19 +167,19 @@ def _named(
 
 def _some(
     rulebase: RuleBase,
-    given: Mapping[str, Any],
+    inputs: Mapping[str, Any],
     held: Mapping[str, float] | None,
     outputs: tuple[str, ...],
 ) -> dict[str, Any]:
     """Evaluate some outputs, with the inputs that they need among those given."""
     part = part_for(rulebase, outputs)
-    check_names(given, [variable.name for variable in rulebase.inputs])
+    check_names(inputs, [variable.name for variable in rulebase.inputs])
     check_names(held or (), [variable.name for variable in rulebase.outputs], what="output")
     input_names = {variable.name for variable in part.inputs}
     names_there = {variable.name for variable in part.outputs}
     results = _outputs(
         part,
-        {name: value for name, value in given.items() if name in input_names},
+        {name: value for name, value in inputs.items() if name in input_names},
         {name: value for name, value in (held or {}).items() if name in names_there},
         None,
     )

@@ -102,7 +102,7 @@ class Labels:
 
 
 def _of_pandas(
-    labelled: Mapping[str, Any], given: Mapping[str, Any]
+    labelled: Mapping[str, Any], inputs: Mapping[str, Any]
 ) -> tuple[dict[str, Any], Callable[[str, Any], Any]]:
     first, *others = labelled
     template = labelled[first]
@@ -151,11 +151,11 @@ def _fitting(first: str, values: Any, shape: tuple[int, ...]) -> Any:
 
 
 def _of_xarray(
-    labelled: Mapping[str, Any], given: Mapping[str, Any]
+    labelled: Mapping[str, Any], inputs: Mapping[str, Any]
 ) -> tuple[dict[str, Any], Callable[[str, Any], Any]]:
     import xarray as xr
 
-    for name, value in given.items():
+    for name, value in inputs.items():
         if name not in labelled and getattr(value, "ndim", isinstance(value, list | tuple)):
             hint = "give it as a DataArray too"
             raise InferenceError(f"the array of input '{name}' has no dims", hint=hint)

@@ -189,10 +189,10 @@ def _joined(stretches: Intervals) -> Intervals:
     return merged
 
 
-def _apart(found: Heights, near: float) -> Intervals:
+def _apart(heights: Heights, near: float) -> Intervals:
     """Return the highest of the positions that are close to each other, as points."""
     groups: list[list[tuple[float, float]]] = []
-    for x, height in sorted((x, height) for height, start, end in found for x in (start, end)):
+    for x, height in sorted((x, height) for height, start, end in heights for x in (start, end)):
         if groups and x - groups[-1][-1][0] <= near:
             groups[-1].append((x, height))
         else:

@@ -294,7 +294,7 @@ class OutputWriter:
         for i, member in enumerate(plan.members):
             curve = self.base.addresses.curve(member.term.shape, member.hedges)
             cut = self._norm(TNORMS[member.implication], "T")
-            sloping = [each for each in member.pieces if each.straight and each.y0 != each.y1]
+            sloping = [item for item in member.pieces if item.straight and item.y0 != item.y1]
             clips = CLIPPING.get(member.implication, ())
             lines = lines_of(member.implication)
             self.consequents[i] = len(whole)
@@ -308,10 +308,10 @@ class OutputWriter:
             whole.append(len(flats) if leaves_ones else -1)
             whole.append(self._floats(end for flat in flats for end in flat))
         crossing = [
-            (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
-            for each in plan.stretches
-            if lines_of(plan.members[each.first].implication)
-            and lines_of(plan.members[each.second].implication)
+            (self.consequents[item.first], self.consequents[item.second], self._floats(item[2:]))
+            for item in plan.stretches
+            if lines_of(plan.members[item.first].implication)
+            and lines_of(plan.members[item.second].implication)
         ]
         begin = len(whole)
         whole += [number for stretch in crossing for number in stretch]

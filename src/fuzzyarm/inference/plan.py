@@ -196,16 +196,16 @@ def plan(rulebase: RuleBase) -> Plan:
     return Plan(rulebase, rules, outputs, steps, tuple((i,) for i in range(len(rules))))
 
 
-def _plan_type_2(found: Doubled) -> Plan:
-    rulebase = found.rulebase
+def _plan_type_2(doubled: Doubled) -> Plan:
+    rulebase = doubled.rulebase
     steps, rules = _order(rulebase)
     outputs = {
-        output.name: _both_sides(_plan_output(rulebase, output, found), found)
+        output.name: _both_sides(_plan_output(rulebase, output, doubled), doubled)
         if output.defuzzifier.record.type2
         else _plan_output(rulebase, output)
         for output in rulebase.outputs
     }
-    return Plan(rulebase, rules, outputs, steps, found.readings)
+    return Plan(rulebase, rules, outputs, steps, doubled.readings)
 
 
 def _check_variables(rulebase: RuleBase) -> None:
@@ -390,27 +390,27 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
     return output_plan
 
 
-def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
+def _both_sides(output_plan: OutputPlan, doubled: Doubled) -> OutputPlan:
     """Say which members are of the upper and which of the lower set, and which go together."""
-    output, members = made.output, made.members
+    output, members = output_plan.output, output_plan.members
     parts = [Consequent(output.name, member.term.name, member.hedges) for member in members]
     sides = tuple(map(doubled.side, parts))
     pairs = _pairs(output, members, sides, doubled)
-    if made.discrete:
-        return made._replace(sides=sides, pairs=pairs)
+    if output_plan.discrete:
+        return output_plan._replace(sides=sides, pairs=pairs)
     members_by_side = [[i for i, side_ in enumerate(sides) if side_ == side] for side in (0, 1)]
-    closed = _closed_sides(output, members, members_by_side) if made.record.both else None
-    made = made._replace(
-        sides=sides, pairs=pairs, closed=closed, enveloped=made.enveloped and closed is None
+    closed = _closed_sides(output, members, members_by_side) if output_plan.record.both else None
+    output_plan = output_plan._replace(
+        sides=sides, pairs=pairs, closed=closed, enveloped=output_plan.enveloped and closed is None
     )
-    if output.aggregation == "max" and made.integrated:
+    if output.aggregation == "max" and output_plan.integrated:
         found = [
             stretch._replace(first=indices[stretch.first], second=indices[stretch.second])
             for indices in members_by_side
             for stretch in stretches([members[i].pieces for i in indices])
         ]
-        return made._replace(stretches=tuple(found))
-    return made
+        return output_plan._replace(stretches=tuple(found))
+    return output_plan
 
 
 def _pairs(
@@ -584,38 +584,38 @@ def has_envelope(output: Output, members: Sequence[Member]) -> bool:
 # ── a part of a rule base ────────────────────────────────────────────────────────────
 
 
-def needed(made: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
+def needed(plan: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
     """Return the outputs and the rules that some outputs depend on, themselves included."""
     outputs, rules = set(names), set[int]()
     while True:
         more = {
             rule
             for name in outputs
-            for _, rule in made.outputs[name].contributions
-            if made.rules[rule].rule.weight != 0.0
+            for _, rule in plan.outputs[name].contributions
+            if plan.rules[rule].rule.weight != 0.0
         }
         # To a fixed point: what a needed output reads is needed as well.
-        further = _read(made, outputs, more) & made.outputs.keys()
+        further = _read(plan, outputs, more) & plan.outputs.keys()
         if more == rules and further <= outputs:
             return outputs, rules
         outputs, rules = outputs | further, more
 
 
-def read_by(made: Plan, output: str) -> set[str]:
+def read_by(plan: Plan, output: str) -> set[str]:
     """Return the outputs that one output depends on directly."""
     rules = [
         rule
-        for _, rule in made.outputs[output].contributions
-        if made.rules[rule].rule.weight != 0.0
+        for _, rule in plan.outputs[output].contributions
+        if plan.rules[rule].rule.weight != 0.0
     ]
-    return _read(made, [output], rules) & made.outputs.keys()
+    return _read(plan, [output], rules) & plan.outputs.keys()
 
 
-def _read(made: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
+def _read(plan: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
     """Return the variables that rules read, and formulas of consequents."""
-    antecedents = [made.rules[rule].rule.antecedent for rule in rules]
+    antecedents = [plan.rules[rule].rule.antecedent for rule in rules]
     names = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
-    members = [member for name in outputs for member in made.outputs[name].members]
+    members = [member for name in outputs for member in plan.outputs[name].members]
     return names | {
         name for member_ in members if member_.formula for name in member_.formula.names
     }
@@ -653,12 +653,12 @@ def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
     return parts[wanted_outputs]
 
 
-def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
+def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
     plan_ = plan(rulebase)
-    for name in wanted:
+    for name in outputs:
         if name not in plan_.outputs:
             raise UnknownNameError(name, plan_.outputs, what="output")
-    names, needed_readings = needed(plan_, wanted)
+    names, needed_readings = needed(plan_, outputs)
     rules = {
         i for i, readings_here in enumerate(plan_.readings) if needed_readings & set(readings_here)
     }

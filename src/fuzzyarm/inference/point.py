@@ -555,9 +555,9 @@ def prepare(rulebase: RuleBase) -> PointEngine:
 # ── inputs as a caller gives them ────────────────────────────────────────────────────
 
 
-def holds_arrays(given: Mapping[str, Any]) -> bool:
+def holds_arrays(inputs: Mapping[str, Any]) -> bool:
     """Whether any input is an array."""
-    return any(not isinstance(value, float | int) and _is_array(value) for value in given.values())
+    return any(not isinstance(value, float | int) and _is_array(value) for value in inputs.values())
 
 
 def number_of(name: str, value: Any) -> float:

@@ -351,7 +351,7 @@ def _distance(near: NearRule) -> tuple[int, float]:
     return len(degrees) - len(holding), -min(holding, default=0.0)
 
 
-def _fuzzy_value(variable: Variable, given: Mapping[str, float], value: float) -> FuzzyValue:
+def _fuzzy_value(variable: Variable, inputs: Mapping[str, float], value: float) -> FuzzyValue:
     from fuzzyarm.inference.sets import term_function
 
     degrees = tuple(
@@ -366,7 +366,7 @@ def _fuzzy_value(variable: Variable, given: Mapping[str, float], value: float) -
             for term in variable.terms
             if term.shape.kind != "linear"
         )
-    given_value = float(given.get(variable.name, value))
+    given_value = float(inputs.get(variable.name, value))
     return FuzzyValue(variable.name, given_value, value, degrees, lower)
 
 

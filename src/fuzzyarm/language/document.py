@@ -323,9 +323,11 @@ class ParseMemory:
         self._fresh_rules[id(node)] = earlier
         return earlier[1], earlier[2]
 
-    def keep_rules(self, node: StatementNode, rules: list[Rule], found: list[Diagnostic]) -> None:
+    def keep_rules(
+        self, node: StatementNode, rules: list[Rule], findings: list[Diagnostic]
+    ) -> None:
         """Remember what a statement means."""
-        self._fresh_rules[id(node)] = (node, rules, tuple(found))
+        self._fresh_rules[id(node)] = (node, rules, tuple(findings))
 
 
 # --- Reading ---

@@ -117,8 +117,8 @@ def _read_set_points(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
     return tuple(set_points)
 
 
-def _set_points_text(found: Iterable[tuple[str, float]]) -> str:
-    return ", ".join(f"{name_text(port)} = {number_text(value)}" for port, value in found)
+def _set_points_text(set_points: Iterable[tuple[str, float]]) -> str:
+    return ", ".join(f"{name_text(port)} = {number_text(value)}" for port, value in set_points)
 
 
 def _stretches(field: str, kind: NameKind, what: str, label: str) -> Phrase:

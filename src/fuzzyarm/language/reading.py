@@ -141,14 +141,14 @@ def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
     return replace(diagnostic, hint="; ".join(failures))
 
 
-def _limited(found: list[Diagnostic], path: str) -> list[Diagnostic]:
-    diagnostics = [replace(diagnostic, path=path) for diagnostic in found[:MAX_DIAGNOSTICS]]
-    if len(found) > MAX_DIAGNOSTICS:
+def _limited(findings: list[Diagnostic], path: str) -> list[Diagnostic]:
+    diagnostics = [replace(diagnostic, path=path) for diagnostic in findings[:MAX_DIAGNOSTICS]]
+    if len(findings) > MAX_DIAGNOSTICS:
         diagnostics.append(
             Diagnostic(
                 "too-many-mistakes",
                 f"there are more than {MAX_DIAGNOSTICS:,} findings; the others are not shown",
-                found[MAX_DIAGNOSTICS].span,
+                findings[MAX_DIAGNOSTICS].span,
                 path=path,
             )
         )

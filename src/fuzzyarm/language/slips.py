@@ -94,7 +94,7 @@ def foreign_text(text: str) -> Diagnostic | None:
     return None
 
 
-def _finding(first: Diagnostic, before: str, after: str, said: str) -> Diagnostic:
+def _finding(first: Diagnostic, before: str, after: str, words: str) -> Diagnostic:
     """Return what is said of a line: its span and replacement are what differs."""
     start = 0
     while start < min(len(before), len(after)) and before[start] == after[start]:
@@ -105,7 +105,7 @@ def _finding(first: Diagnostic, before: str, after: str, said: str) -> Diagnosti
     span = Span(first.line, start + 1, first.line, len(before) - end + 1)
     hint = f"write  {' '.join(after.split())}" if after.strip() else "leave the line out"
     return Diagnostic(
-        first.name, said, span, hint=hint, replacement=after[start : len(after) - end]
+        first.name, words, span, hint=hint, replacement=after[start : len(after) - end]
     )
 
 
@@ -209,23 +209,23 @@ def _first_word(line: str) -> str:
     return word if word in CONTROLLER_STATEMENTS else ""
 
 
-def _advised(found: Diagnostic, lines: Sequence[str]) -> Diagnostic:
+def _advised(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:
     """Return a finding with what to do, where the line alone cannot be put right."""
-    number = found.line
+    number = finding.line
     if not 1 <= number <= len(lines):
-        return found
+        return finding
     line = lines[number - 1].partition("#")[0].rstrip()
-    mended = found.replacement is not None and found.name != "reserved-word"
-    if len(line) > _LONGEST or mended or found.name not in _SYNTAX:
-        return found
+    mended = finding.replacement is not None and finding.name != "reserved-word"
+    if len(line) > _LONGEST or mended or finding.name not in _SYNTAX:
+        return finding
     controller = _controller_above(lines, number)
     _, word, _ = (_of_controller if controller else _surroundings)(lines, number)
     for advice in (controller_slips if controller else rulebase_slips).ADVICE:
         reading = advice.on(line, number) if not advice.words or word in advice.words else None
         if reading is not None:
             message, hint, span = reading
-            return Diagnostic(found.name, message, span, hint=hint)
-    return found
+            return Diagnostic(finding.name, message, span, hint=hint)
+    return finding
 
 
 def _keyword(line: str) -> str | None:
@@ -267,8 +267,8 @@ def _pieces(line: str) -> Iterator[tuple[str, bool]]:
         yield match.group(), match.group()[0] not in "\"'#"
 
 
-def _apply(slip: Slip, text: str, said: dict[str, None]) -> str:
+def _apply(slip: Slip, text: str, corrections: dict[str, None]) -> str:
     changed = slip.pattern.sub(slip.written, text)
     if changed != text:
-        said[slip.said] = None
+        corrections[slip.said] = None
     return changed

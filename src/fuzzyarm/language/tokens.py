@@ -271,13 +271,13 @@ class Cursor:
             self.fail(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
 
-    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
+    def fail(self, expected: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         """Raise the fault *expected …, found …*, with a hint if one of `choices` is near."""
         token = self.peek()
         text_there = "the end of the line" if token is None else f"'{token.text}'"
         hint, replacement = near_hint(token.text, choices) if token else ("", None)
         name = name or ("incomplete-statement" if token is None else "unexpected-token")
-        message = f"expected {wanted}, found {text_there}"
+        message = f"expected {expected}, found {text_there}"
         raise Fault(Diagnostic(name, message, self.span, hint=hint, replacement=replacement))
 
     def forgive(self, fault: Fault) -> None:

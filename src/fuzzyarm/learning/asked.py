@@ -27,28 +27,28 @@ OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
 _MAYBE = {"yes": True, "no": False, "auto": None}
 
 
-def options_asked(asked: FitRequest) -> Options:
+def options_asked(request: FitRequest) -> Options:
     """Return how the model is found."""
-    words = _words(asked.words) if asked.words else Options.words
-    if asked.words and (asked.terms or asked.start != "grid"):
+    words = _words(request.words) if request.words else Options.words
+    if request.words and (request.terms or request.start != "grid"):
         raise UsageError("--words is for Wang and Mendel's rules, --terms and --start are not")
     return Options(
-        method="wang-mendel" if asked.words else "sugeno",
-        start=asked.start,
-        rules=asked.rules,
-        terms=_numbers(asked.terms, "--terms") if asked.terms else None,
+        method="wang-mendel" if request.words else "sugeno",
+        start=request.start,
+        rules=request.rules,
+        terms=_numbers(request.terms, "--terms") if request.terms else None,
         words=words,
-        shrinkage=asked.shrink,
-        move=_MAYBE[asked.move],
-        merge=asked.merge,
-        series=asked.series,
-        parts=asked.folds,
-        digits=asked.digits,
-        outside=asked.outside or ("clamp" if is_model(asked.data) else "extend"),
-        seed=asked.seed,
-        nested=_MAYBE[asked.nested],
-        seconds=read_time(asked.time, "--time") if asked.time else math.inf,
-        name=asked.name or Options.name,
+        shrinkage=request.shrink,
+        move=_MAYBE[request.move],
+        merge=request.merge,
+        series=request.series,
+        parts=request.folds,
+        digits=request.digits,
+        outside=request.outside or ("clamp" if is_model(request.data) else "extend"),
+        seed=request.seed,
+        nested=_MAYBE[request.nested],
+        seconds=read_time(request.time, "--time") if request.time else math.inf,
+        name=request.name or Options.name,
     )
 
 
@@ -75,12 +75,12 @@ def _numbers(text: str, option: str) -> tuple[int, ...]:
 # --- Samples ---
 
 
-def samples_asked(asked: FitRequest) -> Samples:
+def samples_asked(request: FitRequest) -> Samples:
     """Return what is learned from: samples of a file, or of a model that is to be stood for."""
-    if is_model(asked.data):
-        return _samples_of_model(asked)
-    inputs = tuple(asked.inputs.split(",")) if asked.inputs else None
-    return read_samples(asked.data, Columns(asked.target, inputs))
+    if is_model(request.data):
+        return _samples_of_model(request)
+    inputs = tuple(request.inputs.split(",")) if request.inputs else None
+    return read_samples(request.data, Columns(request.target, inputs))
 
 
 def is_model(path: str) -> bool:
@@ -88,18 +88,18 @@ def is_model(path: str) -> bool:
     return Path(path).suffix.lower() in OF_MODELS
 
 
-def _samples_of_model(asked: FitRequest) -> Samples:
-    if asked.inputs:
+def _samples_of_model(request: FitRequest) -> Samples:
+    if request.inputs:
         raise UsageError("--inputs is for samples: a surrogate has those of what it stands for")
-    model = load_sheet(asked.data)
+    model = load_sheet(request.data)
     if isinstance(model, RuleBase):
-        return rulebase_samples(model, asked.target, seed=asked.seed, source=asked.data)
-    return table_samples(model, asked.data)
+        return rulebase_samples(model, request.target, seed=request.seed, source=request.data)
+    return table_samples(model, request.data)
 
 
-def test_asked(asked: FitRequest, samples: Samples) -> Samples | None:
+def test_asked(request: FitRequest, samples: Samples) -> Samples | None:
     """Return the samples to be judged by, where they are given, in the columns of the others."""
-    if not asked.test:
+    if not request.test:
         return None
-    test = read_samples(asked.test, Columns(samples.target, samples.names))
+    test = read_samples(request.test, Columns(samples.target, samples.names))
     return test.in_classes(samples.classes)

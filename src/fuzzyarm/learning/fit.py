@@ -338,8 +338,8 @@ def _of_part(way: _Way, part: Samples) -> Callable[[Samples], Array]:
     premises = way.best.premises
     weights, scaling = consequents(premises, part.inputs, part.outputs, way.best.shrinkage)
 
-    def outputs(asked: Samples) -> Array:
-        values = predicted(premises, weights, scaling.regressors(asked.inputs), asked.inputs)
+    def outputs(points: Samples) -> Array:
+        values = predicted(premises, weights, scaling.regressors(points.inputs), points.inputs)
         return scaling.middle + scaling.range * values
 
     return outputs
@@ -473,7 +473,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
     )
     off = samples.outputs - numbers
     spread = np.sqrt(np.mean(off**2, axis=0))
-    wanted = rms(off)
+    target = rms(off)
     digits = options.digits
     while True:
         layout = WritingStyle(options.name, options.description, options.outside, digits)
@@ -481,7 +481,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         residual = samples.outputs - outputs_of(rulebase, samples)
         # A fit that is all but exact would ask for more and more digits.
         floor = 1e-4 * float(scaling.range.max())
-        limit = (1.0 + WORSE_AS_TEXT) * max(wanted, floor)
+        limit = (1.0 + WORSE_AS_TEXT) * max(target, floor)
         if rms(residual) <= limit or digits >= MOST_FITTED_DIGITS:
             break
         digits += 1
@@ -519,34 +519,34 @@ def _limits(finished: bool, error: Error, clock: Deadline) -> Iterator[str]:
         yield "time"
 
 
-def _with_text(made: Fit, text: str) -> Fit:
+def _with_text(fit: Fit, text: str) -> Fit:
     parsed = parse(text)
     assert parsed.rulebase is not None, parsed.diagnostics
-    return replace(made, text=text, rulebase=parsed.rulebase)
+    return replace(fit, text=text, rulebase=parsed.rulebase)
 
 
-def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
+def _head(samples: Samples, options: Options, fit: Fit) -> list[str]:
     """Return the lines above a learned rule base: where it comes from, how good it is."""
     kind = "wrong answers" if samples.classes else "RMS error"
     source = printable(short_source(samples.source))
-    parts = min(options.parts, OUTER) if made.judged == "nested" else options.parts
+    parts = min(options.parts, OUTER) if fit.judged == "nested" else options.parts
     how = f"{parts}-fold cross-validation{' in blocks' if options.series else ''}"
-    how = f"nested {how}" if made.judged == "nested" else how
-    rules = len(made.rulebase.rules)
+    how = f"nested {how}" if fit.judged == "nested" else how
+    rules = len(fit.rulebase.rules)
     lines = [
         f"Learned by fuzzyarm {__version__} from {source}: {len(samples):,} samples,"
         f" target {printable(samples.target)}.",
-        f"{rules} rule{'' if rules == 1 else 's'}: {printable(made.structure)}.",
-        f"Training {kind} {made.error:.4g}; linear regression {made.linear_error:.4g}.",
-        f"RMS error in {how} {made.cross_validation:.4g};"
-        f" linear regression {made.linear_cross_validation:.4g}.",
+        f"{rules} rule{'' if rules == 1 else 's'}: {printable(fit.structure)}.",
+        f"Training {kind} {fit.error:.4g}; linear regression {fit.linear_error:.4g}.",
+        f"RMS error in {how} {fit.cross_validation:.4g};"
+        f" linear regression {fit.linear_cross_validation:.4g}.",
     ]
-    if made.judged == "by the choice":
+    if fit.judged == "by the choice":
         lines.append("Its structure was chosen on the same parts: on others it may be more.")
-    if not math.isnan(made.shrinkage):
-        lines.append(f"Shrinkage {made.shrinkage:.2g}, seed {options.seed}.")
-    if made.interrupted:
-        ended = "ended with its time" if "time" in made.limits else "was interrupted"
+    if not math.isnan(fit.shrinkage):
+        lines.append(f"Shrinkage {fit.shrinkage:.2g}, seed {options.seed}.")
+    if fit.interrupted:
+        ended = "ended with its time" if "time" in fit.limits else "was interrupted"
         lines.append(f"The search {ended}: the best so far.")
     return lines
 
@@ -573,7 +573,7 @@ def _fit_words(
             if not complete:
                 raise KeyboardInterrupt
             model, _ = wang_mendel(part, min(own, key=own.__getitem__), layout)
-            return lambda asked: outputs_of(model, asked)
+            return lambda points: outputs_of(model, points)
 
         judgement = _nested(samples, options, learned, judgement, on_step, clock)
     rulebase, support = wang_mendel(samples, chosen, layout)
@@ -643,12 +643,12 @@ def outputs_of(rulebase: RuleBase, samples: Samples) -> Array:
     return np.stack([results[name] for name in output_names(samples)], axis=1)
 
 
-def linear_outputs(samples: Samples, asked: Samples | None = None) -> Array:
+def linear_outputs(samples: Samples, points: Samples | None = None) -> Array:
     """Return the outputs of linear regression on samples, at these or at others."""
     scaling = Scaling.of(samples.inputs, samples.outputs)
     regressors = scaling.regressors(samples.inputs)
     weights = np.linalg.lstsq(regressors, samples.outputs, rcond=1e-10)[0]
-    at = regressors if asked is None else scaling.regressors(asked.inputs)
+    at = regressors if points is None else scaling.regressors(points.inputs)
     values: Array = at @ weights
     return values
 

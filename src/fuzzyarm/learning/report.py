@@ -13,7 +13,7 @@ from fuzzyarm.text.numbers import counted, percent
 __all__ = ["broken_off", "faithful", "report_lines", "report_of", "tested"]
 
 
-def report_of(file: str, samples: Samples, made: Fit) -> dict[str, Any]:
+def report_of(file: str, samples: Samples, fit: Fit) -> dict[str, Any]:
     """Return what was learned as JSON data."""
     return {
         "file": file,
@@ -21,57 +21,55 @@ def report_of(file: str, samples: Samples, made: Fit) -> dict[str, Any]:
         "inputs": list(samples.names),
         "target": samples.target,
         "classes": list(samples.classes),
-        "rules": len(made.rulebase.rules),
-        "structure": made.structure,
-        "shrinkage": made.shrinkage,
-        "digits": made.digits,
+        "rules": len(fit.rulebase.rules),
+        "structure": fit.structure,
+        "shrinkage": fit.shrinkage,
+        "digits": fit.digits,
         "training": {
-            "error": made.error,
-            "error_of_numbers": made.error_of_numbers,
-            "linear": made.linear_error,
+            "error": fit.error,
+            "error_of_numbers": fit.error_of_numbers,
+            "linear": fit.linear_error,
         },
         "cross_validation": {
-            "error": made.cross_validation,
-            "judged": made.judged,
-            "of_the_choice": made.choice,
-            "linear": made.linear_cross_validation,
+            "error": fit.cross_validation,
+            "judged": fit.judged,
+            "of_the_choice": fit.choice,
+            "linear": fit.linear_cross_validation,
             "candidates": [
                 {"structure": words, "rules": rules, "error": error}
-                for words, rules, error in made.candidates
+                for words, rules, error in fit.candidates
             ],
         },
-        "support": list(made.support),
-        "interrupted": made.interrupted,
+        "support": list(fit.support),
+        "interrupted": fit.interrupted,
     }
 
 
-def tested(samples: Samples, made: Fit, test: Samples) -> dict[str, Any]:
+def tested(samples: Samples, fit: Fit, test: Samples) -> dict[str, Any]:
     """Return how it does on the samples of --test, beside linear regression."""
     return {
         "samples": len(test),
-        "error": score(test, outputs_of(made.rulebase, test)),
+        "error": score(test, outputs_of(fit.rulebase, test)),
         "linear": score(test, linear_outputs(samples, test)),
     }
 
 
-def faithful(samples: Samples, made: Fit) -> dict[str, float]:
+def faithful(samples: Samples, fit: Fit) -> dict[str, float]:
     """Return how far it is from what it stands for."""
-    return fidelity(made.rulebase, samples)._asdict()
+    return fidelity(fit.rulebase, samples)._asdict()
 
 
-def report_lines(
-    samples: Samples, made: Fit, report: dict[str, Any], options: Options
-) -> list[str]:
+def report_lines(samples: Samples, fit: Fit, report: dict[str, Any], options: Options) -> list[str]:
     """Return a report in lines: errors beside those of linear regression."""
     kind = "wrong answers" if samples.classes else "RMS error"
     blocks = " in blocks" if options.series else ""
     nested, parts = "", options.parts
-    if made.judged == "nested":
+    if fit.judged == "nested":
         nested, parts = "nested ", min(parts, OUTER)
     cross = f"{nested}cross-validation, {parts} parts{blocks} (RMS)"
     rows = [("", "model", "linear regression")]
-    rows.append((f"training ({kind})", *_pair(made.error, made.linear_error)))
-    rows.append((cross, *_pair(made.cross_validation, made.linear_cross_validation)))
+    rows.append((f"training ({kind})", *_pair(fit.error, fit.linear_error)))
+    rows.append((cross, *_pair(fit.cross_validation, fit.linear_cross_validation)))
     if "test" in report:
         tested = report["test"]
         rows.append(
@@ -81,10 +79,10 @@ def report_lines(
             )
         )
     lines = [
-        f"{report['file']}: {counted(report['rules'], 'rule')}, {made.structure}",
+        f"{report['file']}: {counted(report['rules'], 'rule')}, {fit.structure}",
         *in_columns(rows, "<>", indent="  ", least=(0, 10, 17)),
     ]
-    if made.judged == "by the choice":
+    if fit.judged == "by the choice":
         lines.append("  its structure was chosen on the same parts: on others it may be more")
     if "fidelity" in report:
         told = report["fidelity"]
@@ -93,9 +91,9 @@ def report_lines(
             f"  fidelity: off by at most {told['worst']:.4g}, {told['rms']:.4g} RMS,"
             f" {worst} and {mean} of the range"
         )
-    if made.structure == "linear":
+    if fit.structure == "linear":
         lines.append("  no terms earned their rules: the model is linear regression")
-    elif made.cross_validation > made.linear_cross_validation:
+    elif fit.cross_validation > fit.linear_cross_validation:
         lines.append("  linear regression is better on samples not seen")
     return lines
 

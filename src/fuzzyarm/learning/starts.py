@@ -250,13 +250,15 @@ def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> float:
     return float(np.minimum(one, other).sum() / np.maximum(one, other).sum())
 
 
-def _with_one_term(premises: Premises, kept: int, dropped: int) -> Premises:
+def _with_one_term(premises: Premises, survivor: int, dropped: int) -> Premises:
     numbers = premises.numbers.copy()
     for (k, _), (d, _) in zip(
-        premises.terms[kept].numbers, premises.terms[dropped].numbers, strict=True
+        premises.terms[survivor].numbers, premises.terms[dropped].numbers, strict=True
     ):
         numbers[k] = 0.5 * (numbers[k] + numbers[d])
-    rules = [tuple(kept if term == dropped else term for term in rule) for rule in premises.rules]
+    rules = [
+        tuple(survivor if term == dropped else term for term in rule) for rule in premises.rules
+    ]
     return _tidied(premises, list(dict.fromkeys(rules)), numbers)
 
 

@@ -205,11 +205,11 @@ def clearly_worse(squares: Array, least: Array) -> bool:
 def smallest_good(candidates: Iterable[StructureCandidate]) -> StructureCandidate:
     """Return the smallest candidate, then the most linear, not clearly worse than the best."""
     candidates_ = list(candidates)
-    best = min(candidates_, key=lambda each: each.error)
+    best = min(candidates_, key=lambda entry: entry.error)
     good = [
         candidate for candidate in candidates_ if not clearly_worse(candidate.squares, best.squares)
     ]
-    return min(good, key=lambda each: (each.size, -each.shrinkage, each.error))
+    return min(good, key=lambda entry: (entry.size, -entry.shrinkage, entry.error))
 
 
 def grown_grids(
@@ -229,7 +229,7 @@ def grown_grids(
                 following.append((judge.judged(grid_words(larger, names), grid), larger))
         if not following:
             return
-        best, counts = min(following, key=lambda each: each[0].error)
+        best, counts = min(following, key=lambda candidate: candidate[0].error)
         yield best
 
 

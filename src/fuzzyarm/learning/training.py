@@ -141,24 +141,24 @@ class Training:
     along: bool
 
     @classmethod
-    def of(cls, asked: LearnRequest) -> Training:
+    def of(cls, request: LearnRequest) -> Training:
         """Read what is asked for."""
-        name = asked.controller or ("soc-table" if asked.begin == ("table",) else "soc-zero")
+        name = request.controller or ("soc-table" if request.begin == ("table",) else "soc-zero")
         entry = CATALOGUE.get(name)
         path = entry.file() if isinstance(entry, TextEntry) else name
-        change = teaching(0.0 if asked.freeze else asked.rate, asked.delay)
-        controller = text_controller(path, Choice(sources=_sources(asked)), change=change)
-        asked, plant = with_plant(asked, [controller])
-        gains, parameters = split_settings(overrides(asked.set), controller, plant)
+        change = teaching(0.0 if request.freeze else request.rate, request.delay)
+        controller = text_controller(path, Choice(sources=_sources(request)), change=change)
+        request, plant = with_plant(request, [controller])
+        gains, parameters = split_settings(overrides(request.set), controller, plant)
         plant = with_parameters(plant, parameters) if parameters else plant
-        along = follows(asked, plant)
-        plant, options = with_drives(asked, plant)
-        trainee = Trainee(controller.with_gains(gains), plant, connections(asked), name)
+        along = follows(request, plant)
+        plant, options = with_drives(request, plant)
+        trainee = Trainee(controller.with_gains(gains), plant, connections(request), name)
         count = len(trainee.axes)
-        if asked.joint is not None and asked.joint > count:
-            raise RequestError("joint", f"must be 1 to {count}, not {asked.joint}")
-        motion = set_points(asked, trainee.controller, plant)
-        return cls(asked, name, trainee, motion, options, along)
+        if request.joint is not None and request.joint > count:
+            raise RequestError("joint", f"must be 1 to {count}, not {request.joint}")
+        motion = set_points(request, trainee.controller, plant)
+        return cls(request, name, trainee, motion, options, along)
 
     def snapshots(self, every: int | None = None) -> Iterator[Snapshot]:
         """Train; see :func:`train`."""
@@ -205,9 +205,9 @@ class Training:
         return pairs
 
 
-def _sources(asked: LearnRequest) -> Sources:
+def _sources(request: LearnRequest) -> Sources:
     table = None
-    if asked.begin not in (("zero",), ("table",)):
-        table = control_tables(asked.begin, "--start")
-    judge = asked.performance
+    if request.begin not in (("zero",), ("table",)):
+        table = control_tables(request.begin, "--start")
+    judge = request.performance
     return Sources(table=table, performance=performance_table(judge) if judge else None)

@@ -63,7 +63,7 @@ class Proposals(NamedTuple):
 
 
 def proposals(
-    inputs: Array, wanted: Array, ranges: list[tuple[float, float]], words: int
+    inputs: Array, outputs: Array, ranges: list[tuple[float, float]], words: int
 ) -> Proposals:
     """Return the rules of samples.
 
@@ -71,7 +71,7 @@ def proposals(
     ----------
     inputs : ndarray, shape (samples, inputs)
         Of the samples.
-    wanted : ndarray, shape (samples,)
+    outputs : ndarray, shape (samples,)
         Of the samples.
     ranges : list of (float, float)
         Of the inputs, and of the output at the end.
@@ -79,7 +79,7 @@ def proposals(
         Of each variable.
     """
     low, high = np.array(ranges).T
-    position = (np.column_stack([inputs, wanted]) - low) / (high - low) * (words - 1)
+    position = (np.column_stack([inputs, outputs]) - low) / (high - low) * (words - 1)
     nearest = np.clip(np.rint(position), 0, words - 1).astype(np.intp)
     degree = np.prod(1.0 - np.abs(position - nearest), axis=1)
     # Rows are ordered by antecedent, then degree: the last of each antecedent stays.

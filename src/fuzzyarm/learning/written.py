@@ -288,10 +288,10 @@ def weighted_output(
     )
 
 
-def middle_of(wanted: Array) -> float:
+def middle_of(outputs: Array) -> float:
     """Return the mean of values, with three digits of their width."""
-    width = float(np.ptp(wanted)) or 1.0
-    return round_to(float(wanted.mean()), resolution(width, 3))
+    width = float(np.ptp(outputs)) or 1.0
+    return round_to(float(outputs.mean()), resolution(width, 3))
 
 
 def _antecedent(parts: list[Is], inputs: Sequence[Input]) -> Expression:

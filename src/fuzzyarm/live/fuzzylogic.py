@@ -83,18 +83,21 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
     if not rule.conditions:
         findings.error("no-rules", "the rule has no conditions")
         return None
-    asked_sets = [each for sets in rule.conditions for each in sets]
+    asked_sets = [fuzzy_set for sets in rule.conditions for fuzzy_set in sets]
     concluded = list(rule.conditions.values())
-    if any(each.domain is None for each in (*asked_sets, *concluded)):
+    if any(fuzzy_set.domain is None for fuzzy_set in (*asked_sets, *concluded)):
         findings.error("undefined-variable", "a set of the rule belongs to no domain")
         return None
-    targets = {id(each.domain): each.domain for each in concluded}
-    labels = sorted(str(each._name) for each in targets.values())
+    targets = {id(fuzzy_set.domain): fuzzy_set.domain for fuzzy_set in concluded}
+    labels = sorted(str(fuzzy_set._name) for fuzzy_set in targets.values())
     if len(targets) > 1:
         findings.error("rule-too-rich", f"the rule concludes several domains: {', '.join(labels)}")
         return None
     domains, (target,) = _domains(rule), targets.values()
-    if len(domains) < len({id(each.domain) for each in asked_sets}) or labels[0] in domains:
+    if (
+        len(domains) < len({id(fuzzy_set.domain) for fuzzy_set in asked_sets})
+        or labels[0] in domains
+    ):
         findings.error("duplicate-variable", "two domains of the rule have one name")
         return None
     sets_by_domain = {
@@ -108,8 +111,11 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
     rules = []
     for sets, set_ in rule.conditions.items():
         parts = tuple(
-            Is(str(each.domain._name), *sets_by_domain[id(each.domain)][id(each)][:2])
-            for each in sorted(sets, key=lambda each: str(each.domain._name))
+            Is(
+                str(fuzzy_set.domain._name),
+                *sets_by_domain[id(fuzzy_set.domain)][id(fuzzy_set)][:2],
+            )
+            for fuzzy_set in sorted(sets, key=lambda fuzzy_set: str(fuzzy_set.domain._name))
         )
         conclusion = Consequent(labels[0], values[id(set_)].term)
         rules.append(Rule(And(parts) if len(parts) > 1 else parts[0], (conclusion,)))
@@ -143,12 +149,12 @@ def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[in
     return names_of_sets
 
 
-def _under_hedges(each: Any, own: list[_NamedSet], domain: Any) -> _NamedSet | None:
+def _under_hedges(fuzzy_set: Any, own: list[_NamedSet], domain: Any) -> _NamedSet | None:
     """Return the own term and the hedges that make a set, as ``~hot`` and ``very(hot)``."""
     low, width = float(domain._low), float(domain._high) - float(domain._low)
     # Also an eighth of the range beyond its ends, where a complement looks different.
     xs = [low + width * (i - 20) / 160 for i in range(201)]
-    degrees = [float(each(x)) for x in xs]
+    degrees = [float(fuzzy_set(x)) for x in xs]
     for term in own:
         before = [float(term.set(x)) for x in xs]
         for hedges in (*_powers(before, degrees), (NOT,)):
@@ -182,8 +188,8 @@ def _input(label: str, domain: Any, sets: Iterable[_NamedSet], findings: Finding
     return input_of(label, low, high, shapes)
 
 
-def _degree_of(each: Any) -> Callable[[float], float]:
-    return lambda x: float(each(x))
+def _degree_of(fuzzy_set: Any) -> Callable[[float], float]:
+    return lambda x: float(fuzzy_set(x))
 
 
 def _output(label: str, target: Any, sets: Iterable[_NamedSet]) -> Output:

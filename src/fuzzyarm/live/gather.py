@@ -446,19 +446,19 @@ def _systems(
     return _with_names([*_without_parts(list(systems.values()))]), list(left_out.values())
 
 
-def _without_parts(found: list[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+def _without_parts(objects: list[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
     """Leave out rules of fuzzylogic that are part of a sum of rules."""
-    sums = [set(system.conditions) for _, system in found if hasattr(system, "conditions")]
-    for name, system in found:
+    sums = [set(system.conditions) for _, system in objects if hasattr(system, "conditions")]
+    for name, system in objects:
         conditions = set(getattr(system, "conditions", ()))
         if not conditions or not any(conditions < other for other in sums):
             yield name, system
 
 
-def _with_names(found: list[tuple[str, Any]]) -> dict[str, Any]:
+def _with_names(objects: list[tuple[str, Any]]) -> dict[str, Any]:
     """Give every system a name that can be that of a file, also where case does not count."""
     systems: dict[str, Any] = {}
-    for name, system in found:
+    for name, system in objects:
         plain = "".join(c if c.isalnum() or c in "_-" else "_" for c in name)[:80].strip("-")
         plain = plain or "system"
         folded = {other.casefold() for other in systems}

@@ -124,9 +124,9 @@ LIBRARIES = (
 """Libraries whose live objects are read."""
 
 
-def library_of(found: object) -> Library | None:
+def library_of(system: object) -> Library | None:
     """Return the library that an object is a system of, or None."""
-    for base in type(found).__mro__:
+    for base in type(system).__mro__:
         module = str(base.__module__).partition(".")[0]
         for library in LIBRARIES:
             if library.module == module and base.__name__ in library.classes:
@@ -135,7 +135,7 @@ def library_of(found: object) -> Library | None:
 
 
 def read_object(
-    found: object,
+    system: object,
     name: str = "system",
     *,
     points: bool = False,
@@ -146,7 +146,7 @@ def read_object(
 
     Parameters
     ----------
-    found : object
+    system : object
         A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
         pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
         pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
@@ -162,16 +162,16 @@ def read_object(
     ArgumentError
         If it is none of these.
     """
-    library = library_of(found)
+    library = library_of(system)
     if library is None:
         raise ArgumentError(
-            f"{type(found).__module__}.{type(found).__qualname__} is not a system of "
+            f"{type(system).__module__}.{type(system).__qualname__} is not a system of "
             f"{', '.join(record.name for record in LIBRARIES)}",
             argument="found",
         )
     options = {"points": points} if library.module == "skfuzzy" else {}
     try:
-        return library.read(found, name, lossy=lossy, strict=strict, **options)
+        return library.read(system, name, lossy=lossy, strict=strict, **options)
     except UnreadableError as error:
         return Imported(None, (Diagnostic("unreadable-object", str(error)[:500]),), library.name)
     except Exception as error:  # whatever the library raises over an object that is half made
@@ -225,13 +225,13 @@ def _between(variable: Input, share: float) -> float:
 
 
 def measured(
-    found: object, rulebase: RuleBase, deadline: float = math.inf
+    system: object, rulebase: RuleBase, deadline: float = math.inf
 ) -> list[tuple[dict[str, float], dict[str, float] | None]]:
     """Return points and what a live object computes there itself, None where it raises.
 
     Parameters
     ----------
-    found : object
+    system : object
         A system of one of the :data:`LIBRARIES`.
     rulebase : RuleBase
         What it was read as.
@@ -240,9 +240,9 @@ def measured(
     """
     if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
         return []
-    library = library_of(found)
+    library = library_of(system)
     assert library is not None
-    numbers = library.numbers(found)
+    numbers = library.numbers(system)
     until = min(deadline, time.monotonic() + _SECONDS)
     results: list[tuple[dict[str, float], dict[str, float] | None]] = []
     for point in comparison_points(rulebase):

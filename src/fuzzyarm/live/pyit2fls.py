@@ -408,12 +408,12 @@ class _Reader:
                 terms.append(self._term(set_, name, variable, low, high))
         return tuple(terms)
 
-    def _term(self, each: Any, name: str, variable: str, low: float, high: float) -> Term:
+    def _term(self, fuzzy_set: Any, name: str, variable: str, low: float, high: float) -> Term:
         what = f"'{name}' of '{variable}'"
         if self._is_type1:
-            return Term(name, self._shape(each.mf, each.params, low, high, what))
-        upper = self._shape(each.umf, each.umf_params, low, high, what)
-        lower = self._shape(each.lmf, each.lmf_params, low, high, what)
+            return Term(name, self._shape(fuzzy_set.mf, fuzzy_set.params, low, high, what))
+        upper = self._shape(fuzzy_set.umf, fuzzy_set.umf_params, low, high, what)
+        lower = self._shape(fuzzy_set.lmf, fuzzy_set.lmf_params, low, high, what)
         return Term(name, upper, lower=None if lower == upper else lower)
 
     def _shape(
@@ -564,9 +564,9 @@ class _Reader:
         return Shape("linear", (*ordered, shape.parameters[-1]))
 
 
-def _height(each: Any) -> float:
+def _height(fuzzy_set: Any) -> float:
     """Return the degree of a set at its own centre."""
-    return float(each(each.defuzzify()))
+    return float(fuzzy_set(fuzzy_set.defuzzify()))
 
 
 def _called(function: Any) -> str:
@@ -580,15 +580,15 @@ def _same(one: Any, other: Any) -> bool:
     return _definition(one) == _definition(other)
 
 
-def _definition(each: Any) -> tuple[Any, ...]:
-    if hasattr(each, "mf"):
-        return (each.mf, [*map(float, each.params)], [*map(float, each.domain)])
+def _definition(fuzzy_set: Any) -> tuple[Any, ...]:
+    if hasattr(fuzzy_set, "mf"):
+        return (fuzzy_set.mf, [*map(float, fuzzy_set.params)], [*map(float, fuzzy_set.domain)])
     return (
-        each.umf,
-        [*map(float, each.umf_params)],
-        each.lmf,
-        [*map(float, each.lmf_params)],
-        [*map(float, each.domain)],
+        fuzzy_set.umf,
+        [*map(float, fuzzy_set.umf_params)],
+        fuzzy_set.lmf,
+        [*map(float, fuzzy_set.lmf_params)],
+        [*map(float, fuzzy_set.domain)],
     )
 
 

@@ -252,17 +252,17 @@ class _Reader:
             self.findings.info("estimated-range", message)
         return low, high, shapes
 
-    def _shape(self, each: Any, variable: str, low: float, high: float) -> Shape:
+    def _shape(self, term: Any, variable: str, low: float, high: float) -> Shape:
         """Return the shape of a set: by the class of its function, or by asking it."""
-        function = getattr(each, "_funpointer", None)
+        function = getattr(term, "_funpointer", None)
         maker = _CLASSES.get(type(function).__name__)
         shape = maker(function) if maker else None
         if shape is not None:
             return shape
         if function is None:  # a set of points
-            return shape_of(each.get_value, low, high) or _polygon(each)
-        words = f"'{each._term}' of '{variable}' is a user-defined function,"
-        return shape_or_points(lambda x: float(each.get_value(x)), low, high, words, self.findings)
+            return shape_of(term.get_value, low, high) or _polygon(term)
+        words = f"'{term._term}' of '{variable}' is a user-defined function,"
+        return shape_or_points(lambda x: float(term.get_value(x)), low, high, words, self.findings)
 
     # --- Values of Sugeno systems ---
 
@@ -318,8 +318,8 @@ def _singleton(f: Any) -> Shape | None:
     return Shape("singleton", (float(x),), float(degree))
 
 
-def _is_inverse(each: Any) -> bool:
-    return type(getattr(each, "_funpointer", None)).__name__ == "InvGaussian_MF"
+def _is_inverse(term: Any) -> bool:
+    return type(getattr(term, "_funpointer", None)).__name__ == "InvGaussian_MF"
 
 
 def _complement(term: str) -> str:
@@ -343,10 +343,10 @@ _CLASSES: dict[str, Callable[[Any], Shape | None]] = {
 }
 
 
-def _polygon(each: Any) -> Shape:
+def _polygon(term: Any) -> Shape:
     """Return straight lines through points, with the values beyond them."""
-    points = [(float(x), float(y)) for x, y in each._points]
-    first, last = map(float, each.boundary_values)
+    points = [(float(x), float(y)) for x, y in term._points]
+    first, last = map(float, term.boundary_values)
     if first != points[0][1]:
         points.insert(0, (math.nextafter(points[0][0], -math.inf), first))
     if last != points[-1][1]:

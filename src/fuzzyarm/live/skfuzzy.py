@@ -224,10 +224,10 @@ def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ..
     # An output is joined by its defuzzifier, which takes no notice of a shape between the points.
     anyway = _is_output(variable) and _are_even(xs)
     lines = curved if points else [
-        each for each in curved if not anyway and beside_lines(shapes[each], xs) > NEAR_LINES
+        label for label in curved if not anyway and beside_lines(shapes[label], xs) > NEAR_LINES
     ]  # fmt: skip
     if not anyway:
-        _note_between(variable, [each for each in curved if each not in lines], findings)
+        _note_between(variable, [label for label in curved if label not in lines], findings)
     if lines and not points:
         message = (
             f"{', '.join(lines)} of '{name}' would differ by more than {NEAR_LINES:.0%} between "
@@ -421,16 +421,16 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
 
     variables: dict[str, Any] = {}
     for variable in rulebase.inputs:
-        variable_ = control.Antecedent(_universe(variable, samples), variable.name)
-        variables[variable.name] = _with_terms(variable_, variable)
+        live_variable = control.Antecedent(_universe(variable, samples), variable.name)
+        variables[variable.name] = _with_terms(live_variable, variable)
     for output in rulebase.outputs:
-        variable_ = control.Consequent(
+        live_variable = control.Consequent(
             _universe(output, samples),
             output.name,
             # What is to be said of the method has been said by `_check`.
             word_of_method(output, "skfuzzy", "scikit-fuzzy", Findings(lossy=True)),
         )
-        variables[output.name] = _with_terms(variable_, output)
+        variables[output.name] = _with_terms(live_variable, output)
     rules = [
         _rule(rule, block, variables, number)
         for number, (rule, block) in enumerate(
@@ -461,12 +461,14 @@ def _corners(shape: Shape) -> list[float]:
     return [*xs, *(math.nextafter(x, side) for x in jumps for side in (-math.inf, math.inf))]
 
 
-def _with_terms(made: Any, variable: Input | Output) -> Any:
+def _with_terms(live_variable: Any, variable: Input | Output) -> Any:
     import numpy as np
 
     for term in variable.terms:
-        made[term.name] = np.array([membership(term.shape, float(x)) for x in made.universe])
-    return made
+        live_variable[term.name] = np.array(
+            [membership(term.shape, float(x)) for x in live_variable.universe]
+        )
+    return live_variable
 
 
 def _rule(rule: Rule, block: RuleBlock, variables: dict[str, Any], number: int) -> Any:

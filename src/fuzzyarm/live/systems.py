@@ -384,20 +384,20 @@ def _what_to_do(data: Mapping[str, Any]) -> str:
     )
 
 
-def _system(found: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
+def _system(objects: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
     diagnostics = [
         Diagnostic(name, message, severity=Severity(severity), hint=hint)
-        for name, message, severity, hint in found["diagnostics"]
+        for name, message, severity, hint in objects["diagnostics"]
     ]
-    text = str(found["text"] or "")
+    text = str(objects["text"] or "")
     rulebase = parse(text).rulebase if text else None
     if rulebase is not None:
-        library = str(found["library"])
-        diagnostics += compare(rulebase, found["points"], library, lossy=lossy, strict=strict)
+        library = str(objects["library"])
+        diagnostics += compare(rulebase, objects["points"], library, lossy=lossy, strict=strict)
     if any(diagnostic.is_error for diagnostic in diagnostics):
         rulebase = None
     return System(
-        found["name"], found["library"], rulebase, text if rulebase else "", tuple(diagnostics)
+        objects["name"], objects["library"], rulebase, text if rulebase else "", tuple(diagnostics)
     )
 
 

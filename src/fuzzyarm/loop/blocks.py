@@ -297,10 +297,10 @@ def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
     return _own_thing, (module.__file__, getattr(module, SOURCE), name)
 
 
-def _same_class(found: Any, thing: Any) -> bool:
+def _same_class(value: Any, thing: Any) -> bool:
     """Whether two classes come from the same text; the name of their module says so."""
-    both = isinstance(found, type) and isinstance(thing, type)
-    return both and (found.__module__, found.__qualname__) == (thing.__module__, thing.__qualname__)
+    both = isinstance(value, type) and isinstance(thing, type)
+    return both and (value.__module__, value.__qualname__) == (thing.__module__, thing.__qualname__)
 
 
 def _own_thing(path: str, source: str, name: str) -> Any:

@@ -40,7 +40,7 @@ _Asked = TypeVar("_Asked", bound=ExperimentRequest)
 # --- Controllers ---
 
 
-def controllers_of(asked: ExperimentRequest, names: Sequence[str]) -> list[Controller]:
+def controllers_of(request: ExperimentRequest, names: Sequence[str]) -> list[Controller]:
     """Return the controllers of some names, told apart where two have the same.
 
     Raises
@@ -49,36 +49,36 @@ def controllers_of(asked: ExperimentRequest, names: Sequence[str]) -> list[Contr
         If a start or a variant is asked for, and none of them has another.
     """
     controllers = find_controllers(
-        names, start=asked.start, variant=asked.variant, sources=sources_of(asked)
+        names, start=request.start, variant=request.variant, sources=sources_of(request)
     )
-    _require_choice(asked, names, controllers)
+    _require_choice(request, names, controllers)
     return controllers
 
 
 def _require_choice(
-    asked: ExperimentRequest, names: Sequence[str], controllers: Sequence[Controller]
+    request: ExperimentRequest, names: Sequence[str], controllers: Sequence[Controller]
 ) -> None:
     """Raise UsageError where a start or a variant would change nothing."""
     entries = [entry for name in names for entry in entries_if_any(name)]
     laws = [text_law_of(part) for controller in controllers for part in controller.parts()]
     partners = {p.law for law in laws if law is not None for p in law.text.model.partners}
     adaptive = [entry.name for entry in CATALOGUE.values() if entry.adaptive]
-    if asked.start != "warm" and not partners.union(e.name for e in entries) & set(adaptive):
+    if request.start != "warm" and not partners.union(e.name for e in entries) & set(adaptive):
         hint = f"they are {', '.join(adaptive)}"
-        raise UsageError(f"--start {asked.start} is for adaptive controllers", hint=hint)
-    if asked.variant != "as-printed" and not any(entry.described for entry in entries):
+        raise UsageError(f"--start {request.start} is for adaptive controllers", hint=hint)
+    if request.variant != "as-printed" and not any(entry.described for entry in entries):
         both = ", ".join(entry.name for entry in CATALOGUE.values() if entry.described)
-        message = f"--variant {asked.variant} is for controllers of which the study has two"
+        message = f"--variant {request.variant} is for controllers of which the study has two"
         raise UsageError(message, hint=f"they are {both}")
 
 
-def sources_of(asked: ExperimentRequest) -> Sources:
+def sources_of(request: ExperimentRequest) -> Sources:
     """Return the rule bases and tables that stand in place of those of a controller."""
     return Sources(
-        load_rules(asked.rulebase, "--rulebase") if asked.rulebase else None,
-        load_rules(asked.alpha, "--alpha") if asked.alpha else None,
-        control_tables(asked.table, "--table") if asked.table else None,
-        performance_table(asked.performance) if asked.performance else None,
+        load_rules(request.rulebase, "--rulebase") if request.rulebase else None,
+        load_rules(request.alpha, "--alpha") if request.alpha else None,
+        control_tables(request.table, "--table") if request.table else None,
+        performance_table(request.performance) if request.performance else None,
     )
 
 
@@ -103,10 +103,10 @@ def performance_table(word: str) -> LookupTable:
 
 
 def with_settings(
-    asked: ExperimentRequest, controller: Controller, plant: Plant
+    request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> tuple[Controller, Plant]:
     """Return a controller with its gains set, and the plant with its parameters."""
-    gains, parameters = split_settings(overrides(asked.set), controller, plant)
+    gains, parameters = split_settings(overrides(request.set), controller, plant)
     changed = controller.with_gains(gains)
     changed.name = controller.name
     return changed, with_parameters(plant, parameters) if parameters else plant
@@ -150,14 +150,14 @@ def split_settings(
 # --- The plant ---
 
 
-def with_plant(asked: _Asked, controllers: Sequence[Controller]) -> tuple[_Asked, Plant]:
+def with_plant(request: _Asked, controllers: Sequence[Controller]) -> tuple[_Asked, Plant]:
     """Return the plant with its actuators, and the experiment with its name.
 
     Where none is named it is the shipped one that has the axes of the controllers.
     """
-    if asked.plant is None:
-        asked = asked.replaced(plant=_plant_by_axes(controllers, connections(asked)))
-    return asked, named_plant(asked)
+    if request.plant is None:
+        request = request.replaced(plant=_plant_by_axes(controllers, connections(request)))
+    return request, named_plant(request)
 
 
 def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]) -> str:
@@ -170,9 +170,9 @@ def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]
     return next(iter(names.values()))
 
 
-def with_drives(asked: ExperimentRequest, plant: Plant) -> tuple[Plant, Options]:
+def with_drives(request: ExperimentRequest, plant: Plant) -> tuple[Plant, Options]:
     """Return a plant with the drives that are asked for, and the options of a run."""
-    options = options_of(asked, plant)
+    options = options_of(request, plant)
     return equipped(plant, options), options
 
 
@@ -192,22 +192,22 @@ COUNTING = ("conventions", "precision", "pi")
 """Fields that a plant has to name: of its drives, by the fields of ``Options``; of counting."""
 
 
-def given_option(asked: ExperimentRequest, names: Iterable[str]) -> str:
+def given_option(request: ExperimentRequest, names: Iterable[str]) -> str:
     """Return the first of some fields that says something, as its option is written, or nothing."""
-    option = asked.given(names)
+    option = request.given(names)
     if option is None:
         return ""
-    value, spelling = getattr(asked, option.name), option.spelling
+    value, spelling = getattr(request, option.name), option.spelling
     return f"--no-{spelling[2:]}" if value is False else spelling
 
 
-def follows(asked: ExperimentRequest, plant: Plant) -> bool:
+def follows(request: ExperimentRequest, plant: Plant) -> bool:
     """Whether a plant is to follow a trajectory, and not references."""
-    _require_known(asked, plant)
+    _require_known(request, plant)
     if not plant.trajectories:
         return False
-    reference = given_option(asked, REFERRED)
-    other = given_option(asked, (*ALONG, *CARRIED))
+    reference = given_option(request, REFERRED)
+    other = given_option(request, (*ALONG, *CARRIED))
     if reference and other:
         raise UsageError(f"{reference} is for references, and {other} for a trajectory: give one")
     if reference == "--for":
@@ -216,23 +216,23 @@ def follows(asked: ExperimentRequest, plant: Plant) -> bool:
     return not reference
 
 
-def _require_known(asked: ExperimentRequest, plant: Plant) -> None:
+def _require_known(request: ExperimentRequest, plant: Plant) -> None:
     """Raise WordError for a field that a plant does not understand."""
     name, options = plant.name, plant.particulars.options
-    option = given_option(asked, ALONG)
+    option = given_option(request, ALONG)
     if option and not plant.trajectories:
         message = f"{option} is for plants that follow trajectories"
         raise WordError(f"{message}; {name} takes --reference")
-    option = given_option(asked, CARRIED)
+    option = given_option(request, CARRIED)
     if option and not carries(plant):
         has = ", ".join(plant.parameters)
         instead = f"--set changes its parameters: {has}" if has else "it has no parameters"
         raise WordError(f"{option} is for plants that carry a load; {name} does not, {instead}")
-    option = given_option(asked, (key for key, field in DRIVES.items() if field not in options))
+    option = given_option(request, (key for key, field in DRIVES.items() if field not in options))
     if option:
         bounded = "--actuator INPUT=LOW..HIGH bounds a drive"
         raise WordError(f"{name} has no {option}; {bounded}: {', '.join(plant.inputs)}")
-    option = given_option(asked, (key for key in COUNTING if key not in options))
+    option = given_option(request, (key for key in COUNTING if key not in options))
     if option:
         counts = "it counts in double precision with the true π"
         raise WordError(f"{name} has no {option}; {counts}")
@@ -241,40 +241,40 @@ def _require_known(asked: ExperimentRequest, plant: Plant) -> None:
 # --- Set points ---
 
 
-def set_points(asked: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
+def set_points(request: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
     """Return what a plant follows: a trajectory of its own with its load, or references.
 
     Parameters of the plant that were set are its parameters with its load, too.
     """
-    if not follows(asked, plant):
-        return motion_of(asked, controller, plant)
+    if not follows(request, plant):
+        return motion_of(request, controller, plant)
     return trajectory_motion(
         plant,
-        trajectory_asked(asked, plant),
+        trajectory_asked(request, plant),
         controller,
-        conventions_of(asked),
-        payload=bool(asked.payload),
-        segments=asked.loaded or None,
-        connect=connections(asked),
+        conventions_of(request),
+        payload=bool(request.payload),
+        segments=request.loaded or None,
+        connect=connections(request),
     )
 
 
-def trajectory_asked(asked: ExperimentRequest, plant: Plant) -> Trajectory:
+def trajectory_asked(request: ExperimentRequest, plant: Plant) -> Trajectory:
     """Return the trajectory that is named; by default the first of the plant."""
     arguments: dict[str, Any] = {}
-    if asked.segment is not None:
-        arguments["segment"] = asked.segment
-    if asked.hold is not None:
-        arguments["hold"] = asked.hold
+    if request.segment is not None:
+        arguments["segment"] = request.segment
+    if request.hold is not None:
+        arguments["hold"] = request.hold
     try:
         with times_and_angles():
-            if asked.way_points:
-                return way_points(plant, [*map(_point, asked.way_points)], **arguments)
-            if asked.angles is not None:
-                arguments["angles"] = asked.angles
-            return trajectory_of(plant, asked.trajectory or "", **arguments)
+            if request.way_points:
+                return way_points(plant, [*map(_point, request.way_points)], **arguments)
+            if request.angles is not None:
+                arguments["angles"] = request.angles
+            return trajectory_of(plant, request.trajectory or "", **arguments)
     except UnknownTrajectoryError:
-        raise unknown_choice("trajectory", asked.trajectory, plant.trajectories) from None
+        raise unknown_choice("trajectory", request.trajectory, plant.trajectories) from None
 
 
 def _point(text: str) -> tuple[float, ...]:
@@ -287,10 +287,10 @@ def _point(text: str) -> tuple[float, ...]:
 # --- Files ---
 
 
-def files_named(asked: ExperimentRequest) -> dict[str, Path]:
+def files_named(request: ExperimentRequest) -> dict[str, Path]:
     """Return the files that the words of an experiment may name; some of them are no files."""
-    words = [asked.rulebase, asked.alpha, asked.performance, *asked.table]
-    plant = asked.plant or ""
+    words = [request.rulebase, request.alpha, request.performance, *request.table]
+    plant = request.plant or ""
     words += [plant.partition(".py")[0] + ".py", plant, plant.rpartition(":")[0]]
-    words += [word.partition("=")[2] for word in (*asked.reference, *asked.disturb)]
+    words += [word.partition("=")[2] for word in (*request.reference, *request.disturb)]
     return {word: Path(word) for word in words if word}

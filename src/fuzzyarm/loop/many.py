@@ -452,8 +452,8 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
         count = next(iter(counts.values()), 0)
     else:
         if not isinstance(runs, Sequence) or not all(isinstance(run, Mapping) for run in runs):
-            wanted = "a list of mappings or a mapping of lists"
-            raise wrong_argument("simulate_many", "runs", wanted, runs)
+            expected = "a list of mappings or a mapping of lists"
+            raise wrong_argument("simulate_many", "runs", expected, runs)
         count = len(runs)
         names = dict.fromkeys(name for run in runs for name in run)
         columns = {name: _column(name, runs) for name in names}

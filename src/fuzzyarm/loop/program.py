@@ -346,12 +346,12 @@ def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
     controls = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
-    def control(told: Any, *others: Any) -> None:
+    def control(signals: Any, *others: Any) -> None:
         drives = others[-1]
         for column in zeros:
             drives[column] = 0.0
         for ask in controls:
-            for column, value in ask(told):
+            for column, value in ask(signals):
                 drives[column] += value
 
     return control
@@ -399,10 +399,10 @@ def _asked_of_text(
         name: cell - first for name, cell in zip(run.drives, cells.drives.values(), strict=True)
     }
 
-    def ask(told: Any) -> Iterable[tuple[int, float]]:
+    def ask(signals: Any) -> Iterable[tuple[int, float]]:
         drives = run.step(
-            {name: told[cell] for name, cell in measured},
-            {name: told[cell] for name, cell in references},
+            {name: signals[cell] for name, cell in measured},
+            {name: signals[cell] for name, cell in references},
         )
         return [(columns[name], value) for name, value in drives.items()]
 
@@ -426,11 +426,11 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
         for cells in homes:
             cells[name] = cells[port]
 
-    def ask(told: Any) -> Iterable[tuple[int, float]]:
+    def ask(signals: Any) -> Iterable[tuple[int, float]]:
         with _named(part):
             drives = part.step(
-                _NamedValues({name: float(told[cell]) for name, cell in measured.items()}),
-                _NamedValues({name: float(told[cell]) for name, cell in references.items()}),
+                _NamedValues({name: float(signals[cell]) for name, cell in measured.items()}),
+                _NamedValues({name: float(signals[cell]) for name, cell in references.items()}),
             )
         if not isinstance(drives, Mapping):
             if not only:

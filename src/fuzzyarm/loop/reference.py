@@ -152,12 +152,12 @@ def as_seconds(time: AnyTime, what: str) -> float:
     return as_number(time, what, "a time in s, or text with its unit")
 
 
-def as_number(value: float, what: str, wanted: str = "a number") -> float:
+def as_number(value: float, what: str, expected: str = "a number") -> float:
     """Return a number; of anything else raise PlantError, which says what takes it."""
     try:
         return float(value)
     except (TypeError, ValueError):
-        message = f"{what} takes {wanted}, not {shortened(repr(value))}"
+        message = f"{what} takes {expected}, not {shortened(repr(value))}"
         raise SignalError(message, name=what) from None
 
 

@@ -588,12 +588,12 @@ class ClosedLoop:
         over = open_run.course.plant.ended
         return metrics, None if over else open_run.record.diverged()
 
-    def _measured(self, found: OpenRun, taps: Vector) -> Measured:
+    def _measured(self, run: OpenRun, taps: Vector) -> Measured:
         """Return what metrics are made of, of a row for each tap."""
-        record, course = found.record, found.course
+        record, course = run.record, run.course
         followed, label = course.motion, self.site.interface.label
         count, inputs = len(followed.tracked), self.site.interface.inputs
-        own = found.program is self.program
+        own = run.program is self.program
         return Measured(
             conventions=course.conventions,
             axes=tuple(axis for axis, _ in followed.tracked),
@@ -604,15 +604,15 @@ class ClosedLoop:
             errors=shown_errors(course, taps.T),
             drives=dict(zip(map(label, inputs), taps[-len(inputs) :], strict=True)),
             driven=self._driven,
-            limits=dict(self._own_limits) if own else self._limits(found.program),
+            limits=dict(self._own_limits) if own else self._limits(run.program),
             chatter=self._chatter(record),
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
         )
 
-    def answer(self, found: OpenRun) -> Run:
+    def answer(self, run: OpenRun) -> Run:
         """Return what has come of a run so far."""
-        program, record, course = found.program, found.record, found.course
+        program, record, course = run.program, run.record, run.course
         followed, interface = course.motion, self.site.interface
         inputs, label = interface.inputs, interface.label
         taken = record.taken
@@ -622,12 +622,12 @@ class ClosedLoop:
         stopped, over = record.diverged(), course.plant.ended
         references, outputs, _ = self._by_port(course, taps)
         return Run(
-            **self._measured(found, taps)._asdict(),
+            **self._measured(run, taps)._asdict(),
             controller=program.controller.name,
             trajectory=followed.name,
             time=followed.sampled[taken],
             diverged=None if over else stopped,
-            seconds=found.seconds,
+            seconds=run.seconds,
             compiled=self.compiled,
             memory=program.remembered(record.memory),
             plant=course.plant.name,
@@ -637,7 +637,7 @@ class ClosedLoop:
             drive_units={label(port): variable.unit for port, variable in inputs.items()},
             cause="" if over or stopped is None else self._cause(record),
             loaded=tuple((followed.block[taken] != 0).tolist()),
-            seed=course.options.seed if found.seed is None else found.seed,
+            seed=course.options.seed if run.seed is None else run.seed,
             ended=stopped if over else None,
             every=followed.every,
             output_units={label(port): output.unit for port, output in interface.outputs.items()},
@@ -712,9 +712,9 @@ class ClosedLoop:
         ]
         return by_port[0], by_port[1], by_port[2]
 
-    def so_far(self, found: OpenRun) -> SoFar:
+    def so_far(self, run: OpenRun) -> SoFar:
         """Return the samples of a run that goes on, as views on what the loop has written."""
-        course, record = found.course, found.record
+        course, record = run.course, run.record
         several = len(course.motion.plants) > 1
         blocks = course.motion.block[record.taken] if several else ()
         return SoFar(

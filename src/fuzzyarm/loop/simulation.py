@@ -172,28 +172,28 @@ def _followed(
     return way, reference
 
 
-def run_of(asked: SimulateRequest) -> Run:
+def run_of(request: SimulateRequest) -> Run:
     """Return the run that a request with one controller asks for."""
-    if len(asked.controller) != 1:
-        raise RequestError("controller", f"must have 1 value here, not {len(asked.controller)}")
-    controllers = controllers_of(asked, asked.controller)
-    asked, plant = with_plant(asked, controllers)
-    return run_on(asked, *with_settings(asked, controllers[0], plant))
+    if len(request.controller) != 1:
+        raise RequestError("controller", f"must have 1 value here, not {len(request.controller)}")
+    controllers = controllers_of(request, request.controller)
+    request, plant = with_plant(request, controllers)
+    return run_on(request, *with_settings(request, controllers[0], plant))
 
 
-def run_on(asked: SimulateRequest, controller: Controller, plant: Plant) -> Run:
+def run_on(request: SimulateRequest, controller: Controller, plant: Plant) -> Run:
     """Return the run of a controller with its gains on a plant with its parameters."""
-    motion, options = experiment_on(asked, controller, plant)
-    return run_along(controller, motion, conventions_of(asked), options, connections(asked))
+    motion, options = experiment_on(request, controller, plant)
+    return run_along(controller, motion, conventions_of(request), options, connections(request))
 
 
 def experiment_on(
-    asked: ExperimentRequest, controller: Controller, plant: Plant
+    request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> tuple[Motion, Options]:
     """Return the set points and the options of a run; what the plant does not know is refused."""
-    follows(asked, plant)
-    plant, options = with_drives(asked, plant)
-    return set_points(asked, controller, plant), options
+    follows(request, plant)
+    plant, options = with_drives(request, plant)
+    return set_points(request, controller, plant), options
 
 
 # --- Many runs ---

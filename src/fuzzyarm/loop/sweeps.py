@@ -64,50 +64,52 @@ class Sweep:
         return SweepFile(path, self.question, front, self.bench.outputs, self.bench.column_units)
 
 
-def sweep_of(asked: SweepRequest, controller: Controller | None = None) -> Sweep:
+def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Sweep:
     """Return what a request asks for; `controller` stands in place of the one that it names."""
-    require_sensible(asked)
+    require_sensible(request)
     if controller is None:
-        (controller,) = controllers_of(asked, [asked.controller])
-    asked, plant = with_plant(asked, [controller])
-    controller, plant = with_settings(asked, controller, plant)
-    along = follows(asked, plant)
-    plant, options = with_drives(asked, plant)
+        (controller,) = controllers_of(request, [request.controller])
+    request, plant = with_plant(request, [controller])
+    controller, plant = with_settings(request, controller, plant)
+    along = follows(request, plant)
+    plant, options = with_drives(request, plant)
     shared: dict[str, float] = {}
     on: Any
     if along:
-        trajectory = trajectory_asked(asked, plant)
-        if not asked.way_points:
-            asked = asked.replaced(trajectory=asked.trajectory or next(iter(plant.trajectories)))
+        trajectory = trajectory_asked(request, plant)
+        if not request.way_points:
+            request = request.replaced(
+                trajectory=request.trajectory or next(iter(plant.trajectories))
+            )
         on = FollowedPlant(plant, trajectory)
-        if asked.payload or asked.loaded:
+        if request.payload or request.loaded:
             shared["payload"] = 1.0
     else:
-        on = motion_of(asked, controller, plant)
-    ranges, changes, count = _ranges(asked)
+        on = motion_of(request, controller, plant)
+    ranges, changes, count = _ranges(request)
     experiment = Experiment(
         controller,
         on,
-        asked.loaded or None,
+        request.loaded or None,
         shared,
-        conventions_of(asked),
+        conventions_of(request),
         options,
-        connect=connections(asked),
+        connect=connections(request),
     )
     bench = Bench(experiment, list(changes))
-    files = files_named(asked) | _files_of_controller(bench)
-    return Sweep(bench, ranges, changes, count, question_of(asked.question(), files))
+    files = files_named(request) | _files_of_controller(bench)
+    return Sweep(bench, ranges, changes, count, question_of(request.question(), files))
 
 
-def require_sensible(asked: SweepRequest) -> None:
+def require_sensible(request: SweepRequest) -> None:
     """Tell mistakes before anything is loaded."""
-    if asked.metric not in METRICS:
-        raise unknown_choice("metric", asked.metric, METRICS)
-    if asked.resume and not asked.out:
+    if request.metric not in METRICS:
+        raise unknown_choice("metric", request.metric, METRICS)
+    if request.resume and not request.out:
         raise UsageError("--resume goes on with the file of -o, and none is given")
 
 
-def map_axes(asked: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
+def map_axes(request: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
     """Return the one or two ranges over which a picture is drawn.
 
     Raises
@@ -116,23 +118,23 @@ def map_axes(asked: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
         If the runs are drawn, not on a grid, or ``map`` does not say over which two.
     """
     ranges = {interval.name: interval for interval in sweep.ranges}
-    names = [name.strip() for name in asked.map.split(",")] if asked.map else list(ranges)
-    if asked.random is not None:
+    names = [name.strip() for name in request.map.split(",")] if request.map else list(ranges)
+    if request.random is not None:
         raise UsageError("a figure is drawn of a grid, not of --random")
     for name in names:
         if name not in ranges:
             raise UsageError(f"--map: '{name}' is not swept", hint=f"swept: {', '.join(ranges)}")
-    if asked.map and len(set(names)) != 2:
+    if request.map and len(set(names)) != 2:
         raise UsageError("--map takes two names, as in payload,G_e")
     if len(names) > 2:
         raise UsageError("--map says over which two the figure is drawn", hint=",".join(names[:2]))
     return tuple(ranges[name] for name in names)
 
 
-def _ranges(asked: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], int]:
-    ranges = tuple(map(read_range, asked.sweep))
-    if asked.random is not None:
-        return ranges, whole(drawn(ranges, asked.random, asked.seed)), asked.random
+def _ranges(request: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], int]:
+    ranges = tuple(map(read_range, request.sweep))
+    if request.random is not None:
+        return ranges, whole(drawn(ranges, request.random, request.seed)), request.random
     if not ranges:
         raise UsageError("nothing is swept", hint="--sweep NAME=A..B:N, or --random N")
     count = math.prod(interval.count or 1 for interval in ranges)
@@ -167,7 +169,7 @@ class Answer(NamedTuple):
 def answered(
     sweep: Sweep,
     file: SweepFile | None,
-    asked: SweepRequest,
+    request: SweepRequest,
     executor: Executor | None,
     moved: Callable[[int], None] = lambda _done: None,
 ) -> Answer:
@@ -179,7 +181,7 @@ def answered(
         What is to be done.
     file : SweepFile or None
         Where each run is written.
-    asked : SweepRequest
+    request : SweepRequest
         Whether to go on with the file, and how many workers there are.
     executor : Executor or None
         See :func:`fuzzyarm.loop.simulate_many`.
@@ -188,10 +190,10 @@ def answered(
     """
     check_extremes(sweep.bench, sweep.changes)
     rows = np.empty((sweep.count, 1 + len(sweep.bench.outputs) * len(METRICS)))
-    count, faults, interrupted = begun(file, rows, resume=asked.resume), list[str](), False
+    count, faults, interrupted = begun(file, rows, resume=request.resume), list[str](), False
     runs = stream(
         sweep.bench, sweep.changes, sweep.count, begin=count, executor=executor,
-        workers=asked.workers,
+        workers=request.workers,
     )  # fmt: skip
     try:
         with closing(runs) as parts:
@@ -233,24 +235,24 @@ def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
 
 
 @contextmanager
-def cluster(asked: Workers) -> Iterator[tuple[Executor | None, int | None]]:
+def cluster(workers: Workers) -> Iterator[tuple[Executor | None, int | None]]:
     """Connect to a Dask cluster, where one is given; give it and the number of workers."""
-    if not asked.dask:
-        yield None, asked.workers
+    if not workers.dask:
+        yield None, workers.workers
         return
     demand_extra("distributed", "cluster", "--dask")
     from distributed import Client
 
-    with Client(asked.dask, timeout="20s", set_as_default=False) as client:
-        yield client.get_executor(), asked.workers or sum(client.ncores().values()) or 1
+    with Client(workers.dask, timeout="20s", set_as_default=False) as client:
+        yield client.get_executor(), workers.workers or sum(client.ncores().values()) or 1
 
 
-def swept(asked: SweepRequest) -> Many:
+def swept(request: SweepRequest) -> Many:
     """Return the runs of a request; with a file they are written there, too."""
-    sweep = sweep_of(asked)
-    file = sweep.file(asked.out) if asked.out else None
-    with cluster(asked) as (executor, workers):
-        answer = answered(sweep, file, asked.replaced(workers=workers), executor)
+    sweep = sweep_of(request)
+    file = sweep.file(request.out) if request.out else None
+    with cluster(request) as (executor, workers):
+        answer = answered(sweep, file, request.replaced(workers=workers), executor)
     if answer.interrupted:
         raise KeyboardInterrupt
     if answer.faults:

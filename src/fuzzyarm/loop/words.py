@@ -27,74 +27,74 @@ from fuzzyarm.requests.fields import fields_of
 _Value = TypeVar("_Value")
 
 
-def driven(asked: ExperimentRequest, plant: Plant) -> Plant:
+def driven(request: ExperimentRequest, plant: Plant) -> Plant:
     """Return a plant with the actuators that are asked for."""
-    actuators = read_pairs(asked.actuator, "--actuator", _actuator)
+    actuators = read_pairs(request.actuator, "--actuator", _actuator)
     return with_actuators(plant, actuators) if actuators else plant
 
 
-def named_plant(asked: ExperimentRequest) -> Plant:
+def named_plant(request: ExperimentRequest) -> Plant:
     """Return the plant that is named, with its actuators; a Python file is executed."""
-    return driven(asked, find_plant(asked.plant or ""))
+    return driven(request, find_plant(request.plant or ""))
 
 
-def connections(asked: ExperimentRequest) -> dict[str, str]:
+def connections(request: ExperimentRequest) -> dict[str, str]:
     """Return which names of the controller mean which ports of the plant."""
-    return read_pairs(asked.connect, "--connect", str)
+    return read_pairs(request.connect, "--connect", str)
 
 
-def signals(asked: ExperimentRequest) -> dict[str, Signal]:
+def signals(request: ExperimentRequest) -> dict[str, Signal]:
     """Return the references, by port."""
-    return read_pairs(asked.reference, "--reference", read_signal)
+    return read_pairs(request.reference, "--reference", read_signal)
 
 
-def seconds(asked: ExperimentRequest) -> float | None:
+def seconds(request: ExperimentRequest) -> float | None:
     """Return how long references are followed, s; None where nothing is said."""
-    return read_time(asked.duration, "--for") if asked.duration is not None else None
+    return read_time(request.duration, "--for") if request.duration is not None else None
 
 
-def options_of(asked: ExperimentRequest, plant: Plant) -> Options:
+def options_of(request: ExperimentRequest, plant: Plant) -> Options:
     """Return sensors, disturbances and the rest of how to run."""
     arguments: dict[str, Any] = {}
-    if asked.limits is not None:
-        arguments["torque_limits"] = asked.limits
+    if request.limits is not None:
+        arguments["torque_limits"] = request.limits
     for name in ("supply", "inductance"):
-        if getattr(asked, name) is not None:
-            arguments[name] = getattr(asked, name)
+        if getattr(request, name) is not None:
+            arguments[name] = getattr(request, name)
     return Options(
-        seed=asked.seed,
-        interpolate=asked.interpolate,
-        sensors=sensors_of(asked, plant),
-        loads=read_pairs(asked.disturb, "--disturb", read_signal),
-        runge_kutta=asked.runge_kutta,
+        seed=request.seed,
+        interpolate=request.interpolate,
+        sensors=sensors_of(request, plant),
+        loads=read_pairs(request.disturb, "--disturb", read_signal),
+        runge_kutta=request.runge_kutta,
         **arguments,
     )
 
 
-def motion_of(asked: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
+def motion_of(request: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
     """Return the set points of a plant that follows references."""
-    references, connect = references_of(asked, controller, plant), connections(asked)
-    return plant_motion(controller, plant, references, seconds(asked), connect)
+    references, connect = references_of(request, controller, plant), connections(request)
+    return plant_motion(controller, plant, references, seconds(request), connect)
 
 
 def references_of(
-    asked: ExperimentRequest, controller: Controller, plant: Plant
+    request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> dict[str, Signal] | None:
     """Return the references by port; of ``step`` that of the output which is followed."""
-    references = signals(asked) or None
-    if asked.step is None:
+    references = signals(request) or None
+    if request.step is None:
         return references
     if references:
         raise UsageError("--step and --reference say the same thing; give one of them")
-    return stepped(controller, plant, asked.step, connect=connections(asked))
+    return stepped(controller, plant, request.step, connect=connections(request))
 
 
-def conditions(asked: ExperimentRequest) -> str:
+def conditions(request: ExperimentRequest) -> str:
     """Return in words what surrounds a loop: noise, delays, disturbances, and the seed of noise."""
     words = []
-    for known in fields_of(type(asked)):
-        value = getattr(asked, known.name)
-        is_said = value != known.default or (known.name == "seed" and asked.noise)
+    for known in fields_of(type(request)):
+        value = getattr(request, known.name)
+        is_said = value != known.default or (known.name == "seed" and request.noise)
         if known.said.group != AROUND or not is_said:
             continue
         name = known.spelling.lstrip("-").replace("-", " ")
@@ -106,14 +106,14 @@ def _listed(value: object) -> str:
     return " and ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
-def conventions_of(asked: ExperimentRequest) -> Conventions:
+def conventions_of(request: ExperimentRequest) -> Conventions:
     """Return how to count: the same for every controller."""
-    conventions = STUDY if asked.conventions == "study" else PLAIN
-    changed: dict[str, Any] = {"load_in_hold": asked.load_in_hold}
-    if asked.precision:
-        changed["precision"] = asked.precision
-    if asked.pi is not None:
-        changed["pi"] = asked.pi
+    conventions = STUDY if request.conventions == "study" else PLAIN
+    changed: dict[str, Any] = {"load_in_hold": request.load_in_hold}
+    if request.precision:
+        changed["precision"] = request.precision
+    if request.pi is not None:
+        changed["pi"] = request.pi
     with of_the_command_line(ArmError):
         return replace(conventions, **changed)
 
@@ -135,7 +135,7 @@ def times_and_angles() -> Iterator[None]:
 # --- Sensors and actuators ---
 
 
-def sensors_of(asked: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
+def sensors_of(request: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
     """Return the sensors that are not exact, by port; WordError if a word is not understood."""
     sensors: dict[str, Sensor] = {}
 
@@ -148,12 +148,12 @@ def sensors_of(asked: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
 
     steps = {
         name: _resolution(text, name, plant)
-        for name, text in read_pairs(asked.quantise, "--quantise", str).items()
+        for name, text in read_pairs(request.quantise, "--quantise", str).items()
     }
-    change(read_pairs(asked.noise, "--noise", read_number("--noise")), "noise")
+    change(read_pairs(request.noise, "--noise", read_number("--noise")), "noise")
     change(steps, "resolution")
-    change(read_pairs(asked.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
-    change(read_pairs(asked.difference, "--difference", time("--difference")), "difference")
+    change(read_pairs(request.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
+    change(read_pairs(request.difference, "--difference", time("--difference")), "difference")
     return sensors
 
 

@@ -78,19 +78,19 @@ class Converter:
         """Return a span with its file."""
         return types.Location(self.uri, self.range(span))
 
-    def diagnostic(self, found: Diagnostic) -> types.Diagnostic:
+    def diagnostic(self, finding: Diagnostic) -> types.Diagnostic:
         """Return a finding with its hint, its other positions and what a quick fix needs."""
-        unused = found.name in ("unused-term", "unused-variable", "duplicate-rule")
+        unused = finding.name in ("unused-term", "unused-variable", "duplicate-rule")
         return types.Diagnostic(
-            range=self.range(found.span),
-            message=f"{found.message}\nhint: {found.hint}" if found.hint else found.message,
-            severity=_SEVERITIES[found.severity],
-            code=found.name,
+            range=self.range(finding.span),
+            message=f"{finding.message}\nhint: {finding.hint}" if finding.hint else finding.message,
+            severity=_SEVERITIES[finding.severity],
+            code=finding.name,
             source="fuzzyarm",
             tags=[types.DiagnosticTag.Unnecessary] if unused else None,
             related_information=[
                 types.DiagnosticRelatedInformation(self.location(related.span), related.message)
-                for related in found.related
+                for related in finding.related
             ]
             or None,
         )

@@ -54,7 +54,7 @@ def cores(variable: Variable) -> dict[str, Core] | None:
     cores_found = {name: core for name, core in cores_of_terms.items() if core is not None}
     if len(cores_found) < len(cores_of_terms):
         return None
-    return dict(sorted(cores_found.items(), key=lambda each: each[1].middle))
+    return dict(sorted(cores_found.items(), key=lambda item: item[1].middle))
 
 
 # --- Order ---

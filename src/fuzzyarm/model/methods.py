@@ -79,17 +79,20 @@ def structures_of(controller: ControllerModel) -> dict[str, list[str]]:
 
 def _tunes_itself(axes: Axes) -> bool:
     """Whether the output of rules is multiplied by one of other rules over the same inputs."""
-    said = [
+    settings = [
         line
         for line in axes.lines
         if isinstance(line, Signal) and line.source is not None and line.source.kind == "rules"
     ]
     inputs = {
-        name: line.source.inputs for line in said if line.source is not None for name in line.names
+        name: line.source.inputs
+        for line in settings
+        if line.source is not None
+        for name in line.names
     }
     return any(
         inputs.get(str(factor.value)) == line.source.inputs and not factor.divides
-        for line in said
+        for line in settings
         if line.source is not None
         for product in line.products
         for factor in product.factors

@@ -384,8 +384,8 @@ def _compiled(
     signature = numba.types.void(*[pointer, numba.types.int64] * len(types))
     entry = numba.cfunc(signature)(space["entry"])
 
-    def interpreted(*given: Any) -> None:
-        with_names(function, dict(bindings))(*given)
+    def interpreted(*arguments: Any) -> None:
+        with_names(function, dict(bindings))(*arguments)
 
     interpreted.__address__ = entry.address  # type: ignore[attr-defined]
     interpreted.entry = entry  # type: ignore[attr-defined]

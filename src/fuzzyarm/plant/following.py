@@ -40,7 +40,7 @@ def follower_of(trajectory: Trajectory) -> Plant:
     return Arm()
 
 
-def trajectory_of(plant: Plant, name: str = "", **given: Any) -> Trajectory:
+def trajectory_of(plant: Plant, name: str = "", **options: Any) -> Trajectory:
     """Return a trajectory of a plant.
 
     Parameters
@@ -71,10 +71,10 @@ def trajectory_of(plant: Plant, name: str = "", **given: Any) -> Trajectory:
     trajectory_name = name or next(iter(names))
     make = names[trajectory_name]
     accepted = set() if isinstance(make, Trajectory) else set(_arguments_of(make))
-    for option, value in given.items():
+    for option, value in options.items():
         if option not in accepted:
             raise ArmError(f"{trajectory_name} has no {option}", name=option, value=value)
-    return make if isinstance(make, Trajectory) else _made(plant, trajectory_name, make, given)
+    return make if isinstance(make, Trajectory) else _made(plant, trajectory_name, make, options)
 
 
 def _port_words(plant: Plant) -> str:
@@ -91,11 +91,11 @@ def _arguments_of(make: Callable[..., Trajectory]) -> Iterable[str]:
 
 
 def _made(
-    plant: Plant, name: str, make: Callable[..., Trajectory], given: Mapping[str, Any]
+    plant: Plant, name: str, make: Callable[..., Trajectory], options: Mapping[str, Any]
 ) -> Trajectory:
     """Call the function of a trajectory, which may be a user's."""
     try:
-        trajectory: Any = make(**given)
+        trajectory: Any = make(**options)
     except ArmError:
         raise
     except USERS as error:
@@ -107,10 +107,10 @@ def _made(
     return trajectory
 
 
-def compared_trajectories(plant: Plant, **given: Any) -> tuple[Trajectory, ...]:
+def compared_trajectories(plant: Plant, **options: Any) -> tuple[Trajectory, ...]:
     """Return those by which controllers are compared and tuned; `given` as trajectories take it."""
     names = plant.compared_along or tuple(plant.trajectories)
-    return tuple(trajectory_of(plant, name, **given) for name in names)
+    return tuple(trajectory_of(plant, name, **options) for name in names)
 
 
 def shortest_trajectory(plant: Plant) -> str:

@@ -309,12 +309,12 @@ class Interface:
     def port(self, name: str) -> Address:
         """Return axis and port of an output or input that a user names."""
         all_ports = [*self.outputs, *self.inputs]
-        ports = [each for each in all_ports if name in (each[1], ".".join(each))]
+        ports = [address for address in all_ports if name in (address[1], ".".join(address))]
         if len(ports) == 1:
             return ports[0]
-        names = [self.label(each) for each in all_ports]
+        names = [self.label(address) for address in all_ports]
         if ports:
-            hint = " or ".join(self.label(each) for each in ports)
+            hint = " or ".join(self.label(address) for address in ports)
             raise PlantError(f"several axes have a port '{name}'", name=name, hint=hint)
         hint = near_hint(name, names)[0] or f"there are {', '.join(names)}"
         raise PlantError(f"no port '{name}'", name=name, hint=hint)
@@ -376,11 +376,11 @@ def _require_complete(plant: Plant) -> None:
 
 def parameter(plant: Plant, name: str) -> Parameter:
     """Return a parameter of a plant; PlantError if it has none of this name."""
-    found = plant.parameters.get(name)
-    if found is None:
+    parameter = plant.parameters.get(name)
+    if parameter is None:
         hint = near_hint(name, plant.parameters)[0]
         raise PlantError(f"{plant.name} has no parameter '{name}'", name=name, hint=hint)
-    return found if isinstance(found, Parameter) else Parameter(float(found))
+    return parameter if isinstance(parameter, Parameter) else Parameter(float(parameter))
 
 
 # --- Kernels: a plant as the loop calls it ---

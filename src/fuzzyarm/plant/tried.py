@@ -205,7 +205,7 @@ def try_equations(plant: Plant) -> None:
 
 
 def _numbers(
-    plant: Plant, what: str, ask: Callable[[], Any], wanted: Mapping[str, object]
+    plant: Plant, what: str, ask: Callable[[], Any], ports: Mapping[str, object]
 ) -> list[float]:
     """Return what a method of a plant gives, one number for each that is wanted."""
     try:
@@ -215,8 +215,8 @@ def _numbers(
     except USERS as error:
         message, hint = _of_error(plant, what, error)
         raise _fault(plant, what, message, hint, _user_frame(error)) from error
-    values = _one_for_each(plant, what, answer, wanted)
-    for name, value in zip(wanted, answer, strict=True):
+    values = _one_for_each(plant, what, answer, ports)
+    for name, value in zip(ports, answer, strict=True):
         if not _is_number(value):
             raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
         if not math.isfinite(value):
@@ -227,33 +227,33 @@ def _numbers(
     return values
 
 
-def _one_for_each(plant: Plant, what: str, given: Any, wanted: Mapping[str, object]) -> list[float]:
+def _one_for_each(plant: Plant, what: str, answer: Any, ports: Mapping[str, object]) -> list[float]:
     """Return what a method of a plant gave as numbers, one for each name."""
     try:
-        values = [*map(float, given)]
+        values = [*map(float, answer)]
     except (TypeError, ValueError):
         pass
     else:
-        if len(values) == len(wanted):
+        if len(values) == len(ports):
             return values
     kind = {"derivative": "rate for each state", "measure": "value for each output"}
-    expectation = f"one {kind.get(what, 'number for each state')}: {', '.join(wanted)}"
-    if given is None:
+    expectation = f"one {kind.get(what, 'number for each state')}: {', '.join(ports)}"
+    if answer is None:
         raise _fault(plant, what, f"{what} returns nothing", hint=f"return a list, {expectation}")
     try:
-        values = list(given)
+        values = list(answer)
     except TypeError:
         raise _fault(
             plant,
             what,
-            f"{what} returns {_words(given)}, not a list",
+            f"{what} returns {_words(answer)}, not a list",
             hint=f"return a list, {expectation}",
         ) from None
-    if len(values) != len(wanted):
-        counts = f"{len(values)} number{'' if len(values) == 1 else 's'} for {len(wanted)}"
+    if len(values) != len(ports):
+        counts = f"{len(values)} number{'' if len(values) == 1 else 's'} for {len(ports)}"
         nouns = "outputs" if what == "measure" else "states"
         raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {expectation}")
-    name, value = next((n, v) for n, v in zip(wanted, values, strict=True) if not _is_number(v))
+    name, value = next((n, v) for n, v in zip(ports, values, strict=True) if not _is_number(v))
     raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
 
 
@@ -374,10 +374,10 @@ def _words(value: object) -> str:
     return text if len(text) <= 40 else f"a {type(value).__name__}"
 
 
-def lacks(found: Mapping[str, object]) -> Sequence[str]:
+def lacks(names: Mapping[str, object]) -> Sequence[str]:
     """Return why the classes of a file are not plants, a sentence each."""
     sentences = []
-    for name, kind in found.items():
+    for name, kind in names.items():
         has = {what for what in (*EXAMPLES, *ARGUMENTS, "dynamics") if hasattr(kind, what)}
         if not has & {"inputs", "outputs", "states", "derivative", "step"}:
             continue

@@ -104,26 +104,26 @@ class Making:
     proofs: tuple[str, ...] = ()
 
 
-def making_of(asked: ExportRequest) -> Making:
+def making_of(request: ExportRequest) -> Making:
     """Return what a request says of how something is made."""
-    if asked.levels is not None and asked.tolerance is not None:
+    if request.levels is not None and request.tolerance is not None:
         raise RequestError("tolerance", "and levels exclude each other")
     return Making(
-        source=asked.file,
-        output=asked.output,
-        levels=None if asked.levels is None else _levels(asked.levels),
-        tolerance=asked.tolerance,
-        rounding=asked.round,
-        mode=asked.mode,
-        date=datetime.now(UTC).date().isoformat() if asked.date else None,
-        direct=asked.direct,
-        table=asked.table,
-        q=asked.q,
-        precision=asked.precision,
-        name=asked.name,
-        fmi=asked.fmi or 2,
-        platforms=asked.platforms,
-        xml=asked.format or "plcopen",
+        source=request.file,
+        output=request.output,
+        levels=None if request.levels is None else _levels(request.levels),
+        tolerance=request.tolerance,
+        rounding=request.round,
+        mode=request.mode,
+        date=datetime.now(UTC).date().isoformat() if request.date else None,
+        direct=request.direct,
+        table=request.table,
+        q=request.q,
+        precision=request.precision,
+        name=request.name,
+        fmi=request.fmi or 2,
+        platforms=request.platforms,
+        xml=request.format or "plcopen",
     )
 
 

@@ -389,7 +389,7 @@ def _short(at: Interval) -> str:
 
 
 def sampled_drive(
-    text: ControllerText, found: DriveProof, along: DriveSector, plant: Plant | None = None,
+    text: ControllerText, proof: DriveProof, along: DriveSector, plant: Plant | None = None,
     connect: Mapping[str, str] | None = None, points: int = 2000,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return σ and the drive at points of a sector, for a picture of it.
@@ -409,13 +409,13 @@ def sampled_drive(
         Alike in shape.
     """
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
-    case = _AxisCase(AxisLines(text, site, found.axis, Stop(), {}), site)
+    case = _AxisCase(AxisLines(text, site, proof.axis, Stop(), {}), site)
     ends = list(along.within.values())
     count = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
     grid = [np.linspace(low, high, count) for low, high in ends]
     where = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
     values = [
-        case.value_at(found.port, dict(zip(along.within, point, strict=True)), limited=True)
+        case.value_at(proof.port, dict(zip(along.within, point, strict=True)), limited=True)
         for point in where.tolist()
     ]
     return where @ np.array([along.weights[name] for name in along.within]), np.array(values)

@@ -204,7 +204,7 @@ PARTS = 256
 """Of a range, on each of which the ratio of a curve to its input is bounded."""
 
 
-def curved(root: Node, law: SignalLaw, *, asked: bool) -> SignalLaw:
+def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
     """Return a law applied after a curve, an expression over ``x``."""
     at, rest = outward(_values(root, law.at)), _values(root, law.rest)
     if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
@@ -213,7 +213,7 @@ def curved(root: Node, law: SignalLaw, *, asked: bool) -> SignalLaw:
     near = _slopes(root, law.rest)
     gains, around = _each(law.gains, near), _each(law.around, near)
     along, slack = law.along, 0.0
-    if asked and isinstance(along, Interval) and law.at.low < law.at.high:
+    if exact and isinstance(along, Interval) and law.at.low < law.at.high:
         if not law.rest == rest == NOTHING:
             along = "it is not 0 at rest"
         else:
@@ -291,28 +291,28 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
 
 
 def table_law(
-    table: LookupTable, given: Mapping[str, SignalLaw], at: Interval, *, asked: bool
+    table: LookupTable, laws: Mapping[str, SignalLaw], at: Interval, *, exact: bool
 ) -> SignalLaw:
     """Return a table as a function of its inputs, exact along each of them."""
-    rest = [only_value(law.rest) for law in given.values()]
+    rest = [only_value(law.rest) for law in laws.values()]
     value = float(table.lookup(*rest))
     mode = table.default_mode
     gains: Gains | str = {}
-    for number, (axis, law) in enumerate(zip(table.axes, given.values(), strict=True)):
+    for number, (axis, law) in enumerate(zip(table.axes, laws.values(), strict=True)):
         slope = _table_slope(table, rest, number, mode)
         if slope is None:
             gains = f"the table has a step at {axis.name} = {number_text(rest[number])}"
             break
         gains = _added(gains, _each(law.gains, slope))
-    moving = [name for name, law in given.items() if law.at.low < law.at.high]
-    along: Interval | str = "" if not asked else NOTHING if value == 0.0 else "it is not 0 at rest"
-    if asked and len(moving) > 1:
+    moving = [name for name, law in laws.items() if law.at.low < law.at.high]
+    along: Interval | str = "" if not exact else NOTHING if value == 0.0 else "it is not 0 at rest"
+    if exact and len(moving) > 1:
         along = "sectors of tables are proved along one input"
-    elif asked and moving:
-        law = given[moving[0]]
+    elif exact and moving:
+        law = laws[moving[0]]
         along = law.along
         if isinstance(along, Interval):
-            sector = _table_sector(table, rest, list(given).index(moving[0]), law.at)
+            sector = _table_sector(table, rest, list(laws).index(moving[0]), law.at)
             along = (
                 sector if isinstance(sector, str) else combined("multiply", outward(sector), along)
             )

@@ -160,16 +160,16 @@ def with_fixed(model: Straight, fixed: Mapping[int, Fraction]) -> Straight:
     free = [axis for axis in range(len(model.names)) if axis not in fixed]
     numbers = {axis: number for number, axis in enumerate(free)}
 
-    def proposition(each: Proposition) -> Proposition:
-        if each.input in numbers:
-            return Proposition(numbers[each.input], each.corners)
-        x = fixed[each.input]
-        return Proposition(0, ((Fraction(0), height_at(each.corners, x)),))
+    def proposition(item: Proposition) -> Proposition:
+        if item.input in numbers:
+            return Proposition(numbers[item.input], item.corners)
+        x = fixed[item.input]
+        return Proposition(0, ((Fraction(0), height_at(item.corners, x)),))
 
-    def value(each: LinearConsequent) -> LinearConsequent:
-        shift = sum((each.coefficients[axis] * x for axis, x in fixed.items()), start=Fraction(0))
+    def value(item: LinearConsequent) -> LinearConsequent:
+        shift = sum((item.coefficients[axis] * x for axis, x in fixed.items()), start=Fraction(0))
         return LinearConsequent(
-            each.constant + shift, tuple(each.coefficients[axis] for axis in free)
+            item.constant + shift, tuple(item.coefficients[axis] for axis in free)
         )
 
     return replace(
@@ -197,10 +197,10 @@ def height_at(corners: Corners, x: Fraction) -> Fraction:
 class _Reading:
     """Collects the propositions while the rules are read."""
 
-    def __init__(self, made: Plan, output: str) -> None:
-        self.plan = made
-        self.output: OutputPlan = made.outputs[output]
-        self.inputs = {variable.name: i for i, variable in enumerate(made.rulebase.inputs)}
+    def __init__(self, plan: Plan, output: str) -> None:
+        self.plan = plan
+        self.output: OutputPlan = plan.outputs[output]
+        self.inputs = {variable.name: i for i, variable in enumerate(plan.rulebase.inputs)}
         self.numbers: dict[tuple[str, str], int] = {}
         self.propositions: list[Proposition] = []
 

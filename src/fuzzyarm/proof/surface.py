@@ -293,12 +293,11 @@ class Surface:
         return Quotients(upper, lower, errors, reach, corners, which, degree)
 
     @staticmethod
-    def _slope(found: _Sums, axis: int) -> Array:
-        assert found.area_slopes is not None
-        assert found.moment_slopes is not None
+    def _slope(sums: _Sums, axis: int) -> Array:
+        assert sums.area_slopes is not None
+        assert sums.moment_slopes is not None
         return np.asarray(
-            found.moment_slopes[:, :, axis] * found.area
-            - found.moment * found.area_slopes[:, :, axis]
+            sums.moment_slopes[:, :, axis] * sums.area - sums.moment * sums.area_slopes[:, :, axis]
         )
 
     def _sums(self, which: Array, points: Array, *, slopes: bool, system: int = 0) -> _Sums:

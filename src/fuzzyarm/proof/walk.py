@@ -191,9 +191,9 @@ class _Notes:
 class LineWalk:
     """Goes over the lines of one axis, with the sources where they are asked for."""
 
-    def __init__(self, case: AxisLines, asked: Asked) -> None:
+    def __init__(self, case: AxisLines, question: Asked) -> None:
         self.case = case
-        self.asked = asked
+        self.asked = question
         self.notes = _Notes()
         self.laws: dict[str, SignalLaw] = {}
         self.drives: dict[str, list[tuple[Drive, SignalLaw]]] = {}
@@ -248,7 +248,7 @@ class LineWalk:
             return [self._table(of)]
         curve = self._curve(of)
         if curve is not None:
-            law = curved(curve, self._named(of.name), asked=bool(self.asked.form))
+            law = curved(curve, self._named(of.name), exact=bool(self.asked.form))
             if law.gains and law.gains == dict.fromkeys(law.gains, NOTHING):
                 self.notes.flat.append(source_name(of))
             return [law]
@@ -304,46 +304,44 @@ class LineWalk:
         self._note_group(laws)
         return [self._conclusion(sheet, output.name, laws) for output in sheet.outputs]
 
-    def _inputs(self, names: Sequence[str], asked: Sequence[str]) -> dict[str, SignalLaw]:
+    def _inputs(self, names: Sequence[str], sources: Sequence[str]) -> dict[str, SignalLaw]:
         """Return the inputs of a rule base or a table by its own names."""
-        names_used = [name for name in names if name != AXIS or AXIS in asked]
-        laws = {name: self._named(law) for name, law in zip(names_used, asked, strict=False)}
+        names_used = [name for name in names if name != AXIS or AXIS in sources]
+        laws = {name: self._named(law) for name, law in zip(names_used, sources, strict=False)}
         return {name: laws.get(name) or constant(float(self.case.index + 1)) for name in names}
 
-    def _note_group(self, given: Mapping[str, SignalLaw]) -> None:
+    def _note_group(self, laws: Mapping[str, SignalLaw]) -> None:
         sources: dict[str, None] = {}
-        for law in given.values():
+        for law in laws.values():
             sources.update(dict.fromkeys(law.linear or {}))
         if len(sources) > 1:
             self.notes.groups.append(tuple(sources))
 
-    def _conclusion(
-        self, sheet: RuleBase, output: str, given: Mapping[str, SignalLaw]
-    ) -> SignalLaw:
+    def _conclusion(self, sheet: RuleBase, output: str, laws: Mapping[str, SignalLaw]) -> SignalLaw:
         prover = self.case.prover(sheet, output)
         if self.case.only_values:
-            inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in given.items()}
+            inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in laws.items()}
             value = float(infer(self.case.silent(sheet), inputs)[output])
             return unknown(Interval(value, value), "")
         region = {}
         for variable in prover.inputs:
-            at = given[variable.name].at
+            at = laws[variable.name].at
             universe = Interval(variable.low, variable.high)
-            self._note_zone(given[variable.name], universe)
+            self._note_zone(laws[variable.name], universe)
             if variable.outside != "extend":
                 at = snapped(at, universe)
             region[variable.name] = (at.low, at.high)
-        at = self._range(prover, region, given)
+        at = self._range(prover, region, laws)
         try:
-            slopes = slopes_at(prover, {name: only_value(law.rest) for name, law in given.items()})
+            slopes = slopes_at(prover, {name: only_value(law.rest) for name, law in laws.items()})
         except FuzzyarmError as error:
-            rest = {name: tuple(law.rest) for name, law in given.items()}
+            rest = {name: tuple(law.rest) for name, law in laws.items()}
             law = SignalLaw(at, self._range(prover, rest, {}), str(error), str(error), None, "")
         else:
             value = float(slopes.value)
-            gains, around = _chained(slopes, given)
+            gains, around = _chained(slopes, laws)
             law = SignalLaw(at, Interval(value, value), gains, around, None, "")
-        along, slack = self._along_rules(prover, region, given, law.rest)
+        along, slack = self._along_rules(prover, region, laws, law.rest)
         return replace(law, along=along, slack=slack)
 
     def _note_zone(self, law: SignalLaw, universe: Interval) -> None:
@@ -358,7 +356,7 @@ class LineWalk:
             self.notes.zones[name] = zone if interval is None else overlap(interval, zone)
 
     def _range(
-        self, prover: Prover, region: Mapping[str, Any], given: Mapping[str, SignalLaw]
+        self, prover: Prover, region: Mapping[str, Any], laws: Mapping[str, SignalLaw]
     ) -> Interval:
         """Return where a conclusion can be; that of the whole output where no bound is closer."""
         output = prover.output
@@ -373,13 +371,13 @@ class LineWalk:
                 low=max(bounds.low, whole.low), high=min(bounds.high, whole.high)
             )
         for extreme in (bounds.at_low, bounds.at_high):
-            self._note_point(extreme, given)
+            self._note_point(extreme, laws)
         return Interval(bounds.low, bounds.high)
 
-    def _note_point(self, point: Mapping[str, float], given: Mapping[str, SignalLaw]) -> None:
+    def _note_point(self, point: Mapping[str, float], laws: Mapping[str, SignalLaw]) -> None:
         """Remember the sources at which a rule base has an extreme."""
         values: dict[str, float] = {}
-        for name, law in given.items():
+        for name, law in laws.items():
             if law.linear is None or len(law.linear) != 1 or name not in point:
                 return
             ((source, weight),) = law.linear.items()
@@ -392,17 +390,17 @@ class LineWalk:
         self,
         prover: Prover,
         region: Mapping[str, tuple[float, float]],
-        given: Mapping[str, SignalLaw],
+        laws: Mapping[str, SignalLaw],
         rest: Interval,
     ) -> tuple[Interval | str, float]:
         if not self.asked.form:
             return "", 0.0
-        moving = [name for name, law in given.items() if law.at.low < law.at.high]
+        moving = [name for name, law in laws.items() if law.at.low < law.at.high]
         if not moving:
             size = largest(rest)
             small = size <= LIKE_EXPECT * prover.range
             return (NOTHING, size) if small else ("it is not 0 at rest", 0.0)
-        result = self._weights(moving, given)
+        result = self._weights(moving, laws)
         if isinstance(result, str):
             return result, 0.0
         weights, by = result
@@ -414,26 +412,26 @@ class LineWalk:
         universe = {
             variable.name: Interval(variable.low, variable.high) for variable in prover.inputs
         }
-        if not all(inside(given[name].at, universe[name]) for name in moving):
+        if not all(inside(laws[name].at, universe[name]) for name in moving):
             if len(moving) > 1:
                 return "an input leaves its universe", 0.0
             gains = hull(gains, NOTHING)  # the value stays where the input is cut off
         return combined("multiply", gains, by), sector.slack
 
     def _weights(
-        self, moving: Sequence[str], given: Mapping[str, SignalLaw]
+        self, moving: Sequence[str], laws: Mapping[str, SignalLaw]
     ) -> tuple[dict[str, Fraction], Interval] | str:
         """Return a sum of the inputs of a rule base, and between which multiples of σ it lies.
 
         One input is what its own law says; of several each is a multiple of one source of σ.
         """
         if len(moving) == 1:
-            along = given[moving[0]].along
+            along = laws[moving[0]].along
             return along if isinstance(along, str) else ({moving[0]: Fraction(1)}, along)
         weights: dict[str, Fraction] = {}
         remaining = dict(self.asked.form)
         for name in moving:
-            linear = {s: w for s, w in (given[name].linear or {}).items() if s in self.asked.form}
+            linear = {s: w for s, w in (laws[name].linear or {}).items() if s in self.asked.form}
             if len(linear) != 1 or next(iter(linear)) not in remaining:
                 return f"'{name}' is not a multiple of one source"
             ((source, weight),) = linear.items()
@@ -468,13 +466,13 @@ class LineWalk:
         if all(law.at.low == law.at.high for law in laws.values()):
             value = float(table.lookup(*(law.at.low for law in laws.values())))
             at = Interval(value, value)
-        return table_law(table, laws, at, asked=bool(self.asked.form))
+        return table_law(table, laws, at, exact=bool(self.asked.form))
 
 
-def _chained(slopes: Slopes, given: Mapping[str, SignalLaw]) -> tuple[Gains | str, Gains | str]:
+def _chained(slopes: Slopes, laws: Mapping[str, SignalLaw]) -> tuple[Gains | str, Gains | str]:
     """Return slopes by sources from slopes by inputs."""
     sources: dict[str, None] = {}
-    for law in given.values():
+    for law in laws.values():
         for part in (law.gains, law.around):
             if isinstance(part, str):
                 return part, part
@@ -483,14 +481,14 @@ def _chained(slopes: Slopes, given: Mapping[str, SignalLaw]) -> tuple[Gains | st
     around: Gains = {}
     for source in sources:
         total = NOTHING
-        for name, law in given.items():
+        for name, law in laws.items():
             assert isinstance(law.around, dict)
             gain = Interval(*map(float, slopes.around(name)))
             # The chain rule, over all pieces that meet at rest.
             slope = combine("multiply", gain, law.around.get(source, NOTHING))
             total = combine("add", total, slope)
         around[source] = gains[source] = total
-        inner = {name: dict(law.gains).get(source, NOTHING) for name, law in given.items()}  # type: ignore[arg-type]
+        inner = {name: dict(law.gains).get(source, NOTHING) for name, law in laws.items()}  # type: ignore[arg-type]
         # Where each input has one slope by the source, the source moves along a line: two pieces,
         # one ahead and one back.
         if all(interval.low == interval.high for interval in inner.values()):

@@ -459,7 +459,7 @@ def read_fields(
     }
 
 
-def _field(name: str, annotation: Any, default: Any, said: _Said) -> RequestField:
+def _field(name: str, annotation: Any, default: Any, entry: _Said) -> RequestField:
     """Return what is known of a field by its annotation."""
     parts = [part for part in get_args(annotation) if part is not NoneType]
     is_optional = len(parts) < len(get_args(annotation)) and get_origin(annotation) is not tuple
@@ -472,4 +472,4 @@ def _field(name: str, annotation: Any, default: Any, said: _Said) -> RequestFiel
         annotation = item
     choices = get_args(annotation) if get_origin(annotation) is Literal else ()
     kind: Any = _TYPES[type(choices[0]) if choices else annotation]
-    return RequestField(name, said, default, kind, choices, is_optional, count)
+    return RequestField(name, entry, default, kind, choices, is_optional, count)

@@ -102,16 +102,16 @@ def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
     return Group(*lines)
 
 
-def change_lines(title: str, found: Sequence[Change]) -> list[Text]:
+def change_lines(title: str, changes: Sequence[Change]) -> list[Text]:
     """Return changes with ``~``, ``+`` and ``-`` in front, below how many there are of each."""
     from rich.text import Text
 
-    if not found:
+    if not changes:
         return []
-    counts = Counter(change.kind for change in found)
+    counts = Counter(change.kind for change in changes)
     words = ", ".join(f"{counts[kind]} {kind}" for kind in _MARKS if counts[kind])
     lines = [Text(f"{title}: {words}", "bold")]
-    for change in found:
+    for change in changes:
         mark, style = _MARKS[change.kind]
         lines.append(Text.assemble((f"  {mark} ", style), str(change)))
     return lines

@@ -431,7 +431,7 @@ def _compact(x: float, digits: int) -> str:
     """Return a number in few letters: a million is 1e6."""
     words = number_words(x, digits)
     power = f"{x:.{digits - 1}e}"
-    short = re.sub(r"\.?0*e([+-])0*", lambda found: "e" + found[1].strip("+"), power)
+    short = re.sub(r"\.?0*e([+-])0*", lambda match: "e" + match[1].strip("+"), power)
     return short if len(short) < len(words) - 1 else words
 
 

@@ -43,63 +43,63 @@ def place_of_worst(bounds: Bounds) -> dict[str, float]:
     return bounds.at_high if bounds.reached_high >= -bounds.reached_low else bounds.at_low
 
 
-def sector_lines(output: str, found: Sector) -> list[str]:
+def sector_lines(output: str, sector: Sector) -> list[str]:
     """Return a sector of an output, and where its ends are reached."""
-    slack = f", to {found.slack:g}" if found.slack else ""
+    slack = f", to {sector.slack:g}" if sector.slack else ""
     lines = [
-        f"{output} between {_bounds(found.low, found.high)} times"
-        f" {form_text(found.weights)} (proved{slack})"
+        f"{output} between {_bounds(sector.low, sector.high)} times"
+        f" {form_text(sector.weights)} (proved{slack})"
     ]
-    for word, at in (("lowest", found.at_low), ("highest", found.at_high)):
+    for word, at in (("lowest", sector.at_low), ("highest", sector.at_high)):
         if at:
             lines.append(f"  {word} near {written(at)}")
-    if not found.complete:
+    if not sector.complete:
         lines.append("  time ran out before the bounds were tight")
-    return [*lines, f"  {found.pieces:,} pieces, in exact arithmetic"]
+    return [*lines, f"  {sector.pieces:,} pieces, in exact arithmetic"]
 
 
 def _bounds(low: float, high: float) -> str:
     return f"{outward_text(low, up=False)} and {outward_text(high, up=True)}"
 
 
-def grouped_drives(found: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
+def grouped_drives(proofs: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
     """Return each proof once, with the drives that it is about."""
     groups: dict[str, tuple[DriveProof, list[str]]] = {}
-    for proof in found:
+    for proof in proofs:
         # By its text: a proof holds dictionaries, which have no hash.
         key = repr(replace(proof, axis=""))
         groups.setdefault(key, (proof, []))[1].append(f"{proof.axis}.{proof.port}")
     return list(groups.values())
 
 
-def drive_lines(path: str, found: DriveProof, names: list[str], *, sectors_only: bool) -> list[str]:
+def drive_lines(path: str, proof: DriveProof, names: list[str], *, sectors_only: bool) -> list[str]:
     """Return what is proved of a drive; `path` is whose it is."""
-    unit = f" {found.unit}" if found.unit else ""
-    lines = [f"{path}: {', '.join(names)} in {_interval(found.low, found.high)}{unit} (proved)"]
+    unit = f" {proof.unit}" if proof.unit else ""
+    lines = [f"{path}: {', '.join(names)} in {_interval(proof.low, proof.high)}{unit} (proved)"]
     if not sectors_only:
-        lines += _limit_lines(found)
-        lines += _gain_lines(found)
-    for drive_sector in found.sectors:
-        lines += _drive_sector(drive_sector, found)
-    return [*lines, *(f"  not proved: {words}" for words in found.open)]
+        lines += _limit_lines(proof)
+        lines += _gain_lines(proof)
+    for drive_sector in proof.sectors:
+        lines += _drive_sector(drive_sector, proof)
+    return [*lines, *(f"  not proved: {words}" for words in proof.open)]
 
 
-def _limit_lines(found: DriveProof) -> list[str]:
-    if found.limits is None:
+def _limit_lines(proof: DriveProof) -> list[str]:
+    if proof.limits is None:
         return []
-    limits = f"limits {_number(found.limits[0])} .. {_number(found.limits[1])}"
-    free = _interval(*found.free)
-    if found.reached == "never":
+    limits = f"limits {_number(proof.limits[0])} .. {_number(proof.limits[1])}"
+    free = _interval(*proof.free)
+    if proof.reached == "never":
         return [f"  its {limits} are never reached: {free}"]
-    if found.reached == "open":
+    if proof.reached == "open":
         return [f"  whether its {limits} are reached is open: within {free} without them"]
-    at = ", ".join(f"{name} = {_number(x)}" for name, x in found.at.items())
+    at = ", ".join(f"{name} = {_number(x)}" for name, x in proof.at.items())
     return [f"  its {limits} are reached, at {at}"]
 
 
-def _gain_lines(found: DriveProof) -> list[str]:
+def _gain_lines(proof: DriveProof) -> list[str]:
     lines = []
-    for gain in found.gains:
+    for gain in proof.gains:
         size = _number(gain.low) if gain.low == gain.high else _span(gain.low, gain.high)
         around = ""
         if (gain.least, gain.most) != (gain.low, gain.high):
@@ -109,13 +109,13 @@ def _gain_lines(found: DriveProof) -> list[str]:
     return lines
 
 
-def _drive_sector(each: DriveSector, found: DriveProof) -> list[str]:
+def _drive_sector(each: DriveSector, proof: DriveProof) -> list[str]:
     slack = f", to {each.slack:g}" if each.slack else ""
     between = _interval(each.low, each.high)
     within = [f"{name} in {_span(*ends)}" for name, ends in each.within.items()]
     if len(each.weights) == 1:
         (name,) = each.weights
-        unit = next((g.unit for g in found.gains if g.source == name and g.unit), "")
+        unit = next((g.unit for g in proof.gains if g.source == name and g.unit), "")
         return [f"  sector along {within[0]}: {between}{f' {unit}' if unit else ''}{slack}"]
     head = f"  sector along {form_text(each.weights)}: {between}{slack}"
     return [head, *(f"    {words}" for words in within)]

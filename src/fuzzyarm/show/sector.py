@@ -49,13 +49,13 @@ class SectorPicture:
 
 
 def rulebase_sectors(
-    rulebase: RuleBase, output: str, found: Sequence[Sector]
+    rulebase: RuleBase, output: str, sectors: Sequence[Sector]
 ) -> list[SectorPicture]:
     """Return the pictures of sectors of a rule base: inputs that are not in σ are 0."""
     from fuzzyarm.inference import infer
 
     pictures = []
-    for sector in found:
+    for sector in sectors:
         count = _LINE if len(sector.weights) == 1 else _PLANE
         free = [rulebase.variable(name) for name in list(sector.weights)[:3]]
         if len(free) > 2:
@@ -76,7 +76,7 @@ def rulebase_sectors(
 
 def controller_sectors(
     text: ControllerText,
-    found: Sequence[DriveProof],
+    proofs: Sequence[DriveProof],
     plant: Plant | None = None,
     points: int = 2000,
 ) -> list[SectorPicture]:
@@ -86,18 +86,18 @@ def controller_sectors(
     """
     from fuzzyarm.proof.controllers import sampled_drive
 
-    drive = next((proof for proof in found if proof.sectors), None)
+    drive = next((proof for proof in proofs if proof.sectors), None)
     if drive is None:
         return []
     pictures = []
     inner = {tuple(sector.weights): sector for sector in reversed(drive.sectors)}
-    for each in reversed(inner.values()):
-        form, values = sampled_drive(text, drive, each, plant, points=points)
+    for item in reversed(inner.values()):
+        form, values = sampled_drive(text, drive, item, plant, points=points)
         up = f"{drive.port}, {drive.unit}" if drive.unit else drive.port
         pictures.append(
             SectorPicture(
-                _form_words(drive, each), up, form, values, each.low, each.high,
-                len(each.weights) == 1,
+                _form_words(drive, item), up, form, values, item.low, item.high,
+                len(item.weights) == 1,
             )
         )  # fmt: skip
     return pictures

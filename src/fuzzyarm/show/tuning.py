@@ -24,18 +24,18 @@ LABELS = 12
 """Columns beside a curve."""
 
 
-def curve_view(found: Found, columns: int = 80, height: int = HEIGHT) -> LinePlot:
+def curve_view(result: Found, columns: int = 80, height: int = HEIGHT) -> LinePlot:
     """Return the best cost over the trials, as wide as a screen of so many columns has room."""
     width = max(10, min(WIDTH, columns - LABELS))
-    return LinePlot(cost_panel({"": found}), width, height)
+    return LinePlot(cost_panel({"": result}), width, height)
 
 
-def search_view(found: Found, state: str, columns: int = 80) -> Group:
+def search_view(result: Found, state: str, columns: int = 80) -> Group:
     """Return a search as it goes on: a line that says how far it is, and the curve."""
     from rich.console import Group
     from rich.text import Text
 
-    return Group(Text(state), curve_view(found, columns))
+    return Group(Text(state), curve_view(result, columns))
 
 
 def table_lines(tuned: Tuned) -> Iterator[str]:

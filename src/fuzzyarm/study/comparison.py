@@ -199,31 +199,31 @@ def compare(
         )
 
 
-def _compared_by(asked: CompareRequest) -> Iterator[Compared]:
+def _compared_by(request: CompareRequest) -> Iterator[Compared]:
     """Do what a request asks along the trajectories of its plant."""
-    controllers = find_controllers(asked.controllers or compared_names())
-    asked, plant = with_plant(asked, controllers)
-    if not follows(asked, plant):
+    controllers = find_controllers(request.controllers or compared_names())
+    request, plant = with_plant(request, controllers)
+    if not follows(request, plant):
         message = f"{plant.name} follows references here: compare the runs of `simulate`"
         raise RequestError("plant", f"must have trajectories to compare along: {message}")
     yield from compare(
         controllers,
-        options_of(asked, plant),
+        options_of(request, plant),
         plant=plant,
-        trajectories=compared_along(asked, plant),
-        conventions=conventions_of(asked),
-        payload=bool(asked.payload),
-        connect=connections(asked),
+        trajectories=compared_along(request, plant),
+        conventions=conventions_of(request),
+        payload=bool(request.payload),
+        connect=connections(request),
     )
 
 
-def compared_along(asked: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
+def compared_along(request: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
     """Return those that a plant has controllers compared along, with other angles and times."""
     arguments: dict[str, Any] = {}
-    if asked.angles is not None:
-        arguments["angles"] = asked.angles
-    if asked.segment is not None:
-        arguments["segment"] = asked.segment
+    if request.angles is not None:
+        arguments["angles"] = request.angles
+    if request.segment is not None:
+        arguments["segment"] = request.segment
     with times_and_angles():
         return compared_trajectories(plant, **arguments)
 

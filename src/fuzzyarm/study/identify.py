@@ -188,7 +188,7 @@ def _figures(
             if unknown.joint in {None, index}:
                 numbers[index] = float(value)
         changed[unknown.gain] = numbers
-    return np.array(reproduce_row(row, made=controller.with_gains(changed)).figures)
+    return np.array(reproduce_row(row, controller=controller.with_gains(changed)).figures)
 
 
 def _residuals(

@@ -71,7 +71,7 @@ class Ensemble:
 
 
 def run_ensemble(
-    made: Controller,
+    controller: Controller,
     trajectories: tuple[Trajectory, Trajectory],
     conventions: Conventions,
     *,
@@ -86,7 +86,7 @@ def run_ensemble(
     columns = []
     for trajectory in trajectories:
         many = simulate_many(
-            made,
+            controller,
             trajectory,
             {"seed": np.arange(1, runs + 1)},
             payload=payload,
@@ -349,24 +349,24 @@ def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller
     return controller_ if row.model_mass is None else _with_mass(controller_, row.model_mass)
 
 
-def _with_mass(made: Controller, mass: float) -> Controller:
-    if isinstance(made, Sum):
-        return Sum([_with_mass(addend, mass) for addend in made.addends], made.name)
-    if isinstance(made, CompiledController) and "model.m_1" in made.gains:
-        return made.with_origin(
+def _with_mass(controller: Controller, mass: float) -> Controller:
+    if isinstance(controller, Sum):
+        return Sum([_with_mass(addend, mass) for addend in controller.addends], controller.name)
+    if isinstance(controller, CompiledController) and "model.m_1" in controller.gains:
+        return controller.with_origin(
             **{
-                name: replace(made.gains[name], value=(mass,))
+                name: replace(controller.gains[name], value=(mass,))
                 for name in ("model.m_1", "model.m_2")
             }
         )
-    return made
+    return controller
 
 
 def reproduce_row(
     row: PublishedRow,
     variant: Variant = "as-printed",
     *,
-    made: Controller | None = None,
+    controller: Controller | None = None,
     options: Options | None = None,
     runs: int = 0,
     watch: Callable[[int], None] | None = None,
@@ -379,7 +379,7 @@ def reproduce_row(
         Which.
     variant : {"as-printed", "as-described"}, optional
         Which of the two, where they differ.
-    made : Controller, optional
+    controller : Controller, optional
         Another controller in its place.
     options : Options, optional
         See :func:`fuzzyarm.loop.run.simulate`.
@@ -388,18 +388,20 @@ def reproduce_row(
     watch : callable, optional
         Called with the number of disturbed runs just finished.
     """
-    made = made or row_controller(row, variant)
+    controller = controller or row_controller(row, variant)
     there, back = (TRAJECTORIES[name]() for name in row.trajectories)
     conventions = row.conventions
     first, second = (
-        simulate(made, trajectory, payload=row.payload, conventions=conventions, options=options)
+        simulate(
+            controller, trajectory, payload=row.payload, conventions=conventions, options=options
+        )
         for trajectory in (there, back)
     )
     figures = (*four(first), *four(second))
     ensemble = None
     if runs and chaotic(row):
         ensemble = run_ensemble(
-            made, (there, back), conventions, payload=row.payload, runs=runs, watch=watch
+            controller, (there, back), conventions, payload=row.payload, runs=runs, watch=watch
         )
     judgement = judge(row, figures, ensemble)
     return Reproduced(row, variant, figures, (first, second), judgement, ensemble)

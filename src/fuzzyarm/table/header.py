@@ -81,7 +81,7 @@ class Header:
     origin: list[tuple[str, str]] = field(default_factory=list)
     given: dict[str, Span] = field(default_factory=dict)
 
-    def once(self, what: str, span: Span, said: Span | None = None) -> None:
+    def once(self, what: str, span: Span, earlier: Span | None = None) -> None:
         """Note that something is said in the line at `span`; refuse it the second time."""
         if what in self.given:
             before = self.given[what]
@@ -93,7 +93,7 @@ class Header:
                     related=(Related("first given here", before),),
                 )
             )
-        self.given[what] = said or span
+        self.given[what] = earlier or span
 
 
 def _fault(name: str, message: str, span: Span, hint: str = "") -> Fault:

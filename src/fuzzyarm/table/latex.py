@@ -86,4 +86,4 @@ def _math(written: str) -> str:
 
 def _text(name: str) -> str:
     """Return anybody's name as LaTeX prints it."""
-    return re.sub(r"[\\~^<>|\"#$%&_{}]", lambda found: _SPECIAL[found[0]], printable(name))
+    return re.sub(r"[\\~^<>|\"#$%&_{}]", lambda match: _SPECIAL[match[0]], printable(name))

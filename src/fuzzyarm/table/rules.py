@@ -176,8 +176,8 @@ def _own_values(output: Output) -> list[tuple[str, float]]:
     return values
 
 
-def _nearest(values: list[tuple[str, float]], wanted: float) -> str:
-    return min(values, key=lambda pair: abs(pair[1] - wanted))[0]
+def _nearest(values: list[tuple[str, float]], value: float) -> str:
+    return min(values, key=lambda pair: abs(pair[1] - value))[0]
 
 
 def _conjunction(inputs: tuple[Input, ...], chosen: tuple[Term, ...]) -> Expression:

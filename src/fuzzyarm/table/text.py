@@ -305,9 +305,9 @@ class _GridReader:
         return self._check_levels(cells, self.column, number, line)
 
     def _report_corner(
-        self, names: list[Token] | None, wanted: list[str], number: int, line: str
+        self, names: list[Token] | None, expected: list[str], number: int, line: str
     ) -> None:
-        spell = " \\ ".join(wanted)
+        spell = " \\ ".join(expected)
         if not names:
             span = Span(number, 1, number, len(line) + 1)
             message = f"the first line of a grid starts with '{spell}'"
@@ -316,11 +316,11 @@ class _GridReader:
         span = names[0].span.to(names[-1].span)
         names_there = [token.text for token in names]
         corner = " \\ ".join(names_there)
-        if names_there == wanted[::-1]:
+        if names_there == expected[::-1]:
             self._report(
                 "transposed-labels",
                 f"the corner '{corner}' contradicts the index order "
-                f"(row {wanted[0]}, column {wanted[1]})",
+                f"(row {expected[0]}, column {expected[1]})",
                 span,
                 hint="is the table transposed? change the index order or the corner, not both",
             )

@@ -85,10 +85,10 @@ def _patterns_above(folder: str) -> tuple[_Pattern, ...]:
 
     above = []
     path = Path(folder).resolve()
-    for each in (path, *path.parents):
-        if each != path:
-            above.append(each)
-        if (each / ".git").exists():
+    for ancestor in (path, *path.parents):
+        if ancestor != path:
+            above.append(ancestor)
+        if (ancestor / ".git").exists():
             return tuple(p for parent in reversed(above) for p in _patterns_in(str(parent)))
     return ()
 

@@ -100,26 +100,26 @@ def demand_arguments(
         Names of keywords whose values something else judges.
     """
     demand_keywords(call, keywords, kind, positional)
-    wanted = _annotations(kind)
+    expected = _annotations(kind)
     for name, value in keywords.items():
-        if name not in judged and not any(_is_a(value, one) for one in wanted[name]):
-            kinds = (_words(one) for one in wanted[name] if one is not NoneType)
+        if name not in judged and not any(_is_a(value, one) for one in expected[name]):
+            kinds = (_words(one) for one in expected[name] if one is not NoneType)
             raise wrong_argument(call, name, " or ".join(dict.fromkeys(kinds)), value)
 
 
-def wrong_argument(call: str, name: str, wanted: str, value: object) -> ArgumentError:
+def wrong_argument(call: str, name: str, expected: str, value: object) -> ArgumentError:
     """Return the error of an argument of another kind.
 
     Parameters
     ----------
     call, name : str
         Of the function and of its argument.
-    wanted : str
+    expected : str
         What it takes, as in ``a number``.
     value : object
         What it was given.
     """
-    message = f"{call}() takes {wanted} as '{name}', not {shortened(repr(value), 60)}"
+    message = f"{call}() takes {expected} as '{name}', not {shortened(repr(value), 60)}"
     return ArgumentError(message, argument=name, hint=EXAMPLES.get(name, ""))
 
 

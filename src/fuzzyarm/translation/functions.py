@@ -515,16 +515,16 @@ class _Function:
             return self.length(arguments[0])
         return self.spelled(node, function, arguments)
 
-    def handed_over(self, made: _Function, arguments: Sequence[TypedText]) -> frozenset[str]:
+    def handed_over(self, helper: _Function, arguments: Sequence[TypedText]) -> frozenset[str]:
         """Note what a function does with what it is handed; return where its value may lie."""
         memory = {
-            name: value.memory for name, value in zip(made.parameters, arguments, strict=True)
+            name: value.memory for name, value in zip(helper.parameters, arguments, strict=True)
         }
-        for name in made.writes:
+        for name in helper.writes:
             self.writes |= memory[name]
-        for request in made.asks:
+        for request in helper.asks:
             self.asks.add(tuple((type_, _together_in(memory, names)) for type_, names in request))
-        returns_arrays = isinstance(made.returned, Array | TupleType)
+        returns_arrays = isinstance(helper.returned, Array | TupleType)
         return _together_in(memory, memory) if returns_arrays else frozenset()
 
     def spelled(self, node: ast.Call, function: Any, arguments: Sequence[TypedText]) -> TypedText:

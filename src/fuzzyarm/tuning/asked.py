@@ -62,37 +62,37 @@ class Order(NamedTuple):
     journal: Journal | None
 
 
-def order_of(asked: TuneRequest) -> Order:
+def order_of(request: TuneRequest) -> Order:
     """Read what is asked for; a journal is begun."""
-    require_sensible(asked)
-    path, subject = _subject(asked.file)
-    if asked.out is not None:  # before the search, whose result would be lost
-        demand_not_used(asked.out, subject, path)
+    require_sensible(request)
+    path, subject = _subject(request.file)
+    if request.out is not None:  # before the search, whose result would be lost
+        demand_not_used(request.out, subject, path)
     stage, samples = None, dict[str, Samples]()
     if isinstance(subject, ControllerText):
-        if asked.data:
+        if request.data:
             raise WordError("--data is for a rule base alone; a controller runs in its loop")
-        asked, plant = with_plant(asked, [controller_of(subject)])
-        stage = stage_asked(asked, subject, plant)
+        request, plant = with_plant(request, [controller_of(subject)])
+        stage = stage_asked(request, subject, plant)
     else:
-        samples = samples_asked(asked, subject)
-    journal = _journal(asked, path, subject) if asked.journal else None
-    return Order(path, subject, stage, samples, conventions_of(asked), journal)
+        samples = samples_asked(request, subject)
+    journal = _journal(request, path, subject) if request.journal else None
+    return Order(path, subject, stage, samples, conventions_of(request), journal)
 
 
-def require_sensible(asked: TuneRequest) -> None:
+def require_sensible(request: TuneRequest) -> None:
     """Tell mistakes before anything is loaded."""
-    if asked.resume and not asked.journal:
+    if request.resume and not request.journal:
         raise UsageError("--resume goes on with the file of --journal, and none is given")
-    if asked.test and not asked.data:
+    if request.test and not request.data:
         raise UsageError("--test judges what was fitted to --data, and none is given")
 
 
-def longest(asked: TuneRequest) -> float:
+def longest(request: TuneRequest) -> float:
     """Return how long the whole may take, s."""
-    seconds_ = read_time(asked.time, "--time") if asked.time else math.inf
+    seconds_ = read_time(request.time, "--time") if request.time else math.inf
     if not seconds_ > 0.0:
-        raise UsageError(f"--time must be above 0 s, not {asked.time}")
+        raise UsageError(f"--time must be above 0 s, not {request.time}")
     return seconds_
 
 
@@ -110,38 +110,38 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
 # --- What it is tuned on ---
 
 
-def stage_asked(asked: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
+def stage_asked(request: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
     """Return where a controller runs."""
-    along = follows(asked, plant)
-    plant, options = with_drives(asked, plant)
-    connect, vary = connections(asked), tuple(map(read_range, asked.vary))
+    along = follows(request, plant)
+    plant, options = with_drives(request, plant)
+    connect, vary = connections(request), tuple(map(read_range, request.vary))
     if along:
-        payload = 0.0 if asked.payload is False else 1.0
+        payload = 0.0 if request.payload is False else 1.0
         first = plant_scenarios(plant, payload)
-        if asked.given((*ALONG, "loaded")):
-            way = trajectory_asked(asked, plant)
-            if asked.loaded:
-                way = replace(way, loaded=carried(way, segments=asked.loaded))
+        if request.given((*ALONG, "loaded")):
+            way = trajectory_asked(request, plant)
+            if request.loaded:
+                way = replace(way, loaded=carried(way, segments=request.loaded))
             first = (scenario_along(plant, way, payload),)
         return Stage(plant, first, options, vary, connect=connect)
-    motion = motion_of(asked, controller_of(text), plant)
-    references = references_of(asked, controller_of(text), plant)
+    motion = motion_of(request, controller_of(text), plant)
+    references = references_of(request, controller_of(text), plant)
     first = (Scenario(motion.name, motion),)
-    return Stage(plant, first, options, vary, references, seconds(asked), connect)
+    return Stage(plant, first, options, vary, references, seconds(request), connect)
 
 
-def samples_asked(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
+def samples_asked(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
     """Return the samples for a rule base alone, by ``data`` and ``test``."""
-    if not asked.data:
-        if asked.cost is not None and ".py:" in asked.cost:
+    if not request.data:
+        if request.cost is not None and ".py:" in request.cost:
             return {}
         message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
         hint = "--data set.csv, or tune the controller that uses it"
         raise WordError(message, hint=hint)
-    columns = columns_for(asked.data, rulebase, asked.target)
-    samples = {"data": read_samples(asked.data, columns)}
-    if asked.test:
-        samples["test"] = read_samples(asked.test, columns)
+    columns = columns_for(request.data, rulebase, request.target)
+    samples = {"data": read_samples(request.data, columns)}
+    if request.test:
+        samples["test"] = read_samples(request.test, columns)
     return samples
 
 
@@ -160,11 +160,11 @@ def columns_for(path: str, rulebase: RuleBase, target: str | None = None) -> Col
 # --- The journal ---
 
 
-def _journal(asked: TuneRequest, path: str, subject: ControllerText | RuleBase) -> Journal:
-    files = files_named(asked) | {Path(path).name: Path(path)}
+def _journal(request: TuneRequest, path: str, subject: ControllerText | RuleBase) -> Journal:
+    files = files_named(request) | {Path(path).name: Path(path)}
     if isinstance(subject, ControllerText):
         files |= files_of(subject.model, path)
-    words = [asked.data, (asked.cost or "").rpartition(":")[0]]
+    words = [request.data, (request.cost or "").rpartition(":")[0]]
     files |= {word: Path(word) for word in words if word}
-    assert asked.journal is not None
-    return Journal(asked.journal, question_of(asked.question(), files), resume=asked.resume)
+    assert request.journal is not None
+    return Journal(request.journal, question_of(request.question(), files), resume=request.resume)

@@ -228,11 +228,11 @@ def rulebases_of(subject: ControllerText | RuleBase) -> dict[str, RuleBase]:
     }
 
 
-def blocks_of(subject: ControllerText | RuleBase, given: Tuning | None) -> dict[str, Tuning]:
+def blocks_of(subject: ControllerText | RuleBase, tuning: Tuning | None) -> dict[str, Tuning]:
     """Return what is said of each rule base: beside the file, in it, or else that all may move."""
     sheets = rulebases_of(subject)
-    if given is not None:
-        return dict(_divided(given, sheets))
+    if tuning is not None:
+        return dict(_divided(tuning, sheets))
     if says_what_moves(subject):
         return {name: sheet.tuning for name, sheet in sheets.items() if sheet.tuning is not None}
     return {name: everything(sheet) for name, sheet in sheets.items()}
@@ -249,8 +249,12 @@ def says_what_moves(subject: ControllerText | RuleBase) -> bool:
 def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> RuleBase:
     """Return a rule base with the terms of other variables."""
 
-    def of(each: Variable) -> tuple[Term, ...]:
-        return variables[each.name].terms if each.name in variables else each.terms
+    def of(of_variable: Variable) -> tuple[Term, ...]:
+        return (
+            variables[of_variable.name].terms
+            if of_variable.name in variables
+            else of_variable.terms
+        )
 
     inputs: Iterable[Input] = (
         replace(variable, terms=of(variable)) for variable in rulebase.inputs
@@ -272,7 +276,7 @@ def everything(rulebase: RuleBase) -> Tuning:
         # Of N Z P nothing could move that stays mirrored: the middle one may then.
         stuck = even and not Movement(variable, whole, ()).names
         peaks.append(replace(whole, mirrored=False) if stuck else whole)
-    alike = groupby(peaks, lambda each: replace(each, variables=()))
+    alike = groupby(peaks, lambda peak: replace(peak, variables=()))
     return Tuning(
         tuple(
             replace(flags, variables=tuple(name for tuning in group for name in tuning.variables))

@@ -78,7 +78,7 @@ class Means(NamedTuple):
 
 
 def rounded(
-    examining: ExaminerPool, promises: Promises, found: Found, digits: int
+    examining: ExaminerPool, promises: Promises, result: Found, digits: int
 ) -> tuple[Candidate, int, Score]:
     """Return the best candidate with rounded numbers, scored again.
 
@@ -86,7 +86,7 @@ def rounded(
     nothing was found the file stays as it is. Where the rounding itself fails or is interrupted,
     the numbers stay as they were found.
     """
-    best, design = found.best, examining.design
+    best, design = result.best, examining.design
     if np.array_equal(best.point, design.start):
         return design.as_it_is(), digits, best.score
     try:
@@ -96,13 +96,13 @@ def rounded(
                 continue
             score = _rescored(examining, candidate)  # here: a cluster may have gone
             worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
-            worse |= score.cost > found.trials[0].score.cost  # what was won is not rounded away
+            worse |= score.cost > result.trials[0].score.cost  # what was won is not rounded away
             if not score.fault and not worse:
                 return candidate, count, score
     except KeyboardInterrupt:
-        found.interrupted = True
+        result.interrupted = True
     except Exception as error:
-        found.fault = found.fault or f"rounding the numbers: {sentence_of(error)}"
+        result.fault = result.fault or f"rounding the numbers: {sentence_of(error)}"
     return design.at(best.point), ALL_DIGITS, best.score
 
 
@@ -117,11 +117,11 @@ def _rescored(examining: ExaminerPool, candidate: Candidate) -> Score:
 
 
 def with_judgement(
-    job: TuningJob, plan: TuningPlan, means: Means, made: Tuned, which: tuple[Candidate, Candidate]
+    job: TuningJob, plan: TuningPlan, means: Means, tuned: Tuned, which: tuple[Candidate, Candidate]
 ) -> Tuned:
     """Return what came of a search with the rest of its table."""
-    search, faults = made.found, list(made.faults)
-    rows = [ComparedRow(row.name, dict(row.scores)) for row in made.rows]
+    search, faults = tuned.found, list(tuned.faults)
+    rows = [ComparedRow(row.name, dict(row.scores)) for row in tuned.rows]
     linear, line = None, None
     job = _in_time(job, plan, search)
     try:
@@ -144,7 +144,7 @@ def with_judgement(
         }
         rows.append(ComparedRow("linear regression", scores))
     return replace(
-        made,
+        tuned,
         rows=tuple(rows),
         unseen=job.names["unseen"],
         linear=linear,
@@ -154,13 +154,13 @@ def with_judgement(
     )
 
 
-def _in_time(job: TuningJob, plan: TuningPlan, found: Found) -> TuningJob:
+def _in_time(job: TuningJob, plan: TuningPlan, result: Found) -> TuningJob:
     """Return a job with as many unseen scenarios as there is time for, and at least one."""
     count, seconds = len(job.names["unseen"]), plan.budget.seconds
     if not math.isfinite(seconds) or not job.judged or not job.problem.scenarios:
         return job
-    runs = len(found.trials) * len(job.problem.scenarios)
-    room = JUDGEMENT * seconds * runs / max(found.seconds, 1e-9)
+    runs = len(result.trials) * len(job.problem.scenarios)
+    room = JUDGEMENT * seconds * runs / max(result.seconds, 1e-9)
     rows = 3 if job.linear else 2
     fitting = min(count, int(room / (rows * len(job.judged))))
     sets = job.judged if fitting else {"unseen": job.judged["unseen"]}

@@ -189,10 +189,10 @@ class Movement:
         If its terms cannot be moved so.
     """
 
-    def __init__(self, variable: Variable, peaks: PeakTuning, kept: Sequence[str]) -> None:
+    def __init__(self, variable: Variable, peaks: PeakTuning, fixed: Sequence[str]) -> None:
         self.variable = variable
         self.peaks = peaks
-        self.kept = {term.name for term in variable.terms} if "" in kept else set(kept)
+        self.kept = {term.name for term in variable.terms} if "" in fixed else set(fixed)
         if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
             raise TuneError(f"'{variable.name}' has no finite range", name=variable.name)
         self.width = variable.high - variable.low

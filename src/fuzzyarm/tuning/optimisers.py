@@ -83,7 +83,7 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
             },
         )
         # The search may have left the best point behind, as a corner that was cut off.
-        value, best = min(trials, key=lambda each: each[0])
+        value, best = min(trials, key=lambda trial: trial[0])
         trials = [(value, best)]
         size = float(generator.uniform(0.2, 1.0)) * FIRST_SIMPLEX
 

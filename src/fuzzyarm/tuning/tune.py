@@ -202,13 +202,13 @@ def tune(
     demand_arguments("tune", keywords, TuneKeywords, ("subject", "plant"), OF_THE_REQUEST)
     if isinstance(subject, TuneRequest):
         return _tuned_by(subject, plant, keywords)
-    said = read_fields(TuneRequest, keywords, OF_THE_REQUEST)
+    fields = read_fields(TuneRequest, keywords, OF_THE_REQUEST)
     plan = TuningPlan(
-        said["method"],
-        Budget(said["evals"], as_seconds(keywords.get("time", math.inf), "time")),
-        said["seed"],
-        said["digits"],
-        said["unseen"],
+        fields["method"],
+        Budget(fields["evals"], as_seconds(keywords.get("time", math.inf), "time")),
+        fields["seed"],
+        fields["digits"],
+        fields["unseen"],
         keywords.get("linear", True),
     )
     path, model = _loaded(subject)
@@ -221,7 +221,7 @@ def tune(
     return _done(
         job,
         plan,
-        _means(keywords, said["workers"]),
+        _means(keywords, fields["workers"]),
         originals_of(model, path, keywords.get("text", "")),
     )
 
@@ -230,31 +230,31 @@ LISTENERS = ("watch", "watch_linear", "take", "tell")
 """Keywords of who is told: the only ones that go with a request."""
 
 
-def _tuned_by(asked: TuneRequest, plant: object, keywords: TuneKeywords) -> Tuned:
+def _tuned_by(request: TuneRequest, plant: object, keywords: TuneKeywords) -> Tuned:
     """Tune what a request asks for."""
     demand_alone("tune", plant, {name for name in keywords if name not in LISTENERS} or None)
-    order = order_of(asked)
-    with cluster(asked) as (executor, workers):
-        whole = keywords_of(asked, order)
+    order = order_of(request)
+    with cluster(request) as (executor, workers):
+        whole = keywords_of(request, order)
         whole.update(keywords)
         whole.update({"executor": executor, "workers": workers})
         return tune(order.path, **whole)
 
 
-def keywords_of(asked: TuneRequest, order: Order) -> TuneKeywords:
+def keywords_of(request: TuneRequest, order: Order) -> TuneKeywords:
     """Return what a request asks for as keywords."""
     keywords: TuneKeywords = {
-        "cost": asked.cost,
-        "tune": asked.tune or None,
-        "method": asked.method,
-        "evals": asked.evals,
-        "time": longest(asked),
-        "seed": asked.seed,
-        "digits": asked.digits,
-        "unseen": asked.unseen,
-        "linear": asked.linear,
-        "over": asked.over,
-        "scenarios": asked.scenarios,
+        "cost": request.cost,
+        "tune": request.tune or None,
+        "method": request.method,
+        "evals": request.evals,
+        "time": longest(request),
+        "seed": request.seed,
+        "digits": request.digits,
+        "unseen": request.unseen,
+        "linear": request.linear,
+        "over": request.over,
+        "scenarios": request.scenarios,
         "stage": order.stage,
         "conventions": order.conventions,
         "journal": order.journal,
@@ -274,7 +274,7 @@ def _means(keywords: TuneKeywords, workers: int | None) -> Means:
     )
 
 
-def _unheard(_said: object) -> None:
+def _unheard(_news: object) -> None:
     """Hear what nobody is told."""
 
 
@@ -550,8 +550,8 @@ def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) 
     return _written(after, originals)
 
 
-def _written(made: Tuned, originals: Originals) -> Tuned:
+def _written(tuned: Tuned, originals: Originals) -> Tuned:
     """Return it with its texts and what stands in them."""
-    notes = tuple(notes_of(made))
-    files = rewritten(made.subject, made.candidate, originals, notes)
-    return replace(made, files=tuple(files), notes=notes)
+    notes = tuple(notes_of(tuned))
+    files = rewritten(tuned.subject, tuned.candidate, originals, notes)
+    return replace(tuned, files=tuple(files), notes=notes)

@@ -221,11 +221,11 @@ def _parts(row: ComparedRow, which: str) -> tuple[float, ...]:
     return row.scores[which].parts if which in row.scores else ()
 
 
-def front_of(found: Found) -> list[tuple[float, float]]:
+def front_of(result: Found) -> list[tuple[float, float]]:
     """Return error and chatter of the trials that no other beats in both, by rising error."""
     pairs = sorted(
         (trial.score.error, trial.score.chatter)
-        for trial in found.trials
+        for trial in result.trials
         if not trial.score.diverged
         and math.isfinite(trial.score.error)
         and math.isfinite(trial.score.chatter)

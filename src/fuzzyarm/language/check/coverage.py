@@ -278,14 +278,14 @@ def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ..
 
 
 def _holding(
-    probes: list[VariableStretch], wanted: set[Literal], by_degree: bool
+    probes: list[VariableStretch], literals: set[Literal], by_degree: bool
 ) -> list[VariableStretch]:
-    """Return the cells with those of the `wanted` literals that hold, hedges included."""
-    hedged = [literal for literal in wanted if literal[1]]
+    """Return the cells with those of the `literals` literals that hold, hedges included."""
+    hedged = [literal for literal in literals if literal[1]]
     cells = []
     for x, terms in probes:
         degrees = {
-            literal: degree for literal, degree in terms.items() if by_degree or literal in wanted
+            literal: degree for literal, degree in terms.items() if by_degree or literal in literals
         }
         for term, hedges in hedged:
             degree = apply_hedges(hedges, terms.get((term, ()), 0.0))

@@ -211,7 +211,7 @@ def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
             if opposites and len(pairs) >= _FEWEST_PAIRS
             for break_ in _breaks(pairs, opposites)
         ]
-        best = min(breaks, key=lambda each: each.share, default=None)
+        best = min(breaks, key=lambda asymmetry: asymmetry.share, default=None)
         if best is not None and best.share <= 1.0 - ALMOST:
             for pair in best.pairs:
                 first = _term(pair[0])
@@ -326,7 +326,7 @@ def _term(cell: CellNode) -> str:
     return "." if cell.term is None else cell.term
 
 
-def _asymmetry(what: str, pair: _Pair, wanted: str) -> Diagnostic:
+def _asymmetry(what: str, pair: _Pair, expected: str) -> Diagnostic:
     name = f"broken-{what.replace('symmetric', 'symmetry')}"
     earlier, later = sorted(pair, key=lambda cell: cell.span)
     first, second = map(_term, pair)
@@ -340,7 +340,7 @@ def _asymmetry(what: str, pair: _Pair, wanted: str) -> Diagnostic:
         name,
         f"the grid is otherwise {what}, but '{second}' does not mirror '{first}'",
         pair[1].span,
-        hint=f"the mirror of '{first}' is '{wanted}'; one of the two cells is a slip",
+        hint=f"the mirror of '{first}' is '{expected}'; one of the two cells is a slip",
         related=(Related("the cell it mirrors", pair[0].span),),
     )
 

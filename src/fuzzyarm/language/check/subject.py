@@ -128,7 +128,7 @@ class Subject:
             variable = self.rulebase.variable(name)
             values = {t.name: centre(t.shape, variable.low, variable.high) for t in variable.terms}
             pairs = [(middle, term) for term, middle in values.items() if middle is not None]
-            pairs.sort(key=lambda each: each[0])
+            pairs.sort(key=lambda pair: pair[0])
             complete = len(pairs) == len(values)
             self._middles[name] = {term: x for x, term in pairs} if complete else None
         return self._middles[name]

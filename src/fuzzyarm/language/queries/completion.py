@@ -179,13 +179,13 @@ class _AskingCursor(Cursor):
         named_once = texts[:1] in (["terms"], ["expect"]) or "\\" in texts
         return named_once and "->" not in texts
 
-    def _last(self, found: list[Completion]) -> NoReturn:
-        self.offered += found
+    def _last(self, completions: list[Completion]) -> NoReturn:
+        self.offered += completions
         raise _Nothing
 
     # What must come.
 
-    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
+    def fail(self, expected: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         raise _Nothing
 
     def finish(self) -> None:

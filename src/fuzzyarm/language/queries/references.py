@@ -109,12 +109,12 @@ def _refuse_taken(
             )
 
 
-def _written(each: Occurrence, name: str, reading: Reading) -> str:
+def _written(occurrence: Occurrence, name: str, reading: Reading) -> str:
     # A name inside a formula stands in a text already; there only odd names have quotes.
-    line = reading.raw_line(each.span.line)
+    line = reading.raw_line(occurrence.span.line)
     inside_formula = any(
-        token.kind == "string" and token.column < each.span.column < token.end
-        for token in reading.tokens_of(each.span.line)
+        token.kind == "string" and token.column < occurrence.span.column < token.end
+        for token in reading.tokens_of(occurrence.span.line)
     )
     if inside_formula and line:
         return name if name.isidentifier() else f"'{name}'"

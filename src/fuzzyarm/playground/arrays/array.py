@@ -601,7 +601,7 @@ def broadcast_to(value: Any, shape: Any) -> ndarray:
 
 
 def operate(
-    act: Callable[..., Any], given: Sequence[Any], kind: DType | None = None, out: Any = None
+    act: Callable[..., Any], source: Sequence[Any], kind: DType | None = None, out: Any = None
 ) -> Any:
     """Apply a function of numbers to all elements.
 
@@ -609,7 +609,7 @@ def operate(
     ----------
     act : callable
         Of one number of each of what is given.
-    given : sequence
+    source : sequence
         Arrays, nested lists or numbers.
     kind : DType, optional
         Of the result; else that of what is given.
@@ -622,7 +622,7 @@ def operate(
     """
     arrays = [
         array_of(operand) if isinstance(operand, ndarray | Sequence) else operand
-        for operand in given
+        for operand in source
     ]
     shapes = [operand.shape for operand in arrays if isinstance(operand, ndarray)]
     kind = kind or _kind_together(arrays)

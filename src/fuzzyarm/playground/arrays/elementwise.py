@@ -103,19 +103,21 @@ class ufunc:
     ) -> None:
         self._act, self._kind, self._floats = act, kind, floats
 
-    def __call__(self, *given: Any, out: Any = None, where: Any = None, **named: Any) -> Any:
+    def __call__(self, *values: Any, out: Any = None, where: Any = None, **named: Any) -> Any:
         """Apply it to all elements; with `where` only to those, in `out`."""
         kind = self._kind if named.get("dtype") is None else dtype(named["dtype"])
         if kind is None and self._floats:
             kinds = [
-                array_of(operand).dtype for operand in given if not isinstance(operand, int | float)
+                array_of(operand).dtype
+                for operand in values
+                if not isinstance(operand, int | float)
             ]
             together = reduce(promoted, kinds) if kinds else FLOAT
             kind = together if together.kind == "f" else FLOAT
         if where is not None and where is not True:
             mask = broadcast_to(where, out.shape)
             before = elements(out)
-            results = operate(self._act, given, kind)
+            results = operate(self._act, values, kind)
             results = elements(broadcast_to(results, out.shape))
             flags = elements(mask)
             out[...] = made(
@@ -123,11 +125,11 @@ class ufunc:
                 out.dtype, out.shape,
             )  # fmt: skip
             return out
-        return operate(self._act, given, kind, out)
+        return operate(self._act, values, kind, out)
 
-    def accumulate(self, given: Any, axis: int = 0, dtype: Any = None) -> ndarray:
+    def accumulate(self, values: Any, axis: int = 0, dtype: Any = None) -> ndarray:
         """Return what it makes of the first elements along an axis, for each."""
-        of = array_of(given, dtype)
+        of = array_of(values, dtype)
         kind = of.dtype if of.dtype is not BOOL else WHOLE
         act = self._act
         if kind.name == "float32":
@@ -135,17 +137,17 @@ class ufunc:
         return along(of, axis, lambda row: list(accumulate(row, act)), kind)
 
     def reduce(
-        self, given: Any, axis: Any = 0, initial: Any = None, *, keepdims: bool = False
+        self, values: Any, axis: Any = 0, initial: Any = None, *, keepdims: bool = False
     ) -> Any:
         """Return what it makes of all elements along an axis."""
         act = self._act
         return reduced(
-            given, axis, lambda row: reduce(act, row), initial=initial, keepdims=keepdims
+            values, axis, lambda row: reduce(act, row), initial=initial, keepdims=keepdims
         )
 
-    def reduceat(self, given: Any, places: Any, axis: int = 0) -> ndarray:
+    def reduceat(self, values: Any, places: Any, axis: int = 0) -> ndarray:
         """Return what it makes of the stretches that begin at some places."""
-        of = array_of(given)
+        of = array_of(values)
         starts = elements(array_of(places))
         ends = [*starts[1:], of.shape[axis]]
         pairs = list(zip(starts, ends, strict=True))
@@ -208,18 +210,18 @@ def _next_single(a: float, b: float) -> float:
     return float(struct.unpack("f", struct.pack("i", bits + (1 if away else -1)))[0])
 
 
-def clip(given: Any, low: Any = None, high: Any = None, **named: Any) -> Any:
+def clip(values: Any, low: Any = None, high: Any = None, **named: Any) -> Any:
     """Hold elements between two ends."""
-    result = given if low is None else maximum(given, low)
+    result = values if low is None else maximum(values, low)
     return result if high is None else minimum(result, high, out=named.get("out"))
 
 
-def round(given: Any, decimals: int = 0) -> Any:
+def round(values: Any, decimals: int = 0) -> Any:
     """Round to a number of decimals, halves to even, as NumPy does: by a power of ten."""
     ten = 10.0 ** builtins.abs(decimals)
     if decimals >= 0:
-        return divide(rint(multiply(given, ten)), ten) if decimals else rint(given)
-    return multiply(rint(divide(given, ten)), ten)
+        return divide(rint(multiply(values, ten)), ten) if decimals else rint(values)
+    return multiply(rint(divide(values, ten)), ten)
 
 
 around = round

@@ -64,14 +64,14 @@ def column_stack(parts: Any) -> ndarray:
     return concatenate([a.reshape((-1, 1)) if a.ndim < 2 else a for a in arrays], 1)
 
 
-def append(given: Any, more: Any) -> ndarray:
+def append(values: Any, more: Any) -> ndarray:
     """Put more elements after those that there are."""
-    return concatenate([ravel(given), ravel(more)])
+    return concatenate([ravel(values), ravel(more)])
 
 
-def repeat(given: Any, times: Any, axis: int | None = None) -> ndarray:
+def repeat(values: Any, times: Any, axis: int | None = None) -> ndarray:
     """Repeat each element along an axis."""
-    of = array_of(given)
+    of = array_of(values)
     if axis is None:
         of, axis = of.ravel(), 0
     counts = elements(broadcast_to(times, (of.shape[axis],)))

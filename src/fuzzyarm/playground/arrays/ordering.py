@@ -19,22 +19,22 @@ from fuzzyarm.playground.arrays.array import (
 from fuzzyarm.playground.arrays.rows import along
 
 
-def sort(given: Any, axis: int = -1) -> ndarray:
+def sort(values: Any, axis: int = -1) -> ndarray:
     """Return the elements in order along an axis."""
-    return along(array_of(given), axis, lambda row: sorted(row, key=_nan_last))
+    return along(array_of(values), axis, lambda row: sorted(row, key=_nan_last))
 
 
 def _nan_last(value: Any) -> Any:
     return (value != value, value)
 
 
-def argsort(given: Any, axis: int = -1, kind: str = "stable") -> ndarray:
+def argsort(values: Any, axis: int = -1, kind: str = "stable") -> ndarray:
     """Return the places of the elements in order."""
 
     def places(row: list[Any]) -> list[Any]:
         return sorted(range(len(row)), key=lambda k: _nan_last(row[k]))
 
-    return along(array_of(given), axis, places, WHOLE)
+    return along(array_of(values), axis, places, WHOLE)
 
 
 def lexsort(keys: Any) -> ndarray:
@@ -45,9 +45,9 @@ def lexsort(keys: Any) -> ndarray:
     return made(order, WHOLE)
 
 
-def unique(given: Any, axis: int | None = None, *, return_inverse: bool = False) -> Any:
+def unique(source: Any, axis: int | None = None, *, return_inverse: bool = False) -> Any:
     """Return the elements in order, each once; along axis 0 the rows of a table."""
-    of = array_of(given)
+    of = array_of(source)
     flat: list[Any] = elements(of)
     shape: tuple[int, ...] = ()
     if axis is not None:
@@ -66,10 +66,10 @@ def unique(given: Any, axis: int | None = None, *, return_inverse: bool = False)
     return result, inverse if axis is not None else inverse.reshape(of.shape)
 
 
-def isin(given: Any, among: Any) -> ndarray:
+def isin(values: Any, among: Any) -> ndarray:
     """Whether each element is one of others."""
     members = set(elements(array_of(among)))
-    return array_of(operate(lambda x: x in members, (array_of(given),), BOOL))
+    return array_of(operate(lambda x: x in members, (array_of(values),), BOOL))
 
 
 def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
@@ -83,9 +83,9 @@ def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
     return operate(lambda x: of_nan if x != x else find(row, x, 0, numbers), (values,), WHOLE)
 
 
-def bincount(given: Any, weights: Any = None, minlength: int = 0) -> ndarray:
+def bincount(source: Any, weights: Any = None, minlength: int = 0) -> ndarray:
     """Return how often each whole number is there, or the sum of its weights."""
-    values = elements(array_of(given))
+    values = elements(array_of(source))
     size = builtins.max(minlength, builtins.max(values, default=-1) + 1)
     if weights is None:
         counts = [0] * size

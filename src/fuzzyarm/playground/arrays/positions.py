@@ -23,16 +23,16 @@ from fuzzyarm.playground.arrays.array import (
 from fuzzyarm.playground.arrays.kinds import promoted
 
 
-def nonzero(given: Any) -> tuple[ndarray, ...]:
+def nonzero(values: Any) -> tuple[ndarray, ...]:
     """Return the places of what is not zero, an array for each axis."""
-    of = array_of(given)
+    of = array_of(values)
     spots = argwhere(of)
     return tuple(spots[:, axis] for axis in range(of.ndim))
 
 
-def argwhere(given: Any) -> ndarray:
+def argwhere(values: Any) -> ndarray:
     """Return the places of what is not zero, a row for each."""
-    of = array_of(given)
+    of = array_of(values)
     spots = [
         spot
         for spot, is_true in zip(product(*map(range, of.shape)), elements(of), strict=True)
@@ -41,9 +41,9 @@ def argwhere(given: Any) -> ndarray:
     return made([index for spot in spots for index in spot], WHOLE, (len(spots), of.ndim))
 
 
-def flatnonzero(given: Any) -> ndarray:
+def flatnonzero(values: Any) -> ndarray:
     """Return the places of what is not zero, of all elements in order."""
-    return made([k for k, value in enumerate(elements(array_of(given))) if value], WHOLE)
+    return made([k for k, value in enumerate(elements(array_of(values))) if value], WHOLE)
 
 
 def unravel_index(place: Any, shape: Sequence[int]) -> tuple[Any, ...]:
@@ -62,17 +62,17 @@ def ndindex(*shape: Any) -> Iterator[tuple[int, ...]]:
     return product(*map(range, sizes))
 
 
-def take(given: Any, indices: Any, axis: int | None = None) -> Any:
+def take(values: Any, indices: Any, axis: int | None = None) -> Any:
     """Return what stands at some places along an axis."""
-    of = array_of(given)
+    of = array_of(values)
     if axis is None:
         return of.ravel()[indices]
     return of[(slice(None),) * (axis % of.ndim) + (indices,)]
 
 
-def take_along_axis(given: Any, indices: Any, axis: int) -> ndarray:
+def take_along_axis(values: Any, indices: Any, axis: int) -> ndarray:
     """Return what stands at places that differ from row to row."""
-    of, at = array_of(given), array_of(indices)
+    of, at = array_of(values), array_of(indices)
     axis %= of.ndim
     shape = list(broadcast_shapes(*(
         tuple(1 if k == axis else n for k, n in enumerate(operand.shape)) for operand in (of, at)

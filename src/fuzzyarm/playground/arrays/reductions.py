@@ -51,14 +51,14 @@ def _pairwise(row: list[Any], keep: Callable[[Any], Any]) -> Any:
     return keep(_pairwise(row[:half], keep) + _pairwise(row[half:], keep))
 
 
-def _added(given: Any, start: Any, round_to: Callable[[Any], Any]) -> Any:
+def _added(values: Any, start: Any, round_to: Callable[[Any], Any]) -> Any:
     """Return a sum, one after the other; of singles each is rounded."""
-    return reduce(lambda a, b: round_to(a + b), given, start)
+    return reduce(lambda a, b: round_to(a + b), values, start)
 
 
-def sum(given: Any, axis: Any = None, *, keepdims: bool = False) -> Any:
+def sum(values: Any, axis: Any = None, *, keepdims: bool = False) -> Any:
     """Return the sum: pairwise along rows, one row after the other across them."""
-    of = array_of(given)
+    of = array_of(values)
     if of.dtype is BOOL or of.dtype.kind == "i":
         return reduced(of, axis, lambda row: reduce(operator.add, row, 0), WHOLE, keepdims=keepdims)
     keep: Callable[[Any], Any] = float32 if of.dtype.name == "float32" else _same
@@ -71,23 +71,23 @@ def _same(value: Any) -> Any:
     return value
 
 
-def prod(given: Any, axis: Any = None, **named: Any) -> Any:
+def prod(values: Any, axis: Any = None, **named: Any) -> Any:
     """Return the product."""
-    kind = array_of(given).dtype
+    kind = array_of(values).dtype
     kind = WHOLE if kind.kind != "f" else kind
-    return reduced(given, axis, lambda row: reduce(operator.mul, row, 1), kind, **named)
+    return reduced(values, axis, lambda row: reduce(operator.mul, row, 1), kind, **named)
 
 
-def mean(given: Any, axis: Any = None) -> Any:
+def mean(values: Any, axis: Any = None) -> Any:
     """Return the mean."""
-    of = array_of(given)
+    of = array_of(values)
     count = of.size if axis is None else of.shape[axis]
     return divide(sum(of.astype(float, copy=False), axis), count)
 
 
-def std(given: Any, axis: Any = None) -> Any:
+def std(values: Any, axis: Any = None) -> Any:
     """Return the standard deviation."""
-    of = array_of(given)
+    of = array_of(values)
     centre = mean(of, axis)
     if axis is not None:
         centre = expand_dims(centre, axis)
@@ -108,16 +108,16 @@ def _demand_elements(of: ndarray, axis: Any, named: dict[str, Any], what: str) -
         raise ValueError(f"zero-size array to reduction operation {what} which has no identity")
 
 
-def max(given: Any, axis: Any = None, **named: Any) -> Any:
+def max(values: Any, axis: Any = None, **named: Any) -> Any:
     """Return the largest element; NaN where there is one."""
-    of = array_of(given)
+    of = array_of(values)
     _demand_elements(of, axis, named, "maximum")
     return reduced(of, axis, _most, **named)
 
 
-def min(given: Any, axis: Any = None, **named: Any) -> Any:
+def min(values: Any, axis: Any = None, **named: Any) -> Any:
     """Return the least element; NaN where there is one."""
-    of = array_of(given)
+    of = array_of(values)
     _demand_elements(of, axis, named, "minimum")
     return reduced(of, axis, _fewest, **named)
 
@@ -125,24 +125,24 @@ def min(given: Any, axis: Any = None, **named: Any) -> Any:
 amax, amin = max, min
 
 
-def nanmax(given: Any, axis: Any = None, **named: Any) -> Any:
+def nanmax(values: Any, axis: Any = None, **named: Any) -> Any:
     """Return the largest element that is a number."""
-    return reduced(given, axis, lambda row: _most([x for x in row if x == x] or [nan]), **named)
+    return reduced(values, axis, lambda row: _most([x for x in row if x == x] or [nan]), **named)
 
 
-def ptp(given: Any, axis: Any = None) -> Any:
+def ptp(values: Any, axis: Any = None) -> Any:
     """Return the largest element less the least."""
-    return subtract(max(given, axis), min(given, axis))
+    return subtract(max(values, axis), min(values, axis))
 
 
-def any(given: Any, axis: Any = None, **named: Any) -> Any:
+def any(values: Any, axis: Any = None, **named: Any) -> Any:
     """Whether one is true."""
-    return reduced(given, axis, lambda row: True in map(bool, row), BOOL, **named)
+    return reduced(values, axis, lambda row: True in map(bool, row), BOOL, **named)
 
 
-def all(given: Any, axis: Any = None, **named: Any) -> Any:
+def all(values: Any, axis: Any = None, **named: Any) -> Any:
     """Whether all are true."""
-    return reduced(given, axis, lambda row: False not in map(bool, row), BOOL, **named)
+    return reduced(values, axis, lambda row: False not in map(bool, row), BOOL, **named)
 
 
 def _first(row: list[Any], best: Callable[[list[Any]], Any]) -> int:
@@ -152,24 +152,24 @@ def _first(row: list[Any], best: Callable[[list[Any]], Any]) -> int:
     return row.index(best(row))
 
 
-def argmax(given: Any, axis: Any = None) -> Any:
+def argmax(values: Any, axis: Any = None) -> Any:
     """Return the place of the largest element."""
-    return reduced(given, axis, lambda row: _first(row, _most), WHOLE)
+    return reduced(values, axis, lambda row: _first(row, _most), WHOLE)
 
 
-def argmin(given: Any, axis: Any = None) -> Any:
+def argmin(values: Any, axis: Any = None) -> Any:
     """Return the place of the least element."""
-    return reduced(given, axis, lambda row: _first(row, _fewest), WHOLE)
+    return reduced(values, axis, lambda row: _first(row, _fewest), WHOLE)
 
 
-def nanargmax(given: Any, axis: Any = None) -> Any:
+def nanargmax(values: Any, axis: Any = None) -> Any:
     """Return the place of the largest element that is a number."""
-    return argmax(where(isnan(given), -inf, given), axis)
+    return argmax(where(isnan(values), -inf, values), axis)
 
 
-def cumsum(given: Any, axis: Any = None, *, out: Any = None) -> ndarray:
+def cumsum(values: Any, axis: Any = None, *, out: Any = None) -> ndarray:
     """Return the running sum."""
-    of = array_of(given)
+    of = array_of(values)
     sums = add.accumulate(of.ravel() if axis is None else of, 0 if axis is None else axis)
     if out is None:
         return sums
@@ -177,9 +177,9 @@ def cumsum(given: Any, axis: Any = None, *, out: Any = None) -> ndarray:
     return out  # type: ignore[no-any-return]
 
 
-def diff(given: Any, axis: int = -1, *, prepend: Any = None) -> ndarray:
+def diff(values: Any, axis: int = -1, *, prepend: Any = None) -> ndarray:
     """Return the differences of neighbours."""
-    of = array_of(given)
+    of = array_of(values)
     if prepend is not None:
         of = concatenate([prepend, of], axis=axis)
     of = moveaxis(of, axis, -1)

@@ -27,11 +27,11 @@ def along(
 
 
 def reduced(
-    given: Any, axis: Any, act: Callable[[list[Any]], Any], kind: DType | None = None,
+    source: Any, axis: Any, act: Callable[[list[Any]], Any], kind: DType | None = None,
     *, initial: Any = None, keepdims: bool = False,
 ) -> Any:  # fmt: skip
     """Replace each row along an axis, or all elements, by one result."""
-    of = array_of(given)
+    of = array_of(source)
     kind = kind or of.dtype
     begin = [] if initial is None else [initial]
     if axis is None:

@@ -7,79 +7,79 @@ from typing import Any
 from fuzzyarm.playground.arrays.array import array_of, broadcast_shapes, broadcast_to, ndarray
 
 
-def shape(given: Any) -> tuple[int, ...]:
+def shape(values: Any) -> tuple[int, ...]:
     """Return the shape."""
-    return array_of(given).shape
+    return array_of(values).shape
 
 
-def ndim(given: Any) -> int:
+def ndim(values: Any) -> int:
     """Return how many axes."""
-    return array_of(given).ndim
+    return array_of(values).ndim
 
 
-def size(given: Any) -> int:
+def size(values: Any) -> int:
     """Return how many elements."""
-    return array_of(given).size
+    return array_of(values).size
 
 
-def reshape(given: Any, shape: Any) -> ndarray:
+def reshape(values: Any, shape: Any) -> ndarray:
     """Return the elements in another shape."""
-    return array_of(given).reshape(shape)
+    return array_of(values).reshape(shape)
 
 
-def ravel(given: Any) -> ndarray:
+def ravel(values: Any) -> ndarray:
     """Return all elements along one axis."""
-    return array_of(given).ravel()
+    return array_of(values).ravel()
 
 
-def transpose(given: Any, axes: Any = None) -> ndarray:
+def transpose(values: Any, axes: Any = None) -> ndarray:
     """Return the axes in another order."""
-    of = array_of(given)
+    of = array_of(values)
     return of.transpose() if axes is None else of.transpose(tuple(axes))
 
 
-def moveaxis(given: Any, source: int, destination: int) -> ndarray:
+def moveaxis(values: Any, source: int, destination: int) -> ndarray:
     """Put an axis at another place."""
-    of = array_of(given)
+    of = array_of(values)
     order = [axis for axis in range(of.ndim) if axis != source % of.ndim]
     order.insert(destination % of.ndim, source % of.ndim)
     return of.transpose(tuple(order))
 
 
-def swapaxes(given: Any, one: int, other: int) -> ndarray:
+def swapaxes(values: Any, one: int, other: int) -> ndarray:
     """Exchange two axes."""
-    of = array_of(given)
+    of = array_of(values)
     order = list(range(of.ndim))
     order[one], order[other] = order[other], order[one]
     return of.transpose(tuple(order))
 
 
-def expand_dims(given: Any, axis: int) -> ndarray:
+def expand_dims(values: Any, axis: int) -> ndarray:
     """Put in an axis of one element."""
-    of = array_of(given)
+    of = array_of(values)
     at = axis % (of.ndim + 1)
     return of.reshape((*of.shape[:at], 1, *of.shape[at:]))
 
 
-def squeeze(given: Any) -> ndarray:
+def squeeze(values: Any) -> ndarray:
     """Return it without axes of one element."""
-    return array_of(given).squeeze()
+    return array_of(values).squeeze()
 
 
-def atleast_1d(given: Any) -> ndarray:
+def atleast_1d(values: Any) -> ndarray:
     """Return an array of one axis at least."""
-    of = array_of(given)
+    of = array_of(values)
     return of.reshape((1,)) if not of.shape else of
 
 
-def atleast_2d(given: Any) -> ndarray:
+def atleast_2d(values: Any) -> ndarray:
     """Return an array of two axes at least."""
-    of = atleast_1d(given)
+    of = atleast_1d(values)
     return of.reshape((1, -1)) if of.ndim == 1 else of
 
 
-def broadcast_arrays(*given: Any) -> tuple[ndarray, ...]:
+def broadcast_arrays(*values: Any) -> tuple[ndarray, ...]:
     """Return all in the shape that they make together."""
-    arrays = [array_of(item) for item in given]
+    arrays = [array_of(item) for item in values]
     common = broadcast_shapes(*(item.shape for item in arrays))
     return tuple(broadcast_to(item, common) for item in arrays)

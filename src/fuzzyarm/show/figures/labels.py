@@ -60,8 +60,8 @@ def _even(text: str, lines: list[str], size: float) -> list[str]:
     if len(lines) < 2 or lines[-1].endswith(" …"):
         return lines
 
-    def widest(found: list[str]) -> float:
-        return max(text_width(line, size) for line in found)
+    def widest(texts: list[str]) -> float:
+        return max(text_width(line, size) for line in texts)
 
     longest = max(map(len, text.split()))
     tries = (textwrap.wrap(text, n) for n in range(longest, max(map(len, lines))))
@@ -82,13 +82,13 @@ def shortened(text: str, size: float, room: float) -> str:
 
 
 def spread(
-    wanted: Sequence[float], widths: Sequence[float], low: float, high: float
+    positions: Sequence[float], widths: Sequence[float], low: float, high: float
 ) -> list[float] | None:
     """Return middles of labels in a row, as near as can be to where they are wanted.
 
     Parameters
     ----------
-    wanted : sequence of float
+    positions : sequence of float
         Increasing.
     widths : sequence of float
         Of the labels, with the room around them.
@@ -100,7 +100,7 @@ def spread(
     list of float or None
         With the least sum of squared displacements; None where they do not fit.
     """
-    if not wanted:
+    if not positions:
         return []
     if sum(widths) > high - low:
         return None
@@ -110,7 +110,7 @@ def spread(
     for before, width in pairwise(widths):
         offsets.append(offsets[-1] + 0.5 * (before + width))
     pools: list[tuple[float, int]] = []
-    for place, offset in zip(wanted, offsets, strict=True):
+    for place, offset in zip(positions, offsets, strict=True):
         mean, count = place - offset, 1
         while pools and pools[-1][0] > mean:
             other, size = pools.pop()

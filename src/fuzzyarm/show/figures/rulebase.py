@@ -360,29 +360,31 @@ _MOST_CONSEQUENTS = 14
 """Of the key of an output; they are sorted by how strongly they are asserted."""
 
 
-def _draw_consequent(axes: Axes, each: ConsequentTrace, colour: Any, *, named: bool) -> None:
+def _draw_consequent(axes: Axes, consequent: ConsequentTrace, colour: Any, *, named: bool) -> None:
     """Draw one clipped set, or one value; of interval type 2 from lower to upper."""
-    span = number_words(each.strength, 3)
-    if each.lower is not None:
-        span = f"{number_words(each.lower, 3)} .. {span}"
-    label = safe(f"{shortened(each.term, 8, 1.6)}  {span}") if named else "_"
-    if each.curve:
-        xs, ys = zip(*each.curve, strict=True)
-        alpha = 0.35 if each.lower is None else 0.2
+    span = number_words(consequent.strength, 3)
+    if consequent.lower is not None:
+        span = f"{number_words(consequent.lower, 3)} .. {span}"
+    label = safe(f"{shortened(consequent.term, 8, 1.6)}  {span}") if named else "_"
+    if consequent.curve:
+        xs, ys = zip(*consequent.curve, strict=True)
+        alpha = 0.35 if consequent.lower is None else 0.2
         axes.fill_between(xs, ys, color=colour, alpha=alpha, linewidth=0, label=label)
         axes.plot(xs, ys, color=colour, linewidth=1)
-        if each.lower_curve:  # what is certain is darker: it is filled twice
-            xs, ys = zip(*each.lower_curve, strict=True)
+        if consequent.lower_curve:  # what is certain is darker: it is filled twice
+            xs, ys = zip(*consequent.lower_curve, strict=True)
             axes.fill_between(xs, ys, color=colour, alpha=0.35, linewidth=0)
-    elif each.value is not None and each.lower_value is not None:
-        ends = sorted((each.lower_value, each.value))
-        axes.fill_between(ends, [each.strength] * 2, color=colour, alpha=0.2, linewidth=3)
+    elif consequent.value is not None and consequent.lower_value is not None:
+        ends = sorted((consequent.lower_value, consequent.value))
+        axes.fill_between(ends, [consequent.strength] * 2, color=colour, alpha=0.2, linewidth=3)
         axes.fill_between(
-            ends, [each.lower or 0.0] * 2, color=colour, alpha=0.5, linewidth=3,
+            ends, [consequent.lower or 0.0] * 2, color=colour, alpha=0.5, linewidth=3,
             label=label,
         )  # fmt: skip
-    elif each.value is not None:
-        axes.vlines(each.value, 0, each.strength, colors=colour, linewidth=3, label=label)
+    elif consequent.value is not None:
+        axes.vlines(
+            consequent.value, 0, consequent.strength, colors=colour, linewidth=3, label=label
+        )
 
 
 def _reach_of(variable: Output, output: OutputTrace) -> tuple[float, float]:
@@ -399,10 +401,12 @@ def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     """Draw the clipped sets of an output, their union and the value."""
     variable = rulebase.output(output.name)
     order = {term.name: k for k, term in enumerate(variable.terms)}
-    strongest = sorted(output.consequents, key=lambda each: -each.strength)[:_MOST_CONSEQUENTS]
-    for each in output.consequents:
-        colour = line_style(order.get(each.term.split()[-1], 0))["color"]
-        _draw_consequent(axes, each, colour, named=each in strongest)
+    strongest = sorted(output.consequents, key=lambda consequent: -consequent.strength)[
+        :_MOST_CONSEQUENTS
+    ]
+    for consequent in output.consequents:
+        colour = line_style(order.get(consequent.term.split()[-1], 0))["color"]
+        _draw_consequent(axes, consequent, colour, named=consequent in strongest)
     weaker = len(output.consequents) - len(strongest)
     if weaker:
         axes.plot([], [], " ", label=f"and {weaker} weaker")
