@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 UV = "uv pip"
-"""What installs where there is no pip: in environments that uv has made."""
+"""The installer of environments without pip, such as those that uv makes."""
 
 
 def installing(extra: str) -> str:

@@ -111,7 +111,7 @@ def test_shipped_copies_and_replaces_nothing(tmp_path, monkeypatch, capsys):
     (tmp_path / "pd7.frb").write_text("mine")
     capsys.readouterr()
     assert main(["shipped", "pd7.frb", "-o", "."]) == 1
-    assert "pd7.frb is there already (--force replaces it)" in capsys.readouterr().err
+    assert "pd7.frb already exists (--force replaces it)" in capsys.readouterr().err
     assert (tmp_path / "pd7.frb").read_text() == "mine"
     assert main(["shipped", "pd7.frb", "-o", "other.frb"]) == 0
     assert main(["shipped", "pd7.frb", "-o", ".", "--force"]) == 0

@@ -218,9 +218,9 @@ def test_the_same_in_python(folder, monkeypatch):
         "hook.frb", crane, trajectory="swing", evals=2, unseen=0, linear=False, workers=1
     )
     assert tuned.scenarios == ("swing",)
-    with pytest.raises(PlantError, match="said twice"):
+    with pytest.raises(PlantError, match="both a trajectory and references"):
         fuzzyarm.simulate("hook.frb", crane, trajectory="swing", reference={"height": 1.0})
-    with pytest.raises(PlantError, match="said twice"):
+    with pytest.raises(PlantError, match="both a trajectory and references"):
         fuzzyarm.simulate("pd", reach(), trajectory="reach")
     with pytest.raises(PlantError, match="has no supply"):
         fuzzyarm.simulate("hook.frb", crane, options=fuzzyarm.loop.Options(supply=12.0))
@@ -265,7 +265,7 @@ def test_several_axes_follow_with_their_first_outputs_or_with_those_that_are_nam
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('{"lift": lift, ', "[lift, {", "trajectories are not names"),
+        ('{"lift": lift, ', "[lift, {", "trajectories must be a mapping"),
         ('"lift": lift', '"lift": 3', "trajectory 'lift' is 3"),
         (
             "trajectories =",
@@ -273,7 +273,11 @@ def test_several_axes_follow_with_their_first_outputs_or_with_those_that_are_nam
             "'trajectory' is not read (did you mean 'trajectories'?)",
         ),
         ('loaded_parameters = {"m"', 'loaded_parameters = {"M"', "loaded_parameters has 'M': 5.0"),
-        ('loaded_parameters = {"m": 5.0}', "loaded_parameters = 5.0", "not names with numbers"),
+        (
+            'loaded_parameters = {"m": 5.0}',
+            "loaded_parameters = 5.0",
+            "mapping of names to numbers",
+        ),
         (
             "longest_step =",
             "compared_along = ('up',)\n    longest_step =",

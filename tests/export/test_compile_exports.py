@@ -235,7 +235,7 @@ def test_compiling_twice_gives_the_same_bytes(tmp_path, monkeypatch):
 def test_devices_of_windows_are_no_names(tmp_path, monkeypatch, capsys, words):
     monkeypatch.chdir(tmp_path)
     assert main(["compile", str(shipped("pd7.frb")), *words]) == 1
-    assert "is a device of Windows" in capsys.readouterr().err
+    assert "is the name of a device on Windows" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -29,9 +29,9 @@ MISTAKES = {
     ('Port("%", 0, 100)', '"%"'): (4, "input 'power' is '%', not a Port", 'Port("%", 0, 100)'),
     ('Port("%", 0, 100)', "(0, 100)"): (4, "input 'power' is (0, 100), not a Port", 'Port("1", 0'),
     ('Port("°C")', '"°C"'): (5, "output 'temperature' is '°C', not a Port", 'Port("°C")'),
-    ('{"power": Port("%", 0, 100)}', '["power"]'): (4, "inputs are not names", 'inputs = {"power"'),
+    ('{"power": Port("%", 0, 100)}', '["power"]'): (4, "inputs must be", 'inputs = {"power"'),
     ('{"power": Port("%", 0, 100)}', "{}"): (4, "it has no inputs", 'inputs = {"power"'),
-    ('{"charge": "°C", "element": "°C"}', '["charge", "element"]'): (6, "states are", "states ="),
+    ('{"charge": "°C", "element": "°C"}', '["charge", "element"]'): (6, "states must", "states ="),
     ('"element": "°C"', '"element": 20.0'): (6, "'element' has 20.0 for a unit", '"element": "m"'),
     ("0.01}", '"0.01"}'): (7, "parameter 'loss' is '0.01', not a number", '"loss": 0.01'),
     ("duration = 10.0", "duration = -1"): (8, "duration is -1", "positive"),
@@ -103,7 +103,7 @@ FILES = {
     "import nothing_of_that_name\n": ("mine.py:1: ModuleNotFoundError", ""),
     "x = 1\n": ("mine.py has no plants", ""),
     KILN.replace('Port("%", 0, 100)', "Port(0, 100)"): (
-        "mine.py:4: PlantError: a port has the unit 0, not a text", 'Port("1", 0, 100)',
+        "mine.py:4: PlantError: the unit of a port must be text, not 0", 'Port("1", 0, 100)',
     ),
     KILN.replace('Port("%", 0, 100)', 'Port("%", "0", 100)'): (
         "mine.py:4: PlantError: low of a port is '0', not a number", "",

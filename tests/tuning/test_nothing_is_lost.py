@@ -183,7 +183,7 @@ def test_candidates_at_which_a_plant_fails_are_left_behind(folder, capsys):
     assert "plant kiln failed" in made.found.failure
     assert "ValueError: the fuse has blown" in made.found.failure
     assert made.found.best.score.fault == ""
-    assert any("failed, the first so: scenario" in line for line in made.remarks())
+    assert any("failed, the first with: scenario" in line for line in made.remarks())
     together = tuned_on("mine.py:Kiln", workers=2, method="evolution", evals=16)
     alone = tuned_on("mine.py:Kiln", method="evolution", evals=16)
     assert repr(together.found.trials) == repr(alone.found.trials)

@@ -92,7 +92,7 @@ def argument_of(known: RequestField) -> Argument:
 
 
 def _of_option(known: RequestField) -> dict[str, Any]:
-    """Return what argparse is told of an option."""
+    """Return the keywords of argparse for an option."""
     if known.is_required:
         return {"required": True}
     if known.kind == "truth":
@@ -105,7 +105,7 @@ def _of_option(known: RequestField) -> dict[str, Any]:
 
 
 def _of_position(known: RequestField) -> dict[str, Any]:
-    """Return what argparse is told of an argument that is no option."""
+    """Return the keywords of argparse for a positional argument."""
     if known.count is not None:
         return {"nargs": "*"}
     return {} if known.is_required else {"nargs": "?", "default": known.default}

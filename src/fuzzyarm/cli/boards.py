@@ -38,7 +38,7 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
     for name in (Path(out).name, stem):
         if name.upper() in DEVICES:
             raise WordError(
-                f"'{name}' is a device of Windows, where no file or folder may be called so",
+                f"'{name}' is the name of a device on Windows, not of a file or folder",
                 hint="take another name",
             )
     demand_folder_of(out)

@@ -453,7 +453,7 @@ def _say_what_is_done() -> None:
 
 
 def print_progress(words: str) -> None:
-    """Print one line about what is being done, which is no word about how it ends."""
+    """Print one line about what is being done, without the outcome."""
     stream = sys.stderr
     with suppress(OSError):
         print(printable(f"fuzzyarm: {words}"), file=getattr(stream, "stream", stream), flush=True)

@@ -132,7 +132,7 @@ def _demand_report(out: str, folder: str) -> None:
     from fuzzyarm.text.whole_folders import demand_own
 
     if Path(out).suffix.lower() != ".c":
-        raise UsageError("--report is of C", hint="-o x.c: its coverage is counted by gcov")
+        raise UsageError("--report is for C", hint="-o x.c: its coverage is counted by gcov")
     if Path(folder) in (Path(out), Path(out).with_suffix(".h")):
         raise UsageError("--report names a folder, and -o a file: they cannot be one")
     demand_own(folder)

@@ -307,7 +307,7 @@ def _may_run(arguments: argparse.Namespace) -> bool:
         say("  hint: --run allows that", to_errors=True)
         return False
     say(
-        f"{source} is a script: converting runs it as python does, and it may do whatever you may.",
+        f"{source} is a script: converting runs it as python does, with all your permissions.",
         to_errors=True,
     )
     print("Run it? [y/N] ", end="", file=sys.stderr, flush=True)
@@ -336,7 +336,7 @@ def _write_system(arguments: argparse.Namespace, system: System, target: Path) -
         return False
     old = target.read_text(encoding="utf-8", errors="replace") if target.is_file() else None
     if old is not None and old != system.text and not (arguments.force or arguments.target):
-        print_error(f"{target} is there already; --force replaces it")
+        print_error(f"{target} already exists; --force replaces it")
         return False
     write_atomically(target, system.text)
     return True

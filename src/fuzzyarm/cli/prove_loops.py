@@ -115,7 +115,7 @@ def _certify(controller: ControllerText, verdict: LoopVerdict, request: ProveWor
         seal = verdict.certificate.seal
     elif verdict.tube is not None and verdict.tube.arrival:
         say(
-            f"{out}: not written: a tube as far as a region has none, it is followed anew",
+            f"{out}: not written: a tube that ends in a region has no certificate",
             to_errors=True,
         )
         return

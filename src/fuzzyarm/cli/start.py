@@ -47,7 +47,7 @@ _NEW = r"""A commented rule base to start from, or a controller around one; both
     fuzzyarm new hand --input "e -6..6 NB NM ZE PM PB" --input "ce -3..3 N Z P" \
                       --output "u -10..10 NB NM ZE PM PB"
 
-Writes NAME.frb in the current folder; what is there already is only replaced with --force.
+Writes NAME.frb in the current folder; what already exists is only replaced with --force.
 """
 
 
@@ -69,7 +69,7 @@ def _new(arguments: argparse.Namespace) -> int:
         else _rule_base(path, arguments)
     )
     if path.exists() and not arguments.force:
-        raise NewFileError(f"{path} is there already", hint="--force replaces it")
+        raise NewFileError(f"{path} already exists", hint="--force replaces it")
     write_atomically(path, text)
     say(f"{path}: written; see it with  fuzzyarm watch {typed(path)}")
     return 0
@@ -143,9 +143,9 @@ def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
     targets = [out / path.name if out.is_dir() else out for path in paths]
     there = [target for target in targets if target.exists() and not force]
     if there:
-        are, what = ("is", "it") if len(there) == 1 else ("are", "them")
+        exist, what = ("exists", "it") if len(there) == 1 else ("exist", "them")
         listed = ", ".join(map(str, there))
-        raise ShippedCopyError(f"{listed} {are} there already", hint=f"--force replaces {what}")
+        raise ShippedCopyError(f"{listed} already {exist}", hint=f"--force replaces {what}")
     for path, target in zip(paths, targets, strict=True):
         write_atomically(target, path.read_text(encoding="utf-8"))
         say(f"{target}: a copy of the shipped {path.name}")

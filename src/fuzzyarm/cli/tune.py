@@ -160,12 +160,14 @@ class _Result:
 
     def _again(self, tuned: Tuned) -> None:
         if stamp_of(self.files[0]) != self.stamp:
-            self.faults.append(f"{self.files[0]} has changed since it was written; it is left so")
+            self.faults.append(
+                f"{self.files[0]} has changed since it was written; it is left unchanged"
+            )
             return
         try:
             self.files = tuned.write(self.files[0])
         except OSError as error:
-            words = "the numbers are in it, not what they are worth"
+            words = "it has the numbers, without their evaluation"
             self.faults.append(f"{sentence_of(error)}; {words}")
 
 

@@ -74,7 +74,7 @@ def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
         raise WordError(f"{arguments.data} has no column '{target}'")
     if target is None:
         target = next((name for name in outputs if name in names), None)
-    # The last column that is no input, as `fit` takes it.
+    # The last column that is not an input, as `fit` takes it.
     if target is None and len(outputs) > 1:  # outputs that are classes: their column has words
         target = next((name for name in reversed(names) if name not in inputs), None)
     if target is None:

@@ -371,7 +371,7 @@ def lacking(site: Site) -> str:
             if port not in site._ports(kind):
                 return f"{verb} {'.'.join(port)}, which the {site.name} does not have"
     same = site.extra == SITE_OF_LAWS.extra
-    return "" if same else f"asks for the pose, which the {site.name} has not"
+    return "" if same else f"asks for the pose, which the {site.name} does not have"
 
 
 def require_for_laws(what: str, site: Site) -> None:

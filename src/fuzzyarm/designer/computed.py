@@ -26,7 +26,7 @@ MOST_ACROSS = 201
 
 
 class NothingToComputeError(FuzzyarmError, ValueError):
-    """The text is no sound rule base now."""
+    """The text is not a sound rule base now."""
 
 
 def surface(session: Session, request: SurfaceWork, job: WindowJob) -> None:

@@ -394,7 +394,7 @@ class Workspace:
         if path.name != name or path.suffix.lower() not in SUFFIXES:
             raise OutsideError(f"'{printable(name)}' is not the name of a file that is opened")
         if name.casefold() in self._taken():
-            raise OutsideError(f"'{name}' is there already")
+            raise OutsideError(f"'{name}' already exists")
 
     def _taken(self) -> set[str]:
         """Return the names in the folder; some systems do not tell small letters from capitals."""

@@ -48,7 +48,7 @@ def demand_name(name: str) -> str:
         raise OutsideError(f"'{shown}' is not the name of a file in this folder")
     if not name.isprintable() or _MARKS.search(name):
         raise OutsideError(
-            f"'{shown}' cannot be the name of a file: it has a mark that not every system takes"
+            f"'{shown}' cannot be the name of a file: one of its characters is not portable"
         )
     if _RESERVED.match(name) or Path(name).stem.endswith((" ", ".")):
         raise OutsideError(f"'{shown}' cannot be the name of a file on every system")

@@ -229,7 +229,7 @@ class SharedText:
 
     def _demand_inside(self) -> None:
         if not is_inside(self.path, self.path.parent):
-            raise OutsideError(f"'{self.path.name}' is a link out of the folder by now")
+            raise OutsideError(f"'{self.path.name}' now links to a file outside the folder")
 
     def _take(self, disk: str) -> None:
         """Take what is on disk now, or note the conflict with what is unsaved here."""
@@ -549,7 +549,7 @@ class SharedText:
         """Bring the change from one text to another into the text as it is now."""
         both = merged(request.old, self.text, request.new)
         if both is None:
-            return {"error": "the text has changed in the same lines meanwhile"}
+            return {"error": "the same lines of the text have changed meanwhile"}
         return {"version": self.version, "changes": difference(self.text, both)}
 
     def _gain(self, request: requests.GainEdit) -> dict[str, Any]:

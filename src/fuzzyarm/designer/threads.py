@@ -83,7 +83,9 @@ def _at_once(telling: Coroutine[Any, Any, None]) -> None:
     except StopIteration:
         return
     telling.close()
-    raise RuntimeError("what is said to a page waits, and this browser's WebAssembly cannot")
+    raise RuntimeError(
+        "messages to a page have to wait, which this browser's WebAssembly cannot do"
+    )
 
 
 class Mailbox(Generic[Letter]):

@@ -101,7 +101,7 @@ def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
     try:
         subject = subject_of(session.path, session.text)
     except RuleBaseError:
-        raise TextRefusedError("the text has mistakes: first mend what stands below it") from None
+        raise TextRefusedError("the text has mistakes: fix those listed below it first") from None
     loop = isinstance(subject, ControllerText)
     try:
         parameters, why = [parameter.name for parameter in Design(subject).parameters], ""

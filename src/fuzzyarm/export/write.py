@@ -218,7 +218,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
     # All that cannot be is refused here, before a routine is printed and measured.
     if path.stem.upper() in DEVICES:
         raise ExportError(
-            f"'{path.name}' is a device of Windows, where no file may be called so",
+            f"'{path.name}' is the name of a device on Windows, not of a file",
             hint="take another name",
         )
     if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):

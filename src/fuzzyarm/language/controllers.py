@@ -83,7 +83,7 @@ __all__ = [
     "SetPointNode",
 ]
 
-# --- Lines that are no record of the model, but a field of it ---
+# --- Lines that are a field of the model, not a record ---
 
 
 class PeriodNode(NamedTuple):

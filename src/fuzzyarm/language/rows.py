@@ -193,7 +193,7 @@ def _all_parts(parts: Sequence[Part]) -> Iterator[Part]:
 
 
 class ByHand(StatementRow):
-    """A node that is no line of parts: it has ``read``, ``__str__`` and ``mentions`` of its own."""
+    """A node that is not a line of parts: ``read``, ``__str__`` and ``mentions`` are its own."""
 
     def __init__(self, node: type[Any], syntax: str, words: Mapping[str, str]) -> None:
         super().__init__(node)

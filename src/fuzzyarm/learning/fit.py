@@ -242,7 +242,7 @@ def _check_classes(samples: Samples) -> None:
 def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> None:
     if len(terms) != len(samples.names):
         count = len(samples.names)
-        raise FitError(f"{len(terms)} numbers of terms for {count} inputs", hint="one for each")
+        raise FitError(f"numbers of terms must be {count}, one for each input, not {len(terms)}")
     if any(not 1 <= term <= 50 for term in terms):
         raise FitError("an input has 1 to 50 terms")
     if math.prod(terms) > MOST_RULES:
@@ -391,7 +391,7 @@ def _nested(
         for number, (train, test) in enumerate(parts, 1):
             clock.run_until(JUDGEMENT)
             clock.check()
-            on_step(f"the whole way without part {number} of {len(parts)}, to judge it")
+            on_step(f"nested cross-validation: without part {number} of {len(parts)}")
             held_out = few.part(test)
             off.append(held_out.outputs - learned(few.part(train))(held_out))
     except KeyboardInterrupt:
@@ -546,7 +546,7 @@ def _head(samples: Samples, options: Options, fit: Fit) -> list[str]:
     if not math.isnan(fit.shrinkage):
         lines.append(f"Shrinkage {fit.shrinkage:.2g}, seed {options.seed}.")
     if fit.interrupted:
-        ended = "ended with its time" if "time" in fit.limits else "was interrupted"
+        ended = "ran out of time" if "time" in fit.limits else "was interrupted"
         lines.append(f"The search {ended}: the best so far.")
     return lines
 

@@ -100,7 +100,7 @@ def report_lines(samples: Samples, fit: Fit, report: dict[str, Any], options: Op
 
 def broken_off(limits: tuple[str, ...]) -> str:
     """Say what Ctrl-C, or the end of the time, has left out."""
-    why = "the time is over" if "time" in limits else "interrupted"
+    why = "time ran out" if "time" in limits else "interrupted"
     if "search" in limits:
         return f"{why}: the best so far is written"
     return f"{why}: the model is written, and its error is that by which it was chosen"

@@ -12,7 +12,7 @@ from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, Shape, Term
 __all__ = ["input_of", "output_of_values", "shape_or_points", "terms_of"]
 
 _SAMPLED_AT = 1001
-"""Points over a range at which a function is taken that is no shape of the language."""
+"""Points over a range at which a function is sampled that is not a shape of the language."""
 
 _ENDS = 97
 """Points at which the terms of an input are compared with an evenly spread family."""

@@ -56,7 +56,7 @@ def way_of(
         If there is no such plant, no such trajectory, or two things are to be followed.
     """
     twice = PlantError(
-        "what is followed is said twice",
+        "both a trajectory and references are given",
         hint="a trajectory, or set points, have their own references and their own time",
     )
     if isinstance(on, Trajectory | Motion):

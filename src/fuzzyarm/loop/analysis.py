@@ -90,7 +90,7 @@ def describing_function(
     """
     sizes = np.atleast_1d(np.asarray(amplitudes, float))
     if not (np.all(sizes > 0.0) and np.all(np.isfinite(sizes)) and 0.0 <= frequency < math.inf):
-        message = "amplitudes have to be positive numbers, and a frequency zero or more"
+        message = "amplitudes must be positive numbers, and a frequency zero or more"
         raise AnalysisError(message, name="amplitudes")
     answer = _static(thing)
     values = _fundamental(answer, sizes, frequency, FEWEST)
@@ -377,7 +377,7 @@ def _on_plant(
     pair = [interface.label(port) for port in (tracked, *(rates or others)[:1])]
     states = list(plant.states)
     if len(pair) < 2 or not all(name in states for name in pair):
-        message = f"{plant.name} has no two outputs that are states"
+        message = f"{plant.name} does not have two outputs that are states"
         raise AnalysisError(message, name=plant.name)
     ports = [interface.outputs[port] for port in (tracked, *(rates or others)[:1])]
     middle = [(p.low + p.high) / 2 if math.isfinite(p.high - p.low) else 0.0 for p in ports]

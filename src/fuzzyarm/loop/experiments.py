@@ -288,7 +288,7 @@ def _point(text: str) -> tuple[float, ...]:
 
 
 def files_named(request: ExperimentRequest) -> dict[str, Path]:
-    """Return the files that the words of an experiment may name; some of them are no files."""
+    """Return the files that the words of an experiment may name; some of them are not files."""
     words = [request.rulebase, request.alpha, request.performance, *request.table]
     plant = request.plant or ""
     words += [plant.partition(".py")[0] + ".py", plant, plant.rpartition(":")[0]]

@@ -184,7 +184,7 @@ MOST_AGREED = 1000
 def _agrees(plant: Any, roots: Roots) -> bool:
     """Whether what was traced has the values of the equations themselves, at points of all sorts.
 
-    A symbol is equal to no number, is no float, and has a remainder of its own sign: where a
+    A symbol equals no number, is not a float, and has a remainder of its own sign: where a
     method asks such things, symbols go another way than numbers do.
     """
     rates, outputs = roots
@@ -254,7 +254,7 @@ Roots = tuple[list[Node], list[Node] | None]
 
 
 def _begun_roots(plant: Any, seed: int) -> Roots | None:
-    """Return what a plant that has started answers; None where it is no expression, or changes."""
+    """Return what a started plant answers; None where it is not an expression, or changes."""
     try:
         plant.start(np.random.default_rng(seed))
     except USERS:  # the run says it
@@ -299,7 +299,7 @@ def _names_of(plant: Any) -> list[list[str]]:
 def _roots(
     function: Callable[..., Any], names: Sequence[Sequence[str]], count: int
 ) -> list[Node] | None:
-    """Return what a function answers to symbols; None where it is no expression of them."""
+    """Return what a function answers to symbols; None where it is not an expression of them."""
     (time,), *groups = names
     arguments = (symbol(time), *([symbol(name) for name in group] for group in groups))
     symbolic = over_symbols(function)

@@ -75,8 +75,8 @@ class Port:
     def __post_init__(self) -> None:
         unit: object = self.unit
         if not isinstance(unit, str):
-            hint = f'its unit stands first:  Port("1", {unit}, {self.low})'
-            raise PlantError(f"a port has the unit {unit!r}, not a text", hint=hint)
+            hint = f'the unit comes first:  Port("1", {unit}, {self.low})'
+            raise PlantError(f"the unit of a port must be text, not {unit!r}", hint=hint)
         for name in ("low", "high", "slew", "bound", "error_bound"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int | float | np.number):

@@ -74,12 +74,12 @@ def require_ports(plant: Plant) -> None:
             raise _fault(plant, what, f"it has no {what}", hint=f"write  {what} = {example}")
         if not isinstance(ports, Mapping):
             raise _fault(
-                plant, what, f"{what} are not names with what they are, but {_words(ports)}",
+                plant, what, f"{what} must be a mapping of names, not {_words(ports)}",
                 hint=f"write  {what} = {example}",
             )  # fmt: skip
         for name, value in ports.items():
             if not isinstance(name, str):
-                raise _fault(plant, what, f"a name among the {what} is {_words(name)}")
+                raise _fault(plant, what, f"a name in {what} is {_words(name)}, not text")
             _require_value(plant, what, name, value)
     if plant.derivative is None and plant.step is None and plant.dynamics is None:
         near = next(
@@ -133,7 +133,7 @@ def _require_followable(plant: Plant) -> None:
     ways: object = plant.trajectories
     hint = 'write  trajectories = {"up": through([(1.0,)], segment=2.0)}'
     if not isinstance(ways, Mapping):
-        message = f"trajectories are not names with what they are, but {_words(ways)}"
+        message = f"trajectories must be a mapping of names, not {_words(ways)}"
         raise _fault(plant, "trajectories", message, hint=hint)
     for name, way in ways.items():
         if not (isinstance(way, Trajectory) or callable(way)):
@@ -145,7 +145,7 @@ def _require_followable(plant: Plant) -> None:
             raise _fault(plant, "compared_along", message, hint=f"there are {', '.join(ways)}")
     load: object = plant.loaded_parameters
     if not isinstance(load, Mapping):
-        message = f"loaded_parameters are not names with numbers, but {_words(load)}"
+        message = f"loaded_parameters must be a mapping of names to numbers, not {_words(load)}"
         raise _fault(plant, "loaded_parameters", message, hint='write  {"m": 5.0}')
     for name, value in load.items():
         if name not in plant.parameters or not _is_number(value):
@@ -165,7 +165,7 @@ def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
             hint=f'write  "{name}": Port("{unit}"{rest})',
         )  # fmt: skip
     if what == "states" and not isinstance(value, str):
-        hint = f'its unit stands behind it:  "{name}": "m"'
+        hint = f'its unit follows the name:  "{name}": "m"'
         raise _fault(plant, what, f"state '{name}' has {_words(value)} for a unit", hint=hint)
     if what == "parameters" and not (isinstance(value, Parameter) or _is_number(value)):
         hint = f'write  "{name}": 0.01  or  "{name}": Parameter(0.01, "1/s")'

@@ -27,7 +27,7 @@ PATIENCE = 300.0
 
 
 class NoMemoryError(FuzzyarmError, RuntimeError):
-    """The memory of a Python is not to be had: pages start one anew."""
+    """No snapshot of Python's memory is available: pages start one anew."""
 
 
 def python_memory(parts: Mapping[str, bytes]) -> bytes:

@@ -36,7 +36,7 @@ PATIENCE = 600.0
 
 
 class PyodideError(FuzzyarmError, OSError):
-    """Pyodide is not to be had, or is not one that a playground works with."""
+    """Pyodide is not available, or its version does not suit the playground."""
 
 
 @contextmanager

@@ -128,7 +128,7 @@ class ExperimentRequest(Request):
     )
     pi: float | None = option("--pi VALUE", "the constant for π", None, group=RUN)
     load_in_hold: bool = option(
-        "--load-in-hold", "whether a load stays on in a hold; it does", True, group=RUN,
+        "--load-in-hold", "whether a load stays on in a hold (default: yes)", True, group=RUN,
         negatable=True,
     )  # fmt: skip
     start: Literal["warm", "cold"] = option("--start", "adaptive ones", "warm", group=RUN)

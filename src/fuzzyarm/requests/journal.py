@@ -89,7 +89,7 @@ class WorkJournal:
                     hint = "--resume goes on, or remove the file"
                     raise JournalError(f"{self.path} has {many}", hint=hint)
             elif not may_replace:
-                message = f"{self.path} is there, and is not of this {self.work}"
+                message = f"{self.path} exists and is not of this {self.work}"
                 raise JournalError(message, hint=f"give another {self.option}")
         write_atomically(self.path, self.head)
 

@@ -115,12 +115,12 @@ class FitRequest(Request):
     folds: int = option("--folds N", "parts of the cross-validation", 5, (2, 100), group=SEARCH)
     nested: Literal["auto", "yes", "no"] = option(
         "--nested",
-        "go the whole way again without each part, to judge it; auto: up to 1000 samples",
+        "nested cross-validation: the whole fit without each part; auto: up to 1000 samples",
         "auto",
         group=SEARCH,
     )
     time: str | None = option(
-        "--time TIME", "at most so long, as in 90s or 10min; the best until then", None,
+        "--time TIME", "time limit, as in 90s or 10min; the best so far is written", None,
         group=SEARCH,
     )  # fmt: skip
-    seed: int = option("--seed N", "seed of everything that is drawn", 0, Limits(0), group=SEARCH)
+    seed: int = option("--seed N", "seed of all random numbers", 0, Limits(0), group=SEARCH)

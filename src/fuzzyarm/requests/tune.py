@@ -74,18 +74,18 @@ class TuneRequest(Workers, ExperimentRequest):
         "--evals N", "candidates, 500 by default", 500, (1, MOST_EVALS), idle=True, group=SEARCH
     )
     time: str | None = option(
-        "--time TIME", "at most so long, as in 90s or 10min", None, idle=True, group=SEARCH
+        "--time TIME", "time limit, as in 90s or 10min", None, idle=True, group=SEARCH
     )
     digits: int = option(
         "--digits N", "of the numbers that are written", 3, (1, MOST_TUNED_DIGITS), idle=True,
         group=SEARCH,
     )  # fmt: skip
     linear: bool = option(
-        "--linear", "tune a linear controller to compare with; it does", True, idle=True,
+        "--linear", "tune a linear controller to compare with (default: yes)", True, idle=True,
         group=SEARCH, negatable=True,
     )  # fmt: skip
     journal: str | None = option(
-        "--journal FILE", "write every trial down", None, idle=True, group=SEARCH
+        "--journal FILE", "write every trial to this file", None, idle=True, group=SEARCH
     )
     resume: bool = option("--resume", "go on with the journal", False, idle=True, group=SEARCH)
     workers: int | None = option(
@@ -102,4 +102,4 @@ class TuneRequest(Workers, ExperimentRequest):
         "--plant PLANT", "where it runs; by default the shipped plant that has its axes", None,
         group=PLANT,
     )  # fmt: skip
-    seed: int = option("--seed N", "seed of everything that is drawn", 1, Limits(0), group=SEARCH)
+    seed: int = option("--seed N", "seed of all random numbers", 1, Limits(0), group=SEARCH)

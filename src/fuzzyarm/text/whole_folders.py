@@ -39,7 +39,7 @@ class ForeignFolderError(FuzzyarmError, ValueError):
 def demand_own(folder: str | Path) -> None:
     """Raise `ForeignFolderError` where a folder holds what :func:`write_folder` did not write.
 
-    Files beside those that it wrote are no matter: they stay.
+    Other files may be there: they stay.
     """
     folder = Path(folder)
     if not os.path.lexists(folder):

@@ -351,14 +351,14 @@ def gain_ranges(
     Raises
     ------
     TuneError
-        If there is no such gain, or it is said twice.
+        If there is no such gain, or two lines tune one differently.
     """
     tunings: dict[str, GainTuning] = {}
     for block in blocks:
         for tuning in block.gains:
             for name in tuning.names:
                 if name in tunings and tunings[name] != tuning:
-                    message = f"it is said twice, and not alike, how the gain '{name}' moves"
+                    message = f"two lines tune the gain '{name}' differently"
                     raise TuneError(message, name=name)
                 tunings[name] = tuning
     models = {gain_model.name: gain_model for gain_model in model.gains}

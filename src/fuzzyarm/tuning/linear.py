@@ -1,7 +1,7 @@
 """The opponent of every tuned rule base: straight lines in place of rules, tuned on the same cost.
 
 It is the controller itself with the plane that is nearest to each rule base, cut off at the range
-of its output; where rules are not to be had, the linear controller that the plant names. On
+of its output; where there are no rules, the linear controller that the plant names. On
 samples it is linear regression.
 
 It has every freedom of the file. Each slope moves, for peaks do; whatever gain may move in the file

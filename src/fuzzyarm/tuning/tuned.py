@@ -269,21 +269,21 @@ class Comparison(NamedTuple):
         """Say how it compares."""
         name = {"as in the file": "the file", LINEAR: f"the {LINEAR}"}.get(self.other, self.other)
         if not self.of:
-            return f"{self._dearer(name)} on what was not seen"
+            return f"{self._cost_words(name)} on what was not seen"
         mean = {"mean": "on average", "worst": "at worst"}[over]
         on = f"better than {name} on {self.better} of {self.of} unseen scenarios"
-        return f"{on}, {self._dearer()} {mean}"
+        return f"{on}, {self._cost_words()} {mean}"
 
-    def _dearer(self, name: str = "") -> str:
-        than, to = (f" than {name}", f" as {name}") if name else ("", "")
+    def _cost_words(self, name: str = "") -> str:
+        than, of = (f" than {name}", f" of {name}") if name else ("", "")
         if self.own == self.theirs:
-            return f"as dear{to}"
+            return f"the cost{of}" if name else "the same cost"
         if not self.share < BEYOND_WORDS:
-            return f"{self.own:.4g} beside {self.theirs:.4g}{f' of {name}' if name else ''}"
+            return f"{self.own:.4g} against {self.theirs:.4g}{of}"
         if self.share > MANIFOLD - 1.0:
-            return f"{self.own / self.theirs:.3g} times as dear{to}"
-        word = "dearer" if self.share > 0.0 else "cheaper"
-        return f"{100.0 * abs(self.share):.3g} % {word}{than}"
+            return f"{self.own / self.theirs:.3g} times the cost{of}"
+        word = "higher" if self.share > 0.0 else "lower"
+        return f"{100.0 * abs(self.share):.3g} % {word} cost{than}"
 
 
 MANIFOLD = 3.0
@@ -347,7 +347,7 @@ def _remarks(tuned: Tuned) -> Iterator[str]:
     if search.refused:
         yield f"{_trials(search.refused)} broke an expect or prove line"
     if search.failed:
-        yield f"{_trials(search.failed)} failed, the first so: {search.failure}"
+        yield f"{_trials(search.failed)} failed, the first with: {search.failure}"
     if tuned.linear is not None and len(tuned.linear.trials) != len(search.trials):
         yield f"the linear opponent had {_trials(len(tuned.linear.trials))} in the same time"
     if tuned.alone:
@@ -355,7 +355,7 @@ def _remarks(tuned: Tuned) -> Iterator[str]:
     tuned_row = tuned.row("tuned")
     judged = len(_parts(tuned_row, "unseen")) if tuned_row is not None else 0
     if 0 < judged < plan.unseen:
-        yield f"judged by {judged} of {plan.unseen} unseen scenarios, for want of time"
+        yield f"judged by {judged} of {plan.unseen} unseen scenarios: time ran out"
     if tuned.digits == ALL_DIGITS:
         yield "the numbers are as they were found, not rounded"
     elif tuned.digits != plan.digits:

@@ -1,4 +1,4 @@
-"""Checks of rules and grids: contradictory, said twice, folded into one; nearly symmetric, cliffs.
+"""Checks of rules and grids: contradictory, repeated, folded into one; nearly symmetric, cliffs.
 
 Each check is a function from a subject to its findings; :mod:`.registry` runs them all.
 """
@@ -25,7 +25,7 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.text.diagnostic import Diagnostic, Related
 
-# --- Rules with the same antecedent: contradictory, or said twice ---
+# --- Rules with the same antecedent: contradictory, or repeated ---
 
 
 def conflicting_rules(subject: Subject) -> Iterator[Diagnostic]:

@@ -172,7 +172,7 @@ class ndarray:
 
     @property
     def ctypes(self) -> Any:
-        """Not to be had."""
+        """Not available."""
         raise AttributeError("addresses of arrays need NumPy, which this page does not have")
 
     def setflags(self, **_flags: Any) -> None:

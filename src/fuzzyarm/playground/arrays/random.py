@@ -137,7 +137,7 @@ class Generator:
         return row[self.integers(0, row.size, size)]
 
     def standard_normal(self, size: Any = None) -> Any:
-        """Not to be had: its table is NumPy's."""
+        """Not available: its table is NumPy's."""
         raise NotImplementedError("noise is drawn by NumPy, which this page does not have")
 
     normal = standard_normal
