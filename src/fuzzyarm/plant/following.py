@@ -49,7 +49,7 @@ def trajectory_of(plant: Plant, name: str = "", **options: Any) -> Trajectory:
         Any.
     name : str, optional
         By default its first one.
-    **given
+    **options
         Arguments of the function that makes it, as ``segment=1.5``.
 
     Raises

@@ -398,7 +398,7 @@ def sampled_drive(
     ----------
     text, plant, connect
         As for :func:`prove_drives`.
-    found, along : DriveProof and DriveSector
+    proof, along : DriveProof and DriveSector
         What was proved.
     points : int
         How many in all; along one source a tenth of them.
