@@ -248,7 +248,7 @@ def test_where_nothing_is_chosen_nothing_is_nested():
 @pytest.mark.slow
 def test_ctrl_c_in_the_judgement_leaves_the_model_as_it_is():
     def interrupt(words):
-        if words.startswith("the whole way without part 2"):
+        if words.startswith("nested cross-validation: without part 2"):
             raise KeyboardInterrupt
 
     made = fit(bumps(), Options(rules=2), interrupt)
@@ -273,7 +273,7 @@ def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatc
     made = fit(bumps(), Options(method=method, words=(2, 5), rules=4, seconds=seconds, parts=3))
     monkeypatch.undo()
     assert ("time" in made.limits) == (seconds < 1e9)
-    assert made.interrupted == ("ended with its time" in made.text)
+    assert made.interrupted == ("ran out of time" in made.text)
     assert made.interrupted or seconds > 1e-6
     assert made.candidates
     is_sound(made)
@@ -292,7 +292,7 @@ def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatc
         (Options(rules=0), "number of rules must be 1 to"),
         (Options(parts=1), "number of parts of the cross-validation must be 2 to 100, not 1"),
         (Options(shrinkage=-1.0), "shrinkage must be 0 or more"),
-        (Options(terms=(2,)), "1 numbers of terms for 2 inputs"),
+        (Options(terms=(2,)), "numbers of terms must be 2, one for each input, not 1"),
         (Options(method="wang-mendel", words=(1, 1)), "number of words must be"),
         (Options(method="wang-mendel", words=(5, 3)), "words from 5 to 3"),
     ],
@@ -382,7 +382,7 @@ def test_a_surrogate_has_its_fidelity(tmp_path, capsys):
     [
         (["--target", "z"], 1, "there is no column 'z'"),
         (["--words", "many"], 2, "--words takes a number"),
-        (["--terms", "2"], 1, "1 numbers of terms for 2 inputs"),
+        (["--terms", "2"], 1, "numbers of terms must be 2, one for each input, not 1"),
         (["--folds", "0"], 2, "--folds must be 2 to 100, not 0"),
         (["--rules", "x"], 2, "must be a whole number, not 'x'"),
     ],
@@ -421,7 +421,7 @@ def test_the_report_says_how_was_judged_and_what_ctrl_c_has_left_out(
     assert "the model is written" in capsys.readouterr().err
     monkeypatch.undo()
     assert main([*words, "--time", "1us"]) == 0
-    assert "the time is over: the best so far is written" in capsys.readouterr().err
+    assert "time ran out: the best so far is written" in capsys.readouterr().err
 
 
 def raising(error):
