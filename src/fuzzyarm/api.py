@@ -210,13 +210,7 @@ def load_controller(path: str | os.PathLike[str]) -> ControllerText:
 
 
 def load_sheet(path: str) -> RuleBase | LookupTable:
-    """Return the rule base or table in a file; of a controller, the rule base beside it.
-
-    Raises
-    ------
-    WordError
-        If it is a controller without one.
-    """
+    """Return the rule base or table in a file; of a controller, the rule base beside it."""
     model = load(path)
     if isinstance(model, RuleBase):
         return model
@@ -245,13 +239,7 @@ def controller_if_any(path: str) -> ControllerText | None:
 
 
 def load_rules(path: str, option: str) -> RuleBase:
-    """Return the rule base in a file that was given for `option`.
-
-    Raises
-    ------
-    WordError
-        If it is a table, or a controller without its own rules.
-    """
+    """Return the rule base in a file that was given for `option`."""
     model = load_sheet(path)
     if not isinstance(model, RuleBase):
         raise WordError(f"{option} takes a rule base, but {path} is a table")
@@ -259,13 +247,7 @@ def load_rules(path: str, option: str) -> RuleBase:
 
 
 def load_used_rules(path: str, option: str) -> RuleBase:
-    """Return the rule base in a file; of a controller the only one that it uses.
-
-    Raises
-    ------
-    WordError
-        If there is none, or there are several.
-    """
+    """Return the rule base in a file; of a controller the only one that it uses."""
     controller = controller_if_any(path)
     if controller is None:
         return load_rules(path, option)

@@ -21,13 +21,7 @@ UV = "uv pip"
 
 
 def installing(extra: str) -> str:
-    """Return the command that installs an extra into the Python that runs.
-
-    Parameters
-    ----------
-    extra : str
-        Its name in ``pyproject.toml``.
-    """
+    """Return the command that installs an extra into the Python that runs."""
     pip = _pip()
     words = [pip, "install", *(["--python", _python()] if pip == UV else [])]
     clone, editable = _clone()

@@ -66,17 +66,7 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
 
 
 def figure_bytes(figure: Figure, suffix: str, *, dpi: int = 150) -> bytes:
-    """Return the content of a file of `figure`; the same figure, the same bytes.
-
-    Parameters
-    ----------
-    figure : Figure
-        Any of matplotlib.
-    suffix : str
-        One of ``SUFFIXES``.
-    dpi : int
-        Dots per inch of a ``.png``.
-    """
+    """Return the content of a file of `figure`; the same figure, the same bytes."""
     import matplotlib as mpl
 
     out = io.BytesIO()

@@ -42,18 +42,7 @@ _CELL = "padding:0.15em 0.5em;text-align:right"
 
 
 def html_of_drawing(drawing: RenderableType) -> str:
-    """Return a drawing as HTML: heat grids as tables, everything else as it is in the terminal.
-
-    Parameters
-    ----------
-    drawing : renderable of rich
-        What a function of :mod:`fuzzyarm.show` returns.
-
-    Returns
-    -------
-    str
-        HTML without scripts.
-    """
+    """Return a drawing as HTML: heat grids as tables, everything else as it is in the terminal."""
     return "".join(_parts(drawing))
 
 
@@ -180,13 +169,7 @@ _FIGURES: dict[str, Callable[[Any], Figure]] = {
 
 
 def figure_of(value: object) -> Figure:
-    """Return the figure of a value.
-
-    Parameters
-    ----------
-    value : object
-        Of a class that is :class:`~fuzzyarm.text.shown.Plotted`.
-    """
+    """Return the figure of a value."""
     figure = _by_class(value, _FIGURES)
     assert figure is not None, f"{type(value).__name__} has no figure"
     return figure(value)
@@ -273,30 +256,13 @@ _DRAWINGS: dict[str, Callable[[Any], str]] = {
 
 
 def html_of(value: object) -> str:
-    """Return what a notebook shows of a value.
-
-    Parameters
-    ----------
-    value : object
-        Of a class that is :class:`~fuzzyarm.text.shown.Shown`.
-
-    Returns
-    -------
-    str
-        HTML without scripts.
-    """
+    """Return what a notebook shows of a value."""
     drawing = _by_class(value, _DRAWINGS)
     return _pre(repr(value)) if drawing is None else drawing(value)
 
 
 def text_of(value: object) -> str:
-    """Return a value as it is drawn in the terminal, without colours.
-
-    Parameters
-    ----------
-    value : Trace or LookupTable
-        What is printed.
-    """
+    """Return a value as it is drawn in the terminal, without colours."""
     return plain_text(_view(value), WIDTH).rstrip("\n")
 
 

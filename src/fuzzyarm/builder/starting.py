@@ -242,20 +242,6 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
     The inputs are an error and its rate, with gains that bring them to the ends of their ranges;
     the first output drives the plant. That is the motor, or for an output that calls itself an
     increment or a change (PI) the room.
-
-    Parameters
-    ----------
-    name : str
-        Of the controller.
-    file : str
-        Where the rule base stands, beside the controller.
-    rulebase : RuleBase
-        What is to be in it.
-
-    Raises
-    ------
-    NewFileError
-        If it has more than two inputs.
     """
     if len(rulebase.inputs) > 2:
         raise NewFileError(

@@ -34,17 +34,7 @@ def with_choice(description: str | None) -> str:
 def request_command(
     name: str, description: str | None, run: Callable[[AnyRequest], int], kind: type[AnyRequest]
 ) -> Command:
-    """Return the record of a command whose arguments are the fields of a request.
-
-    Parameters
-    ----------
-    name, description : str
-        See `Command`.
-    run : callable
-        Takes the request, returns the exit status.
-    kind : type
-        Of the request.
-    """
+    """Return the record of a command whose arguments are the fields of a request."""
 
     def run_words(words: argparse.Namespace) -> int:
         try:

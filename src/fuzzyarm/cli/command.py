@@ -212,13 +212,7 @@ UsageError = errors.UsageError
 
 
 def require_suffix(path: str, known: Iterable[str]) -> str:
-    """Return the suffix of `path` in small letters.
-
-    Raises
-    ------
-    WordError
-        If it is none of those known.
-    """
+    """Return the suffix of `path` in small letters; WordError if it is none of those known."""
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in known:
@@ -234,15 +228,7 @@ class Saved(NamedTuple):
 
 
 def saved(path: str, write: Callable[[str], object]) -> Saved:
-    """Write the result of long work; where that fails, into a folder for temporary files.
-
-    Parameters
-    ----------
-    path : str
-        Where it is to stand.
-    write : callable
-        Takes a path.
-    """
+    """Write the result of long work; where that fails, into a folder for temporary files."""
     try:
         write(path)
     except OSError as error:

@@ -143,13 +143,7 @@ def used_files(
     path: str = "",
     instead: Mapping[str, tuple[Sheet, ...]] | None = None,
 ) -> tuple[dict[str, tuple[Sheet, ...]], list[Diagnostic]]:
-    """Return the rule bases and tables of a controller by name, and which cannot be read.
-
-    Parameters
-    ----------
-    model, folder, path, instead
-        As for :func:`with_files`.
-    """
+    """Return the rule bases and tables of a controller by name, and which cannot be read."""
     sheets: dict[str, tuple[Sheet, ...]] = {
         rulebase.name: (rulebase,) for rulebase in model.rulebases
     }

@@ -20,13 +20,7 @@ class ChangeError(FuzzyarmError, ValueError):
 
 
 def applied(text: str, changes: Any) -> str:
-    """Return a text after a change set.
-
-    Raises
-    ------
-    ChangeError
-        If it is not one, or of a text of another length.
-    """
+    """Return a text after a change set."""
     units = text.encode("utf-16-le", "surrogatepass")
     parts: list[bytes] = []
     at = 0
@@ -70,15 +64,7 @@ def difference(old: str, new: str) -> Changes:
 
 
 def merged(base: str, mine: str, theirs: str) -> str | None:
-    """Return a text with the changes of both, line by line; None where they touch.
-
-    Parameters
-    ----------
-    base : str
-        What both started from.
-    mine, theirs : str
-        The two texts.
-    """
+    """Return a text with the changes of both, line by line; None where they touch."""
     if mine in (base, theirs):
         return theirs
     if theirs == base:

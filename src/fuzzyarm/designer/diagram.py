@@ -51,15 +51,7 @@ PEN = Pen(width_of=_width, line=16.0, pad=8.0, room=120.0, track=10.0, arrow=20.
 
 
 def diagram_of(controller: ControllerText, reading: Reading) -> SceneDiagram:
-    """Return the block diagram of a controller, fit for JSON; lengths are pixels.
-
-    Parameters
-    ----------
-    controller : ControllerText
-        With its files, as far as they are there.
-    reading : Reading
-        Its text.
-    """
+    """Return the block diagram of a controller, fit for JSON; lengths are pixels."""
     diagram = block_diagram(controller)
     picture = place(diagram, PEN)
     return {

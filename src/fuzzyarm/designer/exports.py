@@ -72,13 +72,7 @@ class Offered:
 
 
 def model_of(session: Session) -> Any:
-    """Return the rule base, controller or table that a text means.
-
-    Raises
-    ------
-    ExportRefusedError
-        If it has mistakes.
-    """
+    """Return the rule base, controller or table that a text means."""
     parsed = session.reading.parsed
     mistakes = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.is_error]
     if mistakes:

@@ -24,15 +24,7 @@ class TextRefusedError(FuzzyarmError, ValueError):
 
 
 def error_of(error: Exception, doing: str) -> dict[str, Any]:
-    """Return what an answer says of an error: ``error``, and ``internal`` where it is a fault.
-
-    Parameters
-    ----------
-    error : Exception
-        What was raised.
-    doing : str
-        What was being done, for the log.
-    """
+    """Return what an answer says of an error: ``error``, and ``internal`` where it is a fault."""
     if isinstance(error, FuzzyarmError | OSError):
         return {"error": in_words(error)}
     return {"error": internal_words(error, doing), "internal": True}

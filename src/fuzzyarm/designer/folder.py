@@ -157,25 +157,13 @@ class Workspace:
         return [name for name in self.listed(*FOREIGN) if _is_rule_base(self.folder / name)]
 
     def foreign_data(self, name: str) -> bytes:
-        """Return the content of one of those.
-
-        Raises
-        ------
-        OutsideError
-            If it is not one of them.
-        """
+        """Return the content of one of those; OutsideError if it is not one of them."""
         if name not in self.foreign():
             raise OutsideError(f"'{printable(name)}' is not a rule base of another program here")
         return (self.folder / name).read_bytes()
 
     def beside(self, name: str, suffix: str) -> Path:
-        """Return where a file of the folder stands that may be written.
-
-        Raises
-        ------
-        OutsideError
-            If it is not in the folder, or the designer was opened with one file alone.
-        """
+        """Return where a file of the folder stands that may be written."""
         self._demand_folder()
         path = self.folder / demand_name(name)
         if not is_inside(path, self.folder):
@@ -185,13 +173,7 @@ class Workspace:
         return path
 
     def text(self, name: str) -> SharedText:
-        """Return the open file of a name.
-
-        Raises
-        ------
-        OutsideError
-            If it is not one of the folder's, or not a text.
-        """
+        """Return the open file of a name."""
         if name not in self._open:
             try:
                 self._open[name] = SharedText(self._path(name))
@@ -202,13 +184,7 @@ class Workspace:
         return self._open[name]
 
     def revived(self, name: str, text: str) -> SharedText:
-        """Return the text of a window whose file has gone while the server was not there.
-
-        Raises
-        ------
-        OutsideError
-            If there is no such file but a link, or it could not be one of the folder's.
-        """
+        """Return the text of a window whose file has gone while the server was not there."""
         path = self.folder / demand_name(name)
         known = name == self.only if self.only is not None else path.suffix.lower() in SUFFIXES
         if not known or path.is_symlink() or path.exists():
@@ -230,13 +206,7 @@ class Workspace:
         return self._open.get(name)
 
     def session(self, name: str) -> Session:
-        """Return a file of the folder as it is now, in its window or else on disk.
-
-        Raises
-        ------
-        OutsideError
-            If it is not one of the folder's.
-        """
+        """Return a file of the folder as it is now, in its window or else on disk."""
         path, shared = self._path(name), self._open.get(name)
         return Session(str(path), read_text(path) if shared is None else shared.text)
 

@@ -163,15 +163,7 @@ PICTURES = (".png", ".svg")
 
 
 def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
-    """Return the form of an export.
-
-    Parameters
-    ----------
-    suffix : str
-        Of what is written.
-    kind : {"rules", "controller", "table"}
-        Of the file.
-    """
+    """Return the form of an export."""
     makings = () if kind == "table" else ("direct", "table", "levels")
     output = ("output",) if kind == "rules" else ()
     if suffix == ".fmu":

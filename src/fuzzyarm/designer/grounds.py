@@ -79,15 +79,7 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
 
 
 def plant_named(word: str, model: ControllerModel, plants: Plants) -> Plant:
-    """Return a plant of a designer, made anew; by default the likeliest for a controller.
-
-    Raises
-    ------
-    PlantError
-        If it is neither shipped nor was named on the command line.
-    GroundsError
-        If none has the axes.
-    """
+    """Return a plant of a designer, made anew; by default the likeliest for a controller."""
     if not word:
         likeliest = plants_for(model, plants)[0]
         if not likeliest["fits"]:
@@ -113,13 +105,7 @@ MANY = (
 
 
 def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
-    """Return a request of the values of a form.
-
-    Raises
-    ------
-    FieldError
-        If a field does not take its value.
-    """
+    """Return a request of the values of a form; FieldError if a field does not take its value."""
     with at_field(""):
         return kind.of(values)
 
@@ -136,13 +122,7 @@ def signal_of(folder: Path, word: str) -> str:
 
 
 def check_words(request: ExperimentRequest, plant: Plant) -> None:
-    """Read each of the words by itself, so that a mistake is said at its field.
-
-    Raises
-    ------
-    FieldError
-        If one is not understood, or names a port that the plant does not have.
-    """
+    """Read each of the words by itself, so that a mistake is said at its field."""
     from fuzzyarm.loop.words import connections, driven, options_of, signals
     from fuzzyarm.plant.plant import interface_of
 
@@ -162,13 +142,7 @@ def check_words(request: ExperimentRequest, plant: Plant) -> None:
 
 
 def seconds_of(word: str) -> float:
-    """Return how long a run lasts, s.
-
-    Raises
-    ------
-    WordError
-        If it is not a time, or not one above zero.
-    """
+    """Return how long a run lasts, s; WordError if it is not a time, or not one above zero."""
     from fuzzyarm.loop.reference import read_time
 
     seconds = read_time(word, "the duration")
@@ -185,13 +159,7 @@ def trajectory_motion_of(
     *,
     payload: bool,
 ) -> Motion:
-    """Return the set points of the trajectory that a page asks for, by default the plant's first.
-
-    Raises
-    ------
-    PlantError
-        If there is none of that name.
-    """
+    """Return the set points of the trajectory that a page names; by default the plant's first."""
     from fuzzyarm.loop.along import trajectory_motion
     from fuzzyarm.plant.following import carries, trajectory_of
 

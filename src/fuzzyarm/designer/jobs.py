@@ -163,13 +163,7 @@ class WindowJob:
     # --- From the work ---
 
     def tell(self, news: dict[str, Any]) -> None:
-        """Tell the window, and wait until it has been sent.
-
-        Raises
-        ------
-        StoppedError
-            If the page wants no more.
-        """
+        """Tell the window, and wait until it has been sent."""
         self.check()
         wait_for(self._send(news), self._loop)
         self.check()  # it may have been stopped while a slow window was waited for
@@ -191,15 +185,7 @@ class WindowJob:
         return words
 
     def word(self, kind: type[Word]) -> Word:
-        """Wait for what the page says next; as `heard`.
-
-        Raises
-        ------
-        MessageError
-            If it is not such a word.
-        StoppedError
-            If the page wants no more.
-        """
+        """Wait for what the page says next; as `heard`."""
         while True:
             self.check()
             message = self._said.take(LOOK_EVERY)

@@ -35,13 +35,7 @@ class OutsideError(FuzzyarmError, ValueError):
 
 
 def demand_name(name: str) -> str:
-    """Return a name that a file of the folder may have on every system.
-
-    Raises
-    ------
-    OutsideError
-        If it is none, with the reason.
-    """
+    """Return a name that a file of the folder may have on every system."""
     name = unicodedata.normalize("NFC", name.strip())
     shown = printable(name[:80])
     if not Path(name).stem or name.startswith("."):

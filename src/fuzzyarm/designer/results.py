@@ -20,21 +20,7 @@ def tell_result(
     verdict: str = "",
     files: Mapping[str, bytes] | None = None,
 ) -> None:
-    """Tell a result.
-
-    Parameters
-    ----------
-    job : WindowJob
-        Whose page hears it.
-    lines : sequence of str
-        As a command prints them.
-    charts : iterable of Chart, optional
-        Pictures of it.
-    verdict : str, optional
-        Of a proof.
-    files : mapping of str to bytes, optional
-        What the page may load, by name.
-    """
+    """Tell a result."""
     job.tell({
         "verdict": verdict,
         "lines": list(lines),

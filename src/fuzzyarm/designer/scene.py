@@ -79,20 +79,7 @@ class Positions:
 
 
 def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
-    """Return what a page draws of a rule base.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model.
-    reading : Reading
-        The text that it is the meaning of.
-
-    Returns
-    -------
-    Scene
-        Fit for JSON.
-    """
+    """Return what a page draws of a rule base."""
     positions = Positions(reading.raw_lines)
     functions = Functions()
     whole = plan(rulebase)

@@ -247,17 +247,7 @@ class SharedText:
             self.conflict = None
 
     def save(self) -> None:
-        """Write the file; one that is gone is written anew.
-
-        Raises
-        ------
-        ConflictError
-            If somebody else has written it, or it cannot be read.
-        OutsideError
-            If it has become a link out of its folder.
-        OSError
-            If it cannot be written.
-        """
+        """Write the file; one that is gone is written anew."""
         self.look()
         if self.conflict is not None:
             why = f": {self.conflict.why}" if self.conflict.why else ""

@@ -41,13 +41,7 @@ class Plants:
         self.known |= {name: find_plant(name) for name in own}
 
     def new(self, name: str) -> Plant:
-        """Make a plant anew.
-
-        Raises
-        ------
-        PlantError
-            If it was not named when the designer was started.
-        """
+        """Make a plant anew; PlantError if it was not named when the designer was started."""
         if name not in self.known:
             hint = "fuzzyarm designer FILE --plant PLANT adds one"
             raise PlantError(f"this designer runs no plant '{name}'", name=name, hint=hint)

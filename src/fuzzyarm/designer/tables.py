@@ -51,15 +51,7 @@ PROOF_SECONDS = 60.0
 
 
 def table_page(session: Session, page: Sequence[int]) -> dict[str, Any] | None:
-    """Return one page of a table as plain data; None where the text is not a sound table.
-
-    Parameters
-    ----------
-    session : Session
-        A text.
-    page : sequence of int
-        A level of each axis but the last two.
-    """
+    """Return one page of a table as plain data; None where the text is not a sound table."""
     reading = session.reading
     table = reading.parsed.table if isinstance(reading, TableText) else None
     if table is None:

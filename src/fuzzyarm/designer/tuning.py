@@ -68,15 +68,7 @@ POLITE = 5
 
 
 def subject_of(path: str, text: str) -> ControllerText | RuleBase:
-    """Return what is tuned in a text.
-
-    Raises
-    ------
-    TextRefusedError
-        If it is a table.
-    RuleBaseError
-        If it has mistakes.
-    """
+    """Return what is tuned in a text."""
     if not path.lower().endswith(".frb"):
         raise TextRefusedError("a table is not tuned; open a controller or a rule base")
     parsed = parse(text, path)
@@ -131,13 +123,7 @@ class PageOrder(NamedTuple):
 
 
 def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
-    """Read what a page asks for.
-
-    Raises
-    ------
-    GroundsError
-        If something is out of range, or would run a file.
-    """
+    """Read what a page asks for; GroundsError if something is out of range, or would run a file."""
     from fuzzyarm.tuning.asked import longest
     from fuzzyarm.tuning.cost import read_cost
     from fuzzyarm.tuning.tune import read_tuning
@@ -308,13 +294,7 @@ def _listen(pipe: Connection, enough: threading.Event) -> None:
 
 
 def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]:
-    """Return what is tuned, and the keywords of `fuzzyarm.tuning.tune`.
-
-    Raises
-    ------
-    TextRefusedError, GroundsError, TuneError, RuleBaseError
-        If something does not fit.
-    """
+    """Return what is tuned, and the keywords of `fuzzyarm.tuning.tune`."""
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.loop.words import conventions_of
     from fuzzyarm.tuning.asked import Order

@@ -25,13 +25,7 @@ code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
 
 
 def page(data: dict[str, Any]) -> str:
-    """Return a report as HTML.
-
-    Parameters
-    ----------
-    data : dict
-        As `report_of` gives it.
-    """
+    """Return a report as HTML."""
     parts = [
         *_summary(data), *_made_of(data), *_functions(data), *_findings(data), *_proofs(data),
         *_coverage(data), *_sizes(data), *_rows(data), *_open(),

@@ -73,13 +73,7 @@ class ExportTrial:
 
 
 def tried(exported: Exported | ExportedController) -> ExportTrial:
-    """Compile what is exported with gcc, run it by its points, and read what gcov counted.
-
-    Raises
-    ------
-    ExportError
-        If gcc or gcov is missing or fails.
-    """
+    """Compile what is exported with gcc, run it by its points, and read what gcov counted."""
     for program in ("gcc", "gcov"):
         if shutil.which(program) is None:
             raise ExportError(f"a report needs {program}, which is not here", hint="install gcc")

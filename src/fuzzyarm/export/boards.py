@@ -84,13 +84,7 @@ BOARDS = {
 
 
 def board_named(name: str) -> Board:
-    """Return a board.
-
-    Raises
-    ------
-    ExportError
-        If there is none of this name.
-    """
+    """Return a board; ExportError if there is none of this name."""
     if name not in BOARDS:
         raise ExportError(f"no board '{name}'", hint=f"there are {', '.join(BOARDS)}")
     return BOARDS[name]

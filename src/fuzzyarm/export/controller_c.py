@@ -629,21 +629,7 @@ class CController:
 def controller_c(
     steps: Steps, prefix: str, stem: str, suffix: str, vectors: TestSequence, words: Sequence[str]
 ) -> tuple[dict[str, str], CController]:
-    """Return a header on its own (``.h``), or a ``.c`` and a ``.h``, by suffix.
-
-    Parameters
-    ----------
-    steps : Steps
-        The controller.
-    prefix : str
-        Begins every identifier.
-    stem, suffix : str
-        Of the file.
-    vectors : TestSequence
-        For the self-test.
-    words : sequence of str
-        Lines for the comment at the head.
-    """
+    """Return a header on its own (``.h``), or a ``.c`` and a ``.h``, by suffix."""
     alone = suffix == ".h"
     writer = CWriter(prefix, "static inline " if alone else "")
     controller = CController(steps, writer)

@@ -127,13 +127,7 @@ _SETTLE = Operations({COMPARISONS: 4})
 
 
 def rule_cost(rulebase: RuleBase) -> tuple[Operations, Operations]:
-    """Return what the kernel takes for one point, at least and at most.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        One that the kernel covers.
-    """
+    """Return what the kernel takes for one point, at least and at most."""
     layout = lay_out(plan(rulebase), compiled=False)
     costs = list(_Programs(layout).costs())
     return min(costs, key=lambda cost: cost.total()), max(costs, key=lambda cost: cost.total())

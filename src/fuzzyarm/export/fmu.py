@@ -68,13 +68,7 @@ PLATFORMS = {
 
 
 def platforms_named(text: str, version: int) -> tuple[Platform, ...]:
-    """Return platforms by a list like ``linux64,win64``.
-
-    Raises
-    ------
-    ExportError
-        For a name that is not known, or not to this version of FMI.
-    """
+    """Return platforms by a list like ``linux64,win64``."""
     platforms = []
     for name in dict.fromkeys(part.strip() for part in text.split(",")):
         if name not in PLATFORMS:
@@ -148,13 +142,7 @@ def controller_fmu(
 
 
 def find_compiler() -> list[str]:
-    """Return the words that call the C compiler: `CC`, else the first of cc, gcc and clang.
-
-    Raises
-    ------
-    ExportError
-        If there is none.
-    """
+    """Return the words that call the C compiler: `CC`, else the first of cc, gcc and clang."""
     command = os.environ.get("CC", "")
     words = shlex.split(command)
     if words:
@@ -183,13 +171,7 @@ def _cross_compiler() -> list[str]:
 def compile_library(
     compiler: Sequence[str], files: dict[str, str], name: str, suffix: str
 ) -> bytes:
-    """Return the shared library that a C compiler makes of some files.
-
-    Raises
-    ------
-    ExportError
-        With what the compiler says, if it fails.
-    """
+    """Return the shared library that a C compiler makes of some files."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         for file, text in files.items():
             (Path(folder) / file).write_text(text, "utf-8")

@@ -184,20 +184,7 @@ def _source(function: Callable[..., Any]) -> str:
 
 
 def python_module(routines: Sequence[Routine], name: str) -> tuple[str, list[str]]:
-    """Return a module with a function for every routine, and how they are called.
-
-    Parameters
-    ----------
-    routines : sequence of Routine
-        In double precision, or tables in whole numbers.
-    name : str
-        Of the module, for the head.
-
-    Raises
-    ------
-    ExportError
-        If the defuzzifier of one walks over tables.
-    """
+    """Return a module with a function for every routine, and how they are called."""
     module = PythonModule()
     functions: list[str] = []
     calls: list[str] = []
@@ -221,13 +208,7 @@ def python_module(routines: Sequence[Routine], name: str) -> tuple[str, list[str
 
 
 def routine_function(routine: Routine, name: str, module: PythonModule) -> tuple[str, str]:
-    """Return how the function of a routine is called, and its text.
-
-    Raises
-    ------
-    ExportError
-        If its defuzzifier walks over tables.
-    """
+    """Return how the function of a routine is called, and its text."""
     inner = Names("python", refused=RESERVED)
     parameters = [inner.new(argument.name) for argument in routine.arguments]
     call = f"{name}({', '.join(parameters)})"

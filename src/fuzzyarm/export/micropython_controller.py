@@ -54,20 +54,7 @@ _SINGLE = 1e-2
 
 
 def python_controller(program: ControllerProgram, name: str) -> tuple[str, tuple[str, ...]]:
-    """Return a module with a class, and how it is made and called.
-
-    Parameters
-    ----------
-    program : ControllerProgram
-        In double precision.
-    name : str
-        Of the module, for the head.
-
-    Raises
-    ------
-    ExportError
-        If a rule base of it walks over tables.
-    """
+    """Return a module with a class, and how it is made and called."""
     controller = _Class(program.steps)
     body = controller.text()
     calls = ("Controller()", f"step({', '.join(controller.parameters)})")

@@ -126,13 +126,7 @@ class _BlockTest:
 
 
 def routines_project(routines: Sequence[Routine], prefix: str) -> Project:
-    """Return a project with a function block for every routine.
-
-    Raises
-    ------
-    ExportError
-        As for Structured Text.
-    """
+    """Return a project with a function block for every routine."""
     text, blocks = structured_text(routines, prefix)
     trials = []
     for routine, block in zip(routines, blocks, strict=True):
@@ -149,13 +143,7 @@ def routines_project(routines: Sequence[Routine], prefix: str) -> Project:
 
 
 def controller_project(program: ControllerProgram, prefix: str) -> Project:
-    """Return a project with a controller as a function block.
-
-    Raises
-    ------
-    ExportError
-        As for Structured Text.
-    """
+    """Return a project with a controller as a function block."""
     text, block = controller_st(program, prefix)
     vectors, kind = program.tried.vectors, program.steps.precision.outside
     trial = _BlockTest(block, vectors.given, vectors.expected, vectors.tolerance, kind)

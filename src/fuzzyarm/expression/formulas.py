@@ -260,25 +260,7 @@ class Formula:
 
 
 def read_formula(text: str, dialect: FormulaDialect = FRB) -> Formula:
-    """Read a formula.
-
-    Parameters
-    ----------
-    text : str
-        For instance ``2 * e - sin(ce) ^ 2``.
-    dialect : FormulaDialect
-        How it is written.
-
-    Returns
-    -------
-    Formula
-        The expression.
-
-    Raises
-    ------
-    FormulaError
-        With the position of the first character at fault.
-    """
+    """Read a formula."""
     parser = _Parser(text, dialect)
     root = parser.sum()
     if parser.kind != "end":
@@ -438,26 +420,7 @@ def write_formula(
     upper: bool = False,
     minus: str = "-",
 ) -> str:
-    """Return the text of an expression, with parentheses wherever a reader could hesitate.
-
-    Parameters
-    ----------
-    root : Node
-        The expression.
-    dialect : FormulaDialect
-        For whom it is written.
-    rename : mapping of str to str, optional
-        Variables that are called otherwise in the text.
-    upper : bool
-        Whether functions are written in capitals.
-    minus : str
-        The sign in front of an operand.
-
-    Raises
-    ------
-    FormulaError
-        If the dialect has no function for an operation; the message names it.
-    """
+    """Return the text of an expression, with parentheses wherever a reader could hesitate."""
     return _Writer(dialect, rename or {}, upper=upper, minus=minus).text(root)
 
 

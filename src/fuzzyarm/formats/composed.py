@@ -50,19 +50,7 @@ def norm_of(name: str, sets: Sequence[Degree]) -> Degree:
 def composed(
     degree: Degree, parts: Sequence[Shape], norms: Sequence[str], low: float, high: float
 ) -> tuple[Shape, bool]:
-    """Return the shape of a set that is made of others, and whether it is exact.
-
-    Parameters
-    ----------
-    degree : callable
-        The set.
-    parts : sequence of Shape
-        What it is made of.
-    norms : sequence of str
-        By which norms, named as in :func:`norm_of`.
-    low, high : float
-        The range of its variable.
-    """
+    """Return the shape of a set that is made of others, and whether it is exact."""
     recovered = shape_of(degree, low, high)
     if recovered is not None:
         return recovered, True

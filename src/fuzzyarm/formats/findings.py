@@ -154,13 +154,7 @@ class UnreadableError(Exception):
 
 @contextmanager
 def reading(what: str) -> Iterator[None]:
-    """Let whatever is raised within name the part of an object that was read.
-
-    Parameters
-    ----------
-    what : str
-        The part, as a message calls it.
-    """
+    """Let whatever is raised within name the part of an object that was read."""
     try:
         yield
     except (UnreadableError, FuzzyarmError):

@@ -24,22 +24,10 @@ _STARTS = {
 
 
 def called(path: str | os.PathLike[str]) -> tuple[str, str] | None:
-    """Return what a file is by its suffix, and what helps; None of any other.
-
-    Parameters
-    ----------
-    path : path-like
-        A name of a file.
-    """
+    """Return what a file is by its suffix, and what helps; None of any other."""
     return _SUFFIXES.get(Path(path).suffix.lower())
 
 
 def started(data: bytes) -> tuple[str, str] | None:
-    """Return what a file is by its first bytes, whatever it is called, and what helps.
-
-    Parameters
-    ----------
-    data : bytes
-        How the file begins.
-    """
+    """Return what a file is by its first bytes, whatever it is called, and what helps."""
     return next((what for start, what in _STARTS.items() if data.startswith(start)), None)

@@ -48,20 +48,7 @@ class InputCells(NamedTuple):
 def cut_into_cells(
     propositions: Sequence[tuple[int, StraightShape]], low: float, high: float
 ) -> InputCells:
-    """Cut an input at the corners of its straight propositions.
-
-    Parameters
-    ----------
-    propositions : sequence of (int, StraightShape)
-        Number and lines of each.
-    low, high : float
-        Values that can occur.
-
-    Returns
-    -------
-    InputCells
-        All cells that hold values from `low` to `high`.
-    """
+    """Cut an input at the corners of its straight propositions."""
     cut = cut_at_corners(propositions)
     edges, lines = [-math.inf], [cut.cells[0]]
     for edge, degrees, cell in zip(cut.edges, cut.at, cut.cells[1:], strict=True):

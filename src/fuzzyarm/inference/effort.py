@@ -42,18 +42,7 @@ ENDS_OF_INTERVAL = 4.0
 
 
 def microseconds(rulebase: RuleBase) -> float:
-    """Return how long one point of a rule base takes among many, roughly.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        A model; all of its outputs count.
-
-    Raises
-    ------
-    InferenceError
-        If the model cannot be evaluated.
-    """
+    """Return how long one point of a rule base takes among many, roughly."""
     plan_ = plan(rulebase)
     covered = not what_is_not_covered(rulebase)
     per_rule = PER_RULE if covered else PER_RULE_OF_NUMPY

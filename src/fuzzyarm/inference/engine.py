@@ -387,11 +387,6 @@ def infer_many(
     """Evaluate arrays of inputs: by the kernel, or by NumPy where there is no machine code.
 
     It does not show which was taken.
-
-    Raises
-    ------
-    InferenceError, NoRuleFiredError
-        As :func:`fuzzyarm.infer`.
     """
     if has_machine_code():
         outputs: dict[str, Any] = _compiled(rulebase)(dict(inputs), held=held)

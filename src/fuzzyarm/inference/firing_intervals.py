@@ -70,13 +70,7 @@ class Doubled(NamedTuple):
 
 @lru_cache(maxsize=256)
 def direction(hedges: tuple[Hedge, ...]) -> int:
-    """Return 1 where hedges rise with the degree, -1 where they fall.
-
-    Raises
-    ------
-    InferenceError
-        If they do neither, at 257 even degrees.
-    """
+    """Return 1 where hedges rise with the degree, -1 where they fall."""
     values = [apply_hedges(hedges, i / 256) for i in range(257)]
     steps = [b - a for a, b in pairwise(values)]
     if min(steps) >= 0.0:

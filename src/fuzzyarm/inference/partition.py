@@ -38,13 +38,7 @@ class Partition(NamedTuple):
 
 
 def cut_at_corners(terms: Sequence[tuple[int, StraightShape]]) -> Partition:
-    """Cut a variable at the corners of some terms.
-
-    Parameters
-    ----------
-    terms : sequence of (int, StraightShape)
-        Number and lines of each.
-    """
+    """Cut a variable at the corners of some terms."""
     edges = sorted({edge for _, lines in terms for edge in lines.edges})
     index_of = {edge: i for i, edge in enumerate(edges)}
     cells: list[dict[int, StraightLine]] = [{} for _ in range(len(edges) + 1)]

@@ -415,20 +415,7 @@ class PointEngine:
         return tuple(name for name in self.plan.outputs if name in self._fuzzifiers)
 
     def run(self, inputs: Mapping[str, float], held: Mapping[str, float] | None = None) -> Point:
-        """Evaluate one point and return everything that was found on the way.
-
-        Parameters
-        ----------
-        inputs : mapping of str to float
-            A value for every input, by name.
-        held : mapping of str to float, optional
-            Last values of outputs that hold.
-
-        Returns
-        -------
-        Point
-            With the outputs among its values.
-        """
+        """Evaluate one point and return everything that was found on the way."""
         point = Point(len(self._numbers), self.plan.outputs)
         self._take(point, inputs)
         if held:

@@ -47,13 +47,7 @@ def formula_of(shape: Shape) -> Formula:
 
 @lru_cache(maxsize=512)
 def degree_formula(shape: Shape) -> Node:
-    """Return the degree of a formula in `x`: 0 where that has no value, as the root of -1 has none.
-
-    Raises
-    ------
-    FormulaError
-        If it names anything else.
-    """
+    """Return the degree of a formula in `x`: 0 where it has no value, like the root of -1."""
     root = formula_of(shape).with_constants((POSITION,))
     return op.where(op.equal(root, root), root, 0.0) if may_lack_values(root) else root
 

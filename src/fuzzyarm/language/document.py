@@ -350,15 +350,7 @@ def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
 
 
 def parse_statements(text: str, line: int) -> Document:
-    """Return the statements in `text`, more of a rule base that has been read up to `line`.
-
-    Parameters
-    ----------
-    text : str
-        Lines of a rule base.
-    line : int
-        The number of the first.
-    """
+    """Return the statements in `text`, more of a rule base that has been read up to `line`."""
     too_large = size_fault(text)
     if too_large is not None:
         return Document((), diagnostics=(too_large,))

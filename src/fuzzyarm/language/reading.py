@@ -196,13 +196,7 @@ def decoded(data: bytes, name: str) -> str:
 
 
 def text_to_show(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file for showing findings in it; empty where it is not a text.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    """
+    """Return the text of a file for showing findings in it; empty where it is not a text."""
     # Line ends as they are, so that lines count as those of the findings.
     with open(path, "rb") as file:
         data = file.read()

@@ -40,11 +40,6 @@ def builders(tree: ast.Module) -> list[Builder]:
 
     A class counts where its constructor builds one; a method where it alone does. What calls one
     that counts, counts.
-
-    Parameters
-    ----------
-    tree : ast.Module
-        The script.
     """
     definitions = {node.name: node for node in tree.body if isinstance(node, Definition)}
     parts = dict(_parts(definitions))
@@ -61,13 +56,7 @@ def builders(tree: ast.Module) -> list[Builder]:
 
 
 def is_by_hand(tree: ast.Module) -> bool:
-    """Whether a script computes with functions of scikit-fuzzy and makes no system.
-
-    Parameters
-    ----------
-    tree : ast.Module
-        The script.
-    """
+    """Whether a script computes with functions of scikit-fuzzy and makes no system."""
     words = _called_names(tree)
     return bool(words & BY_HAND) and not words & SYSTEMS
 

@@ -329,13 +329,7 @@ _OLD_TYPES = {"int": int, "float": float, "bool": bool, "object": object, "str":
 
 
 def old_names(numpy: Any) -> None:
-    """Give NumPy the names back that older scripts use and that it has dropped.
-
-    Parameters
-    ----------
-    numpy : module
-        As it was loaded.
-    """
+    """Give NumPy the names back that older scripts use and that it has dropped."""
     for old, new in _OLD_NAMES.items():
         if old not in vars(numpy) and hasattr(numpy, new):
             setattr(numpy, old, getattr(numpy, new))

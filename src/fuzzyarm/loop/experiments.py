@@ -41,13 +41,7 @@ _Asked = TypeVar("_Asked", bound=ExperimentRequest)
 
 
 def controllers_of(request: ExperimentRequest, names: Sequence[str]) -> list[Controller]:
-    """Return the controllers of some names, told apart where two have the same.
-
-    Raises
-    ------
-    UsageError
-        If a start or a variant is asked for, and none of them has another.
-    """
+    """Return the controllers of some names, told apart where two have the same."""
     controllers = find_controllers(
         names, start=request.start, variant=request.variant, sources=sources_of(request)
     )

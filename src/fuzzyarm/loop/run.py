@@ -572,13 +572,7 @@ class ClosedLoop:
         course: Course | None = None,
         seed: int | None = None,
     ) -> tuple[dict[str, Metrics], float | None]:
-        """Run once, and return metrics and when it diverged: for many runs, in less time.
-
-        Parameters
-        ----------
-        program, course, seed : optional
-            See :meth:`run`.
-        """
+        """Run once, and return metrics and when it diverged: for many runs, in less time."""
         program, course = program or self.program, course or self.course
         room = _room(len(self.taps) * len(course.motion.time))
         open_run = OpenRun(self.site, program, course, self.taps, seed, room=room)

@@ -110,13 +110,7 @@ def require_sensible(request: SweepRequest) -> None:
 
 
 def map_axes(request: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
-    """Return the one or two ranges over which a picture is drawn.
-
-    Raises
-    ------
-    UsageError
-        If the runs are drawn, not on a grid, or ``map`` does not say over which two.
-    """
+    """Return the one or two ranges over which a picture is drawn."""
     ranges = {interval.name: interval for interval in sweep.ranges}
     names = [name.strip() for name in request.map.split(",")] if request.map else list(ranges)
     if request.random is not None:

@@ -136,13 +136,7 @@ class FuzzyarmServer(LanguageServer):
         return str(getattr(agreed, "value", agreed))
 
     def session(self, uri: str) -> Session:
-        """Return the open file at `uri`.
-
-        Raises
-        ------
-        JsonRpcInvalidParams
-            If it is not open: that is the editor's mistake, and it is told so.
-        """
+        """Return the open file at `uri`."""
         if uri not in self.sessions:
             raise JsonRpcInvalidParams(message=f"the file {uri} is not open")
         return self.sessions[uri]

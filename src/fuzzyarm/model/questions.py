@@ -79,13 +79,7 @@ class Questions(Shown, OfKind):
         held: Mapping[str, float] | None = None,
         **named: float,
     ) -> Any:
-        """Return the way to the outputs at one point; the same as :func:`fuzzyarm.explain`.
-
-        Returns
-        -------
-        Trace
-            In a notebook it is drawn; ``print`` writes it.
-        """
+        """Return the way to the outputs at one point; the same as :func:`fuzzyarm.explain`."""
         return above.function("explain")(self.model, inputs, held=held, **named)
 
     def check(self) -> Any:
@@ -99,20 +93,7 @@ class Questions(Shown, OfKind):
         return above.function("check_text")(str(self), f"<{self.model.name}>")
 
     def table(self, output: str | None = None, **options: Any) -> Any:
-        """Return the lookup table of an output.
-
-        Parameters
-        ----------
-        output : str, optional
-            Which; only where there are several.
-        **options
-            As of :func:`fuzzyarm.compile_table`: `levels`, `rounding`, `mode`, ….
-
-        Returns
-        -------
-        LookupTable
-            In a notebook its cells are drawn.
-        """
+        """Return the lookup table of an output."""
         return above.function("compile_table")(self.model, output, **options)
 
     def plot(self, output: str | None = None, at: Mapping[str, float] | None = None) -> Any:

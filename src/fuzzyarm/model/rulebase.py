@@ -582,13 +582,7 @@ class AnyRuleBase(Questions):
 
 
 def model_of(rulebase: AnyRuleBase) -> RuleBase:
-    """Return the value of what a public function takes as a rule base.
-
-    Raises
-    ------
-    WrongKindError
-        For anything else: a path, a controller, a table.
-    """
+    """Return the value of what a public function takes as a rule base."""
     if not isinstance(rulebase, AnyRuleBase):
         raise wrong_kind(rulebase, RULE_BASE)
     return rulebase.model

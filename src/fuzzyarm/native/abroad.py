@@ -44,18 +44,7 @@ _RENAMED = re.compile(r"^# *define +Py\w+ +(_Py\w+_SizeT)$", re.MULTILINE)
 
 
 def headers_for_any_platform(folder: Path) -> Path:
-    """Write Python's headers into a folder, such that they serve on every platform.
-
-    Parameters
-    ----------
-    folder : path
-        Is made.
-
-    Returns
-    -------
-    path
-        The folder, for ``-I``.
-    """
+    """Write Python's headers into a folder, such that they serve on every platform."""
     headers = Path(sysconfig.get_path("include"))
     shutil.copytree(headers, folder, ignore=shutil.ignore_patterns("internal", "pyconfig*"))
     (folder / "pyconfig.h").write_text(_PYCONFIG, encoding="ascii")

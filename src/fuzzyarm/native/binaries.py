@@ -66,11 +66,6 @@ def platform_tag(path: Path) -> str:
 
     Of Linux with the oldest glibc that the module runs on (PEP 600), of macOS with its oldest
     version; a Linux without glibc has the tag ``linux``, which no index takes.
-
-    Raises
-    ------
-    ValueError
-        If the file is not a shared library.
     """
     binary = read_binary(path)
     if binary.format == "PE":

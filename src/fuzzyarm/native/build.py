@@ -126,13 +126,7 @@ class Compiler(NamedTuple):
         Compiler(tool, self.machine, self.system).run(*whole)
 
     def run(self, *words: str) -> None:
-        """Run it.
-
-        Raises
-        ------
-        BuildError
-            If it cannot be started, or fails; with what it says.
-        """
+        """Run it; BuildError if it cannot be started, or fails; with what it says."""
         try:
             process = subprocess.run(
                 [*self.words, *words], capture_output=True, text=True, check=False
@@ -147,11 +141,6 @@ def find_compiler() -> Compiler:
     """Return the platform's compiler, or that of the ``ziglang`` wheel.
 
     ``CC`` names another one, as everywhere.
-
-    Raises
-    ------
-    BuildError
-        If there is none.
     """
     machine, system = _own_machine(), _own_system()
     preferred = shlex.split(os.environ.get("CC", ""))

@@ -39,11 +39,6 @@ def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
 
     The macros ``TABLE`` and ``RUN_PROGRAM`` name what others see of a file: it is compiled for each
     level of the processor.
-
-    Parameters
-    ----------
-    kernels : iterable of Root
-        What is printed.
     """
     units = {unit: _Unit() for unit in UNITS}
     for root in kernels:

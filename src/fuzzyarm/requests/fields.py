@@ -445,13 +445,7 @@ def unknown_field(kind: type[Request], name: str) -> RequestError:
 def read_fields(
     kind: type[Request], values: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, Any]:
-    """Return the values of some fields, judged; the defaults of those that are not there.
-
-    Raises
-    ------
-    RequestError
-        If a field does not take its value.
-    """
+    """Return the values of some fields, judged; the defaults of those that are not there."""
     records = _known(cast(Hashable, kind))
     return {
         name: records[name].read(values[name]) if name in values else records[name].default

@@ -94,15 +94,7 @@ class WorkJournal:
         write_atomically(self.path, self.head)
 
     def resume(self) -> list[Row]:
-        """Return the lines of the file as cells; one that is torn is cut off.
-
-        Raises
-        ------
-        JournalError
-            If something else was asked.
-        OSError
-            If the file cannot be read.
-        """
+        """Return the lines of the file as cells; one that is torn is cut off."""
         content = self.path.read_bytes()
         head = self.head.encode()
         if not content.startswith(head):
@@ -120,13 +112,7 @@ class WorkJournal:
         return list(csv.reader(io.StringIO(whole, newline="")))
 
     def read(self, line: Callable[[int, Row], Any]) -> list[Any]:
-        """Return what `line` makes of each line, by its number from 0.
-
-        Raises
-        ------
-        JournalError
-            If `line` raises ValueError for one, or it has too few or too many cells.
-        """
+        """Return what `line` makes of each line, by its number from 0."""
         rows = []
         for number, row in enumerate(self.resume()):
             try:
@@ -187,15 +173,7 @@ def difference_words(theirs: Mapping[str, Any], ours: Mapping[str, Any], work: s
 
 
 def question_of(fields: Mapping[str, Any], files: Mapping[str, Path]) -> dict[str, Any]:
-    """Return all that results depend on: fields of a request, contents of files, the version.
-
-    Parameters
-    ----------
-    fields : mapping
-        See `Request.question`.
-    files : mapping of str to Path
-        Files by their names, see `digests_of`.
-    """
+    """Return all that results depend on: fields of a request, contents of files, the version."""
     from fuzzyarm.version import __version__
 
     return {"fuzzyarm": __version__, "arguments": dict(fields), "files": digests_of(files)}

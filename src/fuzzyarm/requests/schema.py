@@ -14,13 +14,7 @@ _TYPES = {"text": "string", "truth": "boolean", "whole": "integer", "number": "n
 
 
 def schema_of(kind: type[Request]) -> dict[str, Any]:
-    """Return the schema of a request.
-
-    Parameters
-    ----------
-    kind : type
-        Of the request.
-    """
+    """Return the schema of a request."""
     records = fields_of(kind)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

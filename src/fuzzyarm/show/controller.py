@@ -117,15 +117,7 @@ def tune_words(gain: GainModel) -> str:
 
 
 def line_words(line: Line, partners: Collection[str] = ()) -> str:
-    """Return a line of an axis as the language writes it.
-
-    Parameters
-    ----------
-    line : Signal, Zoom, Learn or Drive
-        Of a model.
-    partners : collection of str
-        The names that are partners.
-    """
+    """Return a line of an axis as the language writes it."""
     if isinstance(line, Signal):
         names = ", ".join(map(name_text, line.names))
         return f"{names} = {definition_words(line, partners)}"

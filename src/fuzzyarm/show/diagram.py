@@ -243,13 +243,7 @@ FROM = {"h": 7200.0, "min": 600.0, "s": 0.1, "ms": 1e-4, "us": 0.0}
 
 
 def time_text(seconds: float) -> str:
-    """Return a time in the unit in which it is short: ``0.6 ms``, ``60 s``.
-
-    Parameters
-    ----------
-    seconds : float
-        Above 0.
-    """
+    """Return a time in the unit in which it is short: ``0.6 ms``, ``60 s``."""
     unit = next(unit for unit, least in FROM.items() if not seconds < least)
     many, of = TIMES[unit]
     return f"{number_words(seconds * of / many, 12)} {unit}"

@@ -94,22 +94,7 @@ def frames_of(run: Run) -> list[int]:
 
 
 def play(run: Run, plant: Plant, console: Console) -> bool:
-    """Show a run in a terminal as it goes on; the last picture stays.
-
-    Parameters
-    ----------
-    run : Run
-        With samples.
-    plant : Plant
-        On which it ran.
-    console : Console
-        Of a terminal.
-
-    Returns
-    -------
-    bool
-        False if Ctrl-C ended it before its time.
-    """
+    """Show a run in a terminal as it goes on; the last picture stays."""
     from rich.live import Live
 
     has_braille = "utf" in (console.encoding or "").lower()

@@ -30,19 +30,7 @@ LEFT = 8
 def panel_lines(
     panel: Panel, index: int, size: tuple[int, int], *, unicode: bool = True
 ) -> list[Text]:
-    """Return the first line of a panel as far as one of its points, and its value there.
-
-    Parameters
-    ----------
-    panel : Panel
-        With a line.
-    index : int
-        Of the last point that is drawn.
-    size : (int, int)
-        Columns, and rows of the curve below its name.
-    unicode : bool, optional
-        Whether the terminal has braille.
-    """
+    """Return the first line of a panel as far as one of its points, and its value there."""
     from rich.text import Text
 
     width, height = size
@@ -369,15 +357,7 @@ def _nearest(values: Numbers, x: float) -> int:
 
 
 def panel_view(panel: Panel, width: int, height: int) -> LinePlot | SurfaceMap:
-    """Return a panel in a given room: its cells where it has some, else its line.
-
-    Parameters
-    ----------
-    panel : Panel
-        With cells or a line.
-    width, height : int
-        Characters, with labels and axes.
-    """
+    """Return a panel in a given room: its cells where it has some, else its line."""
     if panel.of(Cells):
         return SurfaceMap(panel, max(8, width - LEFT - 1), max(3, height - 3))
     return LinePlot(panel, max(8, width - LEFT - 1), max(3, height - 2))

@@ -110,15 +110,7 @@ class Picture:
 
 
 def place(diagram: Diagram, pen: Pen) -> Picture:
-    """Give a diagram lengths.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        From :func:`fuzzyarm.show.diagram.block_diagram`.
-    pen : Pen
-        Who draws it.
-    """
+    """Give a diagram lengths."""
     return _Placing(diagram, pen).picture()
 
 

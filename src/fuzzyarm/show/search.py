@@ -18,15 +18,7 @@ CEILING = 20.0
 
 
 def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
-    """Return the cost of the trials of some searches, and the best of each so far.
-
-    Parameters
-    ----------
-    searches : mapping of str to Found
-        By what they are.
-    cost : str
-        What the cost is.
-    """
+    """Return the cost of the trials of some searches, and the best of each so far."""
     best = {
         name: [value if math.isfinite(value) else math.nan for value in search.curve]
         for name, search in searches.items()

@@ -115,13 +115,7 @@ def _form_words(drive: DriveProof, sector: DriveSector) -> str:
 
 
 def sector_chart(pictures: Sequence[SectorPicture]) -> Chart:
-    """Return each sector beside its values: a line, or the band that they fill over σ.
-
-    Parameters
-    ----------
-    pictures : sequence of SectorPicture
-        At least one.
-    """
+    """Return each sector beside its values: a line, or the band that they fill over σ."""
     columns = min(len(pictures), 3)
     panels = [_panel(picture) for picture in pictures]
     rows = [panels[k : k + columns] for k in range(0, len(panels), columns)]

@@ -29,17 +29,7 @@ HALF = 0.4
 
 
 def validation_chart(validation: Validation, target: str, title: str) -> Chart:
-    """Return residuals over predictions, calibration, and the firing of the rules.
-
-    Parameters
-    ----------
-    validation : Validation
-        What is drawn; without a target only the rules.
-    target : str
-        Its name.
-    title : str
-        Of the chart.
-    """
+    """Return residuals over predictions, calibration, and the firing of the rules."""
     rules = _rules(validation.rules)
     if not validation.calibration:
         return Chart([[rules]], (6.0, 3.6), title)

@@ -294,12 +294,6 @@ def smallest_even_grid(
 
     The result is measured with :func:`fuzzyarm.table.measure_fidelity`, and where `proof` knows
     a bound, that meets the tolerance too.
-
-    Raises
-    ------
-    TableError
-        If the tolerance is not a positive number, or no grid within `LIMITS` meets it: at once
-        where the surface jumps or bends too much for any of them.
     """
     if not (tolerance > 0 and math.isfinite(tolerance)):
         raise TableError(f"a tolerance is a positive number, not {tolerance:g}")
@@ -371,13 +365,7 @@ class _Probes:
         return worst
 
     def fewest(self, limit: int, tolerance: float) -> int:
-        """Return a number of levels that no grid within the tolerance has fewer of.
-
-        Raises
-        ------
-        TableError
-            If no grid of up to `limit` levels can meet the tolerance.
-        """
+        """Return a number of levels that no grid within the tolerance has fewer of."""
         jump, where = self._jump()
         if 0.5 * jump > tolerance:
             at = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, where, strict=True))

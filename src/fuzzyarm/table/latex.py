@@ -22,13 +22,7 @@ _SPECIAL = {
 
 
 def write_latex(table: PlainTable) -> str:
-    """Return a table in LaTeX: rows go down, columns across, further inputs are pages.
-
-    Parameters
-    ----------
-    table : PlainTable
-        Any; one input goes across.
-    """
+    """Return a table in LaTeX: rows go down, columns across, further inputs are pages."""
     across = [_number(x) for x in table.axes[-1].levels]
     rows = table.axes[-2].levels if len(table.axes) > 1 else ()
     cells = column_of_numbers(table.values)

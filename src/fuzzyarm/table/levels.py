@@ -21,16 +21,6 @@ def read_levels(text: str) -> Levels | dict[str, Levels]:
 
     That many even levels for every input (``49``), these levels (``-6 .. 6 step 1``,
     ``0 1 5``), or either for named inputs (``e = 49, ce = -6 .. 6 step 1``).
-
-    Parameters
-    ----------
-    text : str
-        As on the command line and in the designer.
-
-    Raises
-    ------
-    TableError
-        If it does not say levels.
     """
     parts = [part for part in re.split(r"[,;]", text) if part.strip()]
     if not parts:

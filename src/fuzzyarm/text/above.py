@@ -28,18 +28,7 @@ def register(homes: Mapping[str, str]) -> None:
 
 
 def function(name: str) -> Any:
-    """Return a function that was registered.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Raises
-    ------
-    LookupError
-        If nothing has registered it.
-    """
+    """Return a function that was registered."""
     if name not in _HOMES:
         raise LookupError(f"no module above has registered '{name}'")
     return getattr(import_module(_HOMES[name]), name)

@@ -14,24 +14,7 @@ __all__ = ["read_assignments", "read_number", "read_point"]
 def read_assignments(
     words: Iterable[str], names: Iterable[str], *, what: str = "input"
 ) -> dict[str, float]:
-    """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``.
-
-    Parameters
-    ----------
-    words : iterable of str
-        From the command line.
-    names : iterable of str
-        The names that may be given a value.
-    what : str
-        What the names are, for the message.
-
-    Raises
-    ------
-    WordError
-        For an unknown name.
-    UsageError
-        For a value that is not a finite number, or a name given twice.
-    """
+    """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``."""
     known = tuple(names)
     values: dict[str, float] = {}
     for name, text in _pairs(words, known):

@@ -108,17 +108,7 @@ def demand_arguments(
 
 
 def wrong_argument(call: str, name: str, expected: str, value: object) -> ArgumentError:
-    """Return the error of an argument of another kind.
-
-    Parameters
-    ----------
-    call, name : str
-        Of the function and of its argument.
-    expected : str
-        What it takes, as in ``a number``.
-    value : object
-        What it was given.
-    """
+    """Return the error of an argument of another kind."""
     message = f"{call}() takes {expected} as '{name}', not {shortened(repr(value), 60)}"
     return ArgumentError(message, argument=name, hint=EXAMPLES.get(name, ""))
 
@@ -208,14 +198,6 @@ def unknown_argument(call: str, name: str, known: tuple[str, ...]) -> ArgumentEr
 
 
 def demand_alone(call: str, *others: object) -> None:
-    """Raise ArgumentError where anything is given beside a request.
-
-    Parameters
-    ----------
-    call : str
-        Name of the function.
-    *others : object
-        Its other arguments.
-    """
+    """Raise ArgumentError where anything is given beside a request."""
     if any(other is not None and other != {} for other in others):
         raise ArgumentError(f"{call}() takes a request alone: it says all of the job")

@@ -75,15 +75,7 @@ class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
 
 
 def wrong_kind(value: object, wanted: str) -> MistakenKindError:
-    """Return the error of a value that is not of the kind that is wanted.
-
-    Parameters
-    ----------
-    value : object
-        Of any class.
-    wanted : str
-        A kind.
-    """
+    """Return the error of a value that is not of the kind that is wanted."""
     if isinstance(value, OfKind):
         kind = type(value).kind_of_value
         other = wanted

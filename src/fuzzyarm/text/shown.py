@@ -33,13 +33,7 @@ class Plotted(Shown):
     __slots__ = ()
 
     def plot(self) -> Any:
-        """Return its figure.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            Notebooks show it; ``savefig`` writes it.
-        """
+        """Return its figure."""
         return above.function("figure_of")(self)
 
 

@@ -62,22 +62,7 @@ def demand_own(folder: str | Path) -> None:
 
 
 def write_folder(folder: str | Path, files: Mapping[str, str]) -> None:
-    """Write a folder so that a reader sees the old one or the new one.
-
-    Parameters
-    ----------
-    folder : str or Path
-        Where; the folder that it lies in must exist.
-    files : mapping of str to str
-        Texts by their paths in the folder.
-
-    Raises
-    ------
-    ForeignFolderError
-        As :func:`demand_own`; nothing is written then.
-    OSError
-        If it cannot be written; the old folder is then there as it was.
-    """
+    """Write a folder so that a reader sees the old one or the new one."""
     target = Path(os.path.realpath(folder))
     demand_allowed(target)
     demand_own(target)

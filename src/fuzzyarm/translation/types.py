@@ -92,13 +92,7 @@ _WIDTH = list(Scalar)
 
 
 def wider(one: Type | None, other: Type) -> Type:
-    """Return the type that holds values of both; None holds none.
-
-    Raises
-    ------
-    TypeError
-        If there is none, as of a number and an array.
-    """
+    """Return the type that holds values of both; None holds none."""
     if one is None or one == other:
         return other
     if isinstance(one, Scalar) and isinstance(other, Scalar):

@@ -92,13 +92,7 @@ class GapSearch:
         self._budget = BUDGET + _STEPS_PER_LITERAL * sum(len(need.literals) for need in needs)
 
     def uncovered(self) -> Iterator[Cells]:
-        """Yield cells in which no rule fires; variables that are free are not among them.
-
-        Raises
-        ------
-        GaveUpError
-            Behind the budget.
-        """
+        """Yield cells in which no rule fires; variables that are free are not among them."""
         return self._search([(len(need.literals), need) for need in self._needs], {})
 
     def _search(self, rules: list[tuple[int, Need]], decided: Cells) -> Iterator[Cells]:

@@ -128,20 +128,6 @@ def demand_sound(reading: Reading, edits: Sequence[Edit], what: str = "") -> lis
     """Return the edits where the text has no mistake with them that it does not have now.
 
     That something is not there yet, or not any more, is none.
-
-    Parameters
-    ----------
-    reading : Reading
-        The text.
-    edits : sequence of Edit
-        What is to be done.
-    what : str, optional
-        Put in front of the mistake.
-
-    Raises
-    ------
-    ReshapeError
-        With the first mistake that they make.
     """
     before = [_said(diagnostic) for diagnostic in reading.parsed.diagnostics if diagnostic.is_error]
     for diagnostic in read(apply_edits(reading.text, edits), reading.path).parsed.diagnostics:

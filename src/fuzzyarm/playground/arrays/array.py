@@ -603,23 +603,7 @@ def broadcast_to(value: Any, shape: Any) -> ndarray:
 def operate(
     act: Callable[..., Any], source: Sequence[Any], kind: DType | None = None, out: Any = None
 ) -> Any:
-    """Apply a function of numbers to all elements.
-
-    Parameters
-    ----------
-    act : callable
-        Of one number of each of what is given.
-    source : sequence
-        Arrays, nested lists or numbers.
-    kind : DType, optional
-        Of the result; else that of what is given.
-    out : ndarray, optional
-        Where the result is written.
-
-    Returns
-    -------
-    ndarray, or a number where all are numbers
-    """
+    """Apply a function of numbers to all elements."""
     arrays = [
         array_of(operand) if isinstance(operand, ndarray | Sequence) else operand
         for operand in source

@@ -228,13 +228,7 @@ _BY_TYPE |= {None: _BY_TYPE[float]}
 
 
 def dtype(of: Any) -> DType:
-    """Return the kind of a type, a name, or what is one.
-
-    Raises
-    ------
-    TypeError
-        If there is none here.
-    """
+    """Return the kind of a type, a name, or what is one; TypeError if there is none here."""
     if isinstance(of, DType):
         return of
     try:

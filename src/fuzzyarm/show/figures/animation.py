@@ -88,28 +88,7 @@ def write_film(
     *,
     watch: Callable[[int], None] | None = None,
 ) -> None:
-    """Write the pictures that a figure goes through, whole or not at all.
-
-    Parameters
-    ----------
-    figure : Figure
-        Where they are drawn.
-    draw : callable
-        Draws the frame of a number.
-    frames : sequence of int
-        The numbers.
-    seconds : float
-        How long the film is.
-    path : path-like
-        ``.gif``, ``.html`` or ``.mp4``.
-    watch : callable, optional
-        Called with 1 for each picture; for progress bars.
-
-    Raises
-    ------
-    AnimationError
-        If the suffix is another, or there is no ffmpeg.
-    """
+    """Write the pictures that a figure goes through, whole or not at all."""
     name = os.fspath(path)
     suffix = require_animation(name)
     # Laid out once: the places of axes are most of the work of a picture, and stay.
@@ -148,13 +127,7 @@ def _pictures(
 
 
 def require_animation(path: str) -> str:
-    """Return the suffix of a path that an animation can have.
-
-    Raises
-    ------
-    AnimationError
-        If it is another, or what it needs is not installed.
-    """
+    """Return the suffix of a path that an animation can have."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         message = f"an animation is not written as '{suffix or path}'"

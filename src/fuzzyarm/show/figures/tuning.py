@@ -22,15 +22,7 @@ if TYPE_CHECKING:
 
 
 def tuning_figure(tuned: Tuned, title: str = "") -> Figure:
-    """Return the curve of the cost, the front of error and chatter, and the table as bars.
-
-    Parameters
-    ----------
-    tuned : Tuned
-        What is drawn.
-    title : str, optional
-        Of the figure.
-    """
+    """Return the curve of the cost, the front of error and chatter, and the table as bars."""
     with_front = len(tuned.front) > 1
     panels = 3 if with_front else 2
     figure = new_figure(4.2 * panels, 3.6)
