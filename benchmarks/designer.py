@@ -30,7 +30,7 @@ except ImportError:
 
 import fuzzyarm
 from fuzzyarm.designer.assets import asset, names
-from fuzzyarm.designer.written import page_of
+from fuzzyarm.designer.mailed_page import page_of
 from fuzzyarm.shipped_files import shipped
 
 FRAMES = """async ([variable, term, index]) => {

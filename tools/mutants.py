@@ -41,7 +41,7 @@ TESTS = {
     "kernels.py": ["tests/project/test_kernels.py", "tests/native"],
     "plant/equations.py": ["tests/plant/test_equations.py", "tests/loop/test_any_plant.py"],
     "plant/own.py": [f"tests/loop/test_{name}.py" for name in _PLANTS],
-    "plant/tried.py": ["tests/plant/test_own_mistakes.py", "tests/loop/test_any_plant.py"],
+    "plant/plain_python.py": ["tests/plant/test_own_mistakes.py", "tests/loop/test_any_plant.py"],
     "loop/program.py": [f"tests/loop/test_{name}.py" for name in _PLANTS],
     "expression/sources.py": ["tests/controller/test_sources.py"],
     "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],

@@ -14,7 +14,7 @@ import pytest
 import fuzzyarm
 from fuzzyarm.builder.starting import PURPOSES
 from fuzzyarm.cli.main import main
-from fuzzyarm.designer.compared import compare
+from fuzzyarm.designer.comparison import compare
 from fuzzyarm.designer.exports import files_of, kinds_of
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, WindowJob

@@ -12,7 +12,7 @@ import pytest
 import fuzzyarm
 from fuzzyarm.designer.exports import files_of
 from fuzzyarm.designer.folder import converted_file
-from fuzzyarm.designer.written import page_of
+from fuzzyarm.designer.mailed_page import page_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped
 

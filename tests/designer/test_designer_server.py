@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 from fuzzyarm.designer import open_files, requests
 from fuzzyarm.designer.assets import PAGE, asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
+from fuzzyarm.designer.mailed_page import NotWrittenError, page_of, page_of_text, script_source
 from fuzzyarm.designer.shared import ConflictError, SharedText
-from fuzzyarm.designer.written import NotWrittenError, page_of, page_of_text, script_source
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language import parse, write

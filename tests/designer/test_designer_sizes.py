@@ -8,7 +8,7 @@ import pytest
 from test_designer_page import CHROMIUM, Served, put, until
 
 from fuzzyarm.designer.assets import asset
-from fuzzyarm.designer.written import page_of
+from fuzzyarm.designer.mailed_page import page_of
 from fuzzyarm.shipped_files import shipped
 
 SPLITS = """

@@ -10,6 +10,7 @@ from scipy.optimize import check_grad
 
 from fuzzyarm import infer, kinds
 from fuzzyarm.learning.data import as_samples
+from fuzzyarm.learning.model_text import WritingStyle, sugeno_rulebase, term_names
 from fuzzyarm.learning.starts import (
     cluster_premises,
     fuzzy_c_means,
@@ -20,7 +21,6 @@ from fuzzyarm.learning.starts import (
 )
 from fuzzyarm.learning.sugeno import Projection, consequents, optimised, predicted
 from fuzzyarm.learning.wang_mendel import proposals, wang_mendel
-from fuzzyarm.learning.written import WritingStyle, sugeno_rulebase, term_names
 
 RANDOM = np.random.default_rng(5)
 X = RANDOM.uniform(-1.0, 2.0, (80, 2))

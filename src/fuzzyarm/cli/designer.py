@@ -68,7 +68,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _export(path: Path, arguments: argparse.Namespace) -> None:
-    from fuzzyarm.designer.written import page_of
+    from fuzzyarm.designer.mailed_page import page_of
     from fuzzyarm.text.files import write_atomically
 
     require_suffix(arguments.export, (".html", ".htm"))

@@ -56,8 +56,8 @@ class FitWords(FitRequest, _Output):
 def _run(request: FitWords) -> int:
     require_suffix(request.out, (".frb",))
     demand_places(request.out)
-    from fuzzyarm.learning.asked import is_model, options_asked, samples_asked, test_asked
     from fuzzyarm.learning.fit import fit
+    from fuzzyarm.learning.orders import is_model, options_asked, samples_asked, test_asked
     from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
     from fuzzyarm.text.files import write_atomically
 

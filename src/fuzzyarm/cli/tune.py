@@ -61,8 +61,8 @@ from fuzzyarm.text.files import stamp_of
 from fuzzyarm.text.numbers import counted
 
 if TYPE_CHECKING:
+    from fuzzyarm.tuning.result import Tuned
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tuned import Tuned
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,7 @@ class TuneWords(TuneRequest, _Output):
 def _run(request: TuneWords) -> int:
     _require_sensible(request)
     from fuzzyarm.loop.sweeps import cluster
-    from fuzzyarm.tuning.asked import order_of
+    from fuzzyarm.tuning.orders import order_of
     from fuzzyarm.tuning.tune import keywords_of, tune
 
     order = order_of(request)
@@ -180,7 +180,7 @@ def _draw(tuned: Tuned, path: str, plot: str) -> None:
 
 def _require_sensible(request: TuneWords) -> None:
     """Tell mistakes before anything runs."""
-    from fuzzyarm.tuning.asked import require_sensible
+    from fuzzyarm.tuning.orders import require_sensible
 
     if request.out:
         require_suffix(request.out, (".frb",))
@@ -197,9 +197,9 @@ REDRAWN_EVERY = 0.2
 
 def _own_seconds(request: TuneWords) -> float:
     """Return the seconds of the first search: its share where others follow."""
-    from fuzzyarm.tuning.asked import longest
+    from fuzzyarm.tuning.orders import longest
+    from fuzzyarm.tuning.result import TuningPlan
     from fuzzyarm.tuning.search import Budget
-    from fuzzyarm.tuning.tuned import TuningPlan
 
     plan = TuningPlan(budget=Budget(seconds=longest(request)))
     on_samples = bool(request.data)  # which are judged by others, and beside a regression
@@ -209,7 +209,7 @@ def _own_seconds(request: TuneWords) -> float:
 
 def _most(request: TuneWords) -> str:
     """Return in words when the searches end at the latest."""
-    from fuzzyarm.tuning.asked import longest
+    from fuzzyarm.tuning.orders import longest
 
     words = f"up to {counted(request.evals, 'trial')}"
     seconds = longest(request)

@@ -7,7 +7,7 @@ needs no server; the page itself is in ``page/``.
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.designer.written import page_of
+from fuzzyarm.designer.mailed_page import page_of
 from fuzzyarm.lazy import lazily
 
 __all__ = ["page_of"]

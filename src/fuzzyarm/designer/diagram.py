@@ -23,7 +23,7 @@ from fuzzyarm.text.diagnostic import NOWHERE
 from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
-    from fuzzyarm.designer.compared import ComparedSurface
+    from fuzzyarm.designer.comparison import ComparedSurface
     from fuzzyarm.designer.jobs import WindowJob
     from fuzzyarm.table import LookupTable
 
@@ -102,7 +102,7 @@ def _short(value: float) -> float:
 
 def sheets(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell what the rule bases and tables of a controller do: each over its first two inputs."""
-    from fuzzyarm.designer.compared import outputs_of, surface_of
+    from fuzzyarm.designer.comparison import outputs_of, surface_of
 
     model = session.reading.parsed.controller if isinstance(session.reading, Reading) else None
     if model is None:

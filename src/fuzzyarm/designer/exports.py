@@ -211,7 +211,7 @@ def _sheet(
     if suffix == ".mjs":
         return [_offered(out, _module(model, how.source))], []
     if suffix == ".html":
-        from fuzzyarm.designer.written import page_of_text
+        from fuzzyarm.designer.mailed_page import page_of_text
 
         return [_offered(out, page_of_text(session.text, Path(session.path)))], []
     return _conversion(session, model, out)

@@ -70,8 +70,8 @@ def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -
 
 def _learned(request: FitRequest, job: WindowJob) -> Fit:
     """Learn, and tell what came of it."""
-    from fuzzyarm.learning.asked import is_model, options_asked, samples_asked, test_asked
     from fuzzyarm.learning.fit import fit as fit_it
+    from fuzzyarm.learning.orders import is_model, options_asked, samples_asked, test_asked
     from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
 
     with at_field("time" if request.time else "words" if request.words else "terms"):

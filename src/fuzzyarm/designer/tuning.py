@@ -46,10 +46,10 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.tuning.design import Design
+    from fuzzyarm.tuning.result import Tuned
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
     from fuzzyarm.tuning.tune import TuneKeywords
-    from fuzzyarm.tuning.tuned import Tuned
 
 TELL_EVERY = 0.1
 """Seconds between two words of the search."""
@@ -124,8 +124,8 @@ class PageOrder(NamedTuple):
 
 def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
     """Read what a page asks for; GroundsError if something is out of range, or would run a file."""
-    from fuzzyarm.tuning.asked import longest
     from fuzzyarm.tuning.cost import read_cost
+    from fuzzyarm.tuning.orders import longest
     from fuzzyarm.tuning.tune import read_tuning
 
     request = TUNE.request(work.form, Path(session.path).parent, file=session.path)
@@ -297,7 +297,7 @@ def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]
     """Return what is tuned, and the keywords of `fuzzyarm.tuning.tune`."""
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.loop.words import conventions_of
-    from fuzzyarm.tuning.asked import Order
+    from fuzzyarm.tuning.orders import Order
     from fuzzyarm.tuning.tune import keywords_of
 
     subject = subject_of(order.path, order.text)
@@ -318,7 +318,7 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
     from fuzzyarm.designer.stage import Plants
     from fuzzyarm.loop.sweep import read_range
     from fuzzyarm.loop.words import driven
-    from fuzzyarm.tuning.asked import stage_asked
+    from fuzzyarm.tuning.orders import stage_asked
 
     request = order.asked
     plant = plant_named(request.plant or "", text.model, Plants(order.own))
@@ -333,7 +333,7 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
 
 def _samples(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
     """Return the samples for a rule base alone, its only output being what is to be met."""
-    from fuzzyarm.tuning.asked import samples_asked
+    from fuzzyarm.tuning.orders import samples_asked
 
     if request.data is None:
         raise TextRefusedError(

@@ -2,7 +2,7 @@
 
 Two methods. *Sugeno*: a partition (:mod:`~fuzzyarm.learning.starts`) that cross-validation
 chooses (:mod:`~fuzzyarm.learning.structure`), consequents and terms by least squares
-(:mod:`~fuzzyarm.learning.sugeno`), written with few digits (:mod:`~fuzzyarm.learning.written`).
+(:mod:`~fuzzyarm.learning.sugeno`), written with few digits (:mod:`~fuzzyarm.learning.model_text`).
 *Wang–Mendel*: rules over words (:mod:`~fuzzyarm.learning.wang_mendel`). The text is the
 result: errors are those of the rule base as it is read back from it.
 """
@@ -20,10 +20,18 @@ import numpy as np
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.language import parse
-from fuzzyarm.learning.asked import options_asked, samples_asked
 from fuzzyarm.learning.data import Samples, folds, read_samples
 from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Deadline
+from fuzzyarm.learning.model_text import (
+    WritingStyle,
+    commented,
+    output_names,
+    rule_comments,
+    short_source,
+    sugeno_rulebase,
+)
+from fuzzyarm.learning.orders import options_asked, samples_asked
 from fuzzyarm.learning.starts import grid_premises, merged, pruned
 from fuzzyarm.learning.structure import (
     SHRINKAGES,
@@ -46,14 +54,6 @@ from fuzzyarm.learning.sugeno import (
     predicted,
 )
 from fuzzyarm.learning.wang_mendel import WordsError, wang_mendel
-from fuzzyarm.learning.written import (
-    WritingStyle,
-    commented,
-    output_names,
-    rule_comments,
-    short_source,
-    sugeno_rulebase,
-)
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.bounds import MOST_FITTED_DIGITS, MOST_RULES
 from fuzzyarm.requests.learn import FitRequest

@@ -23,7 +23,7 @@ from fuzzyarm.inference.trace import place_of
 from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
-from fuzzyarm.learning.written import output_names
+from fuzzyarm.learning.model_text import output_names
 from fuzzyarm.model.rulebase import AnyRuleBase, Input, RuleBase, model_of
 from fuzzyarm.text.shown import Plotted, one_line
 

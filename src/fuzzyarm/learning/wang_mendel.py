@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.learning.data import Samples
-from fuzzyarm.learning.sugeno import Array
-from fuzzyarm.learning.written import (
+from fuzzyarm.learning.model_text import (
     WritingStyle,
     middle_of,
     outer_range,
     term_names,
     weighted_output,
 )
+from fuzzyarm.learning.sugeno import Array
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,

@@ -17,10 +17,10 @@ from fuzzyarm.controller.on_plant import controller_on, site_of, timing_on
 from fuzzyarm.loop.course import Motion, Options, require_points
 from fuzzyarm.plant.following import carries, followed, follower_of, trajectory_of, with_load
 from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plain_python import require_sound
 from fuzzyarm.plant.plant import Plant, PlantError, interface_of, with_parameters
 from fuzzyarm.plant.setting import PLAIN, STUDY_TIMING, ArmError, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, carried, sample
-from fuzzyarm.plant.tried import require_sound
 
 AnyWay = Trajectory | Plant | Motion | str | os.PathLike[str]
 """What is followed: a trajectory, a plant, the name or the file of one, or set points."""

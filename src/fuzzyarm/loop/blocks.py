@@ -30,8 +30,8 @@ from fuzzyarm.controller.on_plant import TextLaw, make_law
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.plant.equations import TRACED
 from fuzzyarm.plant.own import BEGUN, OWN, SOURCE, module_again, plant_again, plant_class
+from fuzzyarm.plant.plain_python import HOME, Home
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.plant.tried import HOME, Home
 
 Rows = NDArray[np.float64]
 """What came of some runs, one in each row."""

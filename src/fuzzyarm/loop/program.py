@@ -34,6 +34,7 @@ from fuzzyarm.loop.loop import (
 )
 from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure_of
+from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
@@ -48,7 +49,6 @@ from fuzzyarm.plant.setting import (
     State,
 )
 from fuzzyarm.plant.setting import Reference as ArmReference
-from fuzzyarm.plant.tried import plain_motion, plain_outputs
 from fuzzyarm.text.names import near_hint
 
 # --- A controller as the loop takes it ---

@@ -53,6 +53,7 @@ from fuzzyarm.loop.program import (
     shown_units,
 )
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
+from fuzzyarm.plant.plain_python import require_sound
 from fuzzyarm.plant.plant import (
     Address,
     Plant,
@@ -63,7 +64,6 @@ from fuzzyarm.plant.setting import (
     SET_POINT_PERIOD,
     Conventions,
 )
-from fuzzyarm.plant.tried import require_sound
 from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Plotted, one_line
 

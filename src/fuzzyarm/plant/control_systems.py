@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from fuzzyarm.errors import demand_extra
+from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     WORK,
@@ -22,7 +23,6 @@ from fuzzyarm.plant.plant import (
     numbers_of,
 )
 from fuzzyarm.plant.setting import RunArithmetic
-from fuzzyarm.plant.tried import plain_motion, plain_outputs
 
 RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
 """Outputs that are the rate of another, by the names that people give them."""

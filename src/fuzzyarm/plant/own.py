@@ -35,8 +35,8 @@ from fuzzyarm.plant.equations import (
     keep_traced,
 )
 from fuzzyarm.plant.library import LIBRARY
+from fuzzyarm.plant.plain_python import HOME, Home, lacks, require_sound
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
-from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.protected import note_source
 

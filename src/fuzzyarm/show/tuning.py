@@ -14,8 +14,8 @@ from fuzzyarm.text.columns import in_columns
 if TYPE_CHECKING:
     from rich.console import Group
 
+    from fuzzyarm.tuning.result import ComparedRow, Tuned
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tuned import ComparedRow, Tuned
 
 WIDTH, HEIGHT = 60, 8
 """Of the curve, characters."""

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.lazy import lazily
 from fuzzyarm.tuning.movement import TuneError
+from fuzzyarm.tuning.result import Tuned
 from fuzzyarm.tuning.scenarios import Scenario, Stage
 from fuzzyarm.tuning.search import Journal
 from fuzzyarm.tuning.tune import tune
-from fuzzyarm.tuning.tuned import Tuned
 
 __all__ = ["Journal", "Scenario", "Stage", "TuneError", "Tuned", "tune"]
 

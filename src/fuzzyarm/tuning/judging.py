@@ -22,8 +22,8 @@ from fuzzyarm.tuning.design import Candidate
 from fuzzyarm.tuning.examiner import ExaminerPool, Score, TuningProblem, panel
 from fuzzyarm.tuning.linear import NAME as LINEAR
 from fuzzyarm.tuning.promises import Promises
+from fuzzyarm.tuning.result import ALL_DIGITS, JUDGEMENT, ComparedRow, Tuned, TuningPlan
 from fuzzyarm.tuning.search import Found, Journal, Search, Watch
-from fuzzyarm.tuning.tuned import ALL_DIGITS, JUDGEMENT, ComparedRow, Tuned, TuningPlan
 
 WORSE = 0.01
 """How much a cost may grow when numbers are rounded, before a digit more is kept."""

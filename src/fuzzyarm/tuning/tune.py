@@ -31,7 +31,6 @@ from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.keywords import demand_alone, demand_arguments
 from fuzzyarm.text.mistaken import MODEL, wrong_kind
-from fuzzyarm.tuning.asked import Order, columns_for, longest, order_of
 from fuzzyarm.tuning.cost import (
     ERRORS,
     OwnCost,
@@ -42,7 +41,9 @@ from fuzzyarm.tuning.examiner import Over, TuningProblem, panel
 from fuzzyarm.tuning.judging import Means, TuningJob, rounded, with_judgement
 from fuzzyarm.tuning.linear import opponent
 from fuzzyarm.tuning.movement import TuneError
+from fuzzyarm.tuning.orders import Order, columns_for, longest, order_of
 from fuzzyarm.tuning.promises import Promises
+from fuzzyarm.tuning.result import ComparedRow, Method, Tuned, TuningPlan, notes_of
 from fuzzyarm.tuning.scenarios import (
     Scenario,
     Stage,
@@ -53,7 +54,6 @@ from fuzzyarm.tuning.scenarios import (
 )
 from fuzzyarm.tuning.search import Budget, Journal, Search, Watch
 from fuzzyarm.tuning.text import Originals, changes_of, originals_of, rewritten
-from fuzzyarm.tuning.tuned import ComparedRow, Method, Tuned, TuningPlan, notes_of
 
 Vector = NDArray[np.float64]
 

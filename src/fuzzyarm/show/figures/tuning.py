@@ -11,14 +11,14 @@ from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.figures.panels import draw_panel, plain_powers
 from fuzzyarm.show.figures.style import label_axes, new_figure, safe, tidy
 from fuzzyarm.show.search import cost_panel, spreads
-from fuzzyarm.tuning.tuned import front_of
+from fuzzyarm.tuning.result import front_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from fuzzyarm.tuning.result import Tuned
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tuned import Tuned
 
 
 def tuning_figure(tuned: Tuned, title: str = "") -> Figure:
