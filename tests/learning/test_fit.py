@@ -292,7 +292,7 @@ def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatc
         (Options(rules=0), "number of rules must be 1 to"),
         (Options(parts=1), "number of parts of the cross-validation must be 2 to 100, not 1"),
         (Options(shrinkage=-1.0), "shrinkage must be 0 or more"),
-        (Options(terms=(2,)), "numbers of terms must be 2, one for each input, not 1"),
+        (Options(terms=(2,)), "one number of terms is needed for each of 2 inputs, not 1"),
         (Options(method="wang-mendel", words=(1, 1)), "number of words must be"),
         (Options(method="wang-mendel", words=(5, 3)), "words from 5 to 3"),
     ],
@@ -382,7 +382,7 @@ def test_a_surrogate_has_its_fidelity(tmp_path, capsys):
     [
         (["--target", "z"], 1, "there is no column 'z'"),
         (["--words", "many"], 2, "--words takes a number"),
-        (["--terms", "2"], 1, "numbers of terms must be 2, one for each input, not 1"),
+        (["--terms", "2"], 1, "one number of terms is needed for each of 2 inputs, not 1"),
         (["--folds", "0"], 2, "--folds must be 2 to 100, not 0"),
         (["--rules", "x"], 2, "must be a whole number, not 'x'"),
     ],

@@ -186,8 +186,8 @@ def _rows(data: dict[str, Any]) -> list[str]:
 def _open() -> list[str]:
     return [
         "<h2>What this report is not</h2>",
-        "<p>It is evidence about one export, made by the tool that made the export. It is no"
-        " certificate and no assessment: whether the rules are right for the plant, the compiler"
+        "<p>It is evidence about one export, made by the tool that made the export. It is not a"
+        " certificate or an assessment: whether the rules are right for the plant, the compiler"
         " and processor of the product, and the code around these functions are yours to"
         " show.</p>",
     ]

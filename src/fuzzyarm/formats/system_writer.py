@@ -418,10 +418,8 @@ def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: 
     for block in rulebase.blocks:
         if block.threshold == usual:
             continue
-        message = (
-            f"rules of the block '{block.name}' fire above {block.threshold}, to {program} "
-            f"above {usual}"
-        )
+        rules = f"rules of the block '{block.name}'" if block.name else "the rules"
+        message = f"{rules} fire above {block.threshold}, in {program} above {usual}"
         slight = max(block.threshold, usual) <= MACHINE_EPSILON
         findings.loss("threshold", message, slight=slight)
 
