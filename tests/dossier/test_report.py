@@ -116,7 +116,7 @@ def test_c_that_computes_something_else_fails_in_its_report(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["-o", "made.st"], "--report is of C"),
+        (["-o", "made.st"], "--report is for C"),
         (["-o", "made.c"], "is not empty, and not of fuzzyarm"),
         (["-o", "report.c", "--report", "report.c"], "they cannot be one"),
     ],

@@ -242,7 +242,9 @@ def _check_classes(samples: Samples) -> None:
 def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> None:
     if len(terms) != len(samples.names):
         count = len(samples.names)
-        raise FitError(f"one number of terms is needed for each of {count} inputs, not {len(terms)}")
+        raise FitError(
+            f"one number of terms is needed for each of {count} inputs, not {len(terms)}"
+        )
     if any(not 1 <= term <= 50 for term in terms):
         raise FitError("an input has 1 to 50 terms")
     if math.prod(terms) > MOST_RULES:
