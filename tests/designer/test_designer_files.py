@@ -119,7 +119,7 @@ def test_copies_and_other_names_keep_what_is_not_saved(folder):
     assert (folder / "copy.frb").read_text() == "# mine\n" + PD7
     for taken in ("copy.frb", "COPY.frb", "link.frb"):
         renamed = workspace.answer({"what": "rename", "file": "pd7.frb", "name": taken})
-        assert "there already" in renamed["error"] or "not a file" in renamed["error"]
+        assert "already exists" in renamed["error"] or "not a file" in renamed["error"]
     workspace.answer({"what": "rename", "file": "pd7.frb", "name": "other"})
     assert not (folder / "pd7.frb").exists()
     assert (folder / "other.frb").read_text() == PD7

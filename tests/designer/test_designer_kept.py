@@ -278,7 +278,7 @@ def test_a_shipped_file_that_is_there_by_now_is_opened_and_not_copied_again(page
     (folder / "pd7.frb").mkdir()  # in the way
     copy.click()
     page.locator(".sheet .error").wait_for()
-    assert "there already" in page.locator(".sheet .error").inner_text()
+    assert "already exists" in page.locator(".sheet .error").inner_text()
     (folder / "pd7.frb").rmdir()
     copy.click()
     until(lambda: page.title().startswith("pd7.frb"), "the copy")

@@ -632,7 +632,7 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     page.get_by_role("button", name="New file").click()
     page.locator("dialog input[name=name]").fill("a/../b")
     page.get_by_role("button", name="Create").click()
-    page.get_by_text("not every system takes").wait_for()
+    page.get_by_text("cannot be the name of a file").wait_for()
     page.locator("dialog input[name=name]").fill("made")
     page.get_by_role("button", name="Create").click()
     turned(page, "made.frb")

@@ -258,7 +258,7 @@ def test_a_link_out_of_the_folder_is_neither_read_nor_written(shared, tmp_path_f
     assert shared.look()
     assert "secret" not in shared.text
     for act in (shared.save, lambda: shared.settle("mine")):
-        with pytest.raises(ValueError, match="link out of the folder"):
+        with pytest.raises(ValueError, match="links to a file outside the folder"):
             act()
     assert outside.read_text() == "# secret\n"
 

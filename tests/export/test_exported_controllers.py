@@ -379,7 +379,7 @@ def test_what_cannot_be_exported_is_named(tmp_path):
         (["--table", "--direct"], 2, "exclude each other"),
         (["--fmi", "3"], 2, "not an FMU"),
         (["--output", "u"], 2, "as a whole"),
-        (["--table", "--levels", "x"], 1, "--levels 'x'"),
+        (["--table", "--levels", "x"], 2, "--levels 'x'"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(tmp_path, capsys, words, status, message):
