@@ -317,10 +317,13 @@ def test_a_cut_is_moved_by_hand_and_by_keys(served, window):
     page = window(put(served, "cut.frb")[1])
     choose(page, "cut", "e")
     slider = page.locator(".surface .below input")
-    slider.focus()
     before = page.evaluate("designer.store.point[0]")
-    page.keyboard.press("ArrowRight")
-    until(lambda: page.evaluate("designer.store.point[0]") > before, "the cut has moved")
+
+    def moves():
+        slider.press("ArrowRight")  # again, where the slider was drawn anew between
+        return page.evaluate("designer.store.point[0]") > before
+
+    until(moves, "the cut has moved")
     line = page.locator(".surface .line canvas")
     until(lambda: "u over ce, cut at e" in (line.get_attribute("aria-label") or ""), "a name")
     line.click(position={"x": 60, "y": 30})
