@@ -26,11 +26,11 @@ from fuzzyarm.controller import controller
 from fuzzyarm.loop import simulate_many
 from fuzzyarm.loop.blocks import packed
 from fuzzyarm.loop.many import Bench, cut
-from fuzzyarm.loop.program import RunRecord, loop_for
+from fuzzyarm.loop.program import loop_for
 from fuzzyarm.plant import reach_return
 
 sys.path.insert(0, str(Path(__file__).parent))
-from closed_loop import CONTROLS, compile_c, experiment_of, write_data
+from closed_loop import CONTROLS, RunRecord, compile_c, experiment_of, write_data
 
 GOALS = {"fuzzy-lut": 20.0, "soc-zero": 20.0, "fuzzy-direct": 60.0, "stfc": 60.0}
 """Seconds for 10,000 runs on two cores: 20 for tables, 60 for rules."""
