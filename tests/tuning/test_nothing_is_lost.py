@@ -12,7 +12,7 @@ from fuzzyarm.loop import Signal
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.show.figures import tuning as figure
 from fuzzyarm.text import files
-from fuzzyarm.tuning import Journal, judging, tuned
+from fuzzyarm.tuning import Journal, judging, result
 from fuzzyarm.tuning.cost import CostFormulaError
 from fuzzyarm.tuning.search import Search
 
@@ -110,7 +110,7 @@ def test_a_figure_may_fail(folder, capsys, monkeypatch):
 @pytest.mark.parametrize("first", [0, 1])
 def test_a_disk_that_is_full(first, folder, capsys, monkeypatch):
     """At once: the result goes elsewhere. When the notes are added: the numbers stay."""
-    write, calls = tuned.write_atomically, []
+    write, calls = result.write_atomically, []
 
     def full(path, content):
         if not path.is_absolute():
@@ -119,7 +119,7 @@ def test_a_disk_that_is_full(first, folder, capsys, monkeypatch):
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
         write(path, content)
 
-    monkeypatch.setattr(tuned, "write_atomically", full)
+    monkeypatch.setattr(result, "write_atomically", full)
     assert main(["tune", "heater", *QUICK, "--no-linear", "--json"]) == 1
     said = capsys.readouterr()
     (written,) = json.loads(said.out)["files"]

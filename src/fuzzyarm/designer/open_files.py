@@ -50,7 +50,7 @@ def _later(module: str, function: str) -> Work:
 
 
 WORKS: dict[str, Work] = {
-    "compare": _later("compared", "compare"),
+    "compare": _later("comparison", "compare"),
     "export": _later("exports", "export"),
     "surface": _later("computed", "surface"),
     "learnable": _later("learning", "learnable"),
