@@ -98,37 +98,16 @@ def print_loops(
 
 
 def _certify(controller: ControllerText, verdict: LoopVerdict, request: ProveWords) -> None:
-    """Write the certificate of what is proved; of a tube it is made first."""
-    from fuzzyarm.closed_loop import (
-        Certificate,
-        LoopProofError,
-        certify_tube,
-        write_certificate,
-        write_tube_certificate,
-    )
-    from fuzzyarm.closed_loop.orders import budget_of, setup_of
+    """Write the certificate of what is proved, and say so."""
+    from fuzzyarm.closed_loop import LoopProofError
+    from fuzzyarm.closed_loop.orders import certify
 
-    out, claim = request.certificate or "", verdict.claim
-    assert claim is not None
-    if isinstance(verdict.certificate, Certificate):
-        write_certificate(verdict.certificate, out)
-        seal = verdict.certificate.seal
-    elif verdict.tube is not None and verdict.tube.arrival:
-        say(
-            f"{out}: not written: a tube that ends in a region has no certificate",
-            to_errors=True,
-        )
+    out = request.certificate or ""
+    try:
+        seal = certify(request, controller, verdict, out)
+    except LoopProofError as error:
+        say(f"{out}: not written: {error}", to_errors=True)
         return
-    else:
-        try:
-            tube = certify_tube(
-                controller, claim, budget=min(budget_of(request), 600.0), **setup_of(request, claim)
-            )
-        except LoopProofError as error:
-            say(f"{out}: not written: {error}", to_errors=True)
-            return
-        write_tube_certificate(tube, out)
-        seal = tube.seal
     if not request.json:
         say(f"{out}: the certificate, {seal[:16]}")
 

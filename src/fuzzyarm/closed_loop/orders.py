@@ -11,13 +11,17 @@ from fractions import Fraction
 from typing import Any
 
 from fuzzyarm.api import controller_if_any, load_rules, load_sampled
+from fuzzyarm.closed_loop.certificate import Certificate, write_certificate
 from fuzzyarm.closed_loop.claims import claim_text, read_claim
 from fuzzyarm.closed_loop.enclosure import EnclosureError
+from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.timed import loop_tube
 from fuzzyarm.closed_loop.tube import Tube
+from fuzzyarm.closed_loop.tube_certificate import certify_tube, write_tube_certificate
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError, UsageError, WordError
+from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.words import connections, sensors_of
@@ -40,9 +44,6 @@ Proof = Verdict | LoopVerdict | DriveProof | Bounds | Sector | Tube
 
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of pieces or attempts, and the gap between the bounds."""
-
-MODES = ("linear", "nearest", "bins")
-"""What ``table`` names beside files."""
 
 _PARTS = {"from": "from_", "with": "with_", "at": "at"}
 """Parts of a claim that are options, and the fields that have them."""
@@ -195,10 +196,10 @@ def only_output(rulebase: RuleBase, name: str | None) -> str:
 
 
 def _error_of_table(prover: Prover, which: str) -> Bounds:
-    if which in MODES:
+    if which in TABLE_MODES:
         return prover.table(compile_table(prover.rulebase, prover.output.name), which)
     if not which.lower().endswith((".lut", ".csv", ".npz", ".json")):
-        raise UsageError(f"--table takes {', '.join(MODES)} or a table, not '{which}'")
+        raise UsageError(f"--table takes {', '.join(TABLE_MODES)} or a table, not '{which}'")
     table = load_sampled(which)
     return prover.table(table, table.default_mode)
 
@@ -274,6 +275,31 @@ def loops_of(
             controller, claim, budget=budget_of(request), continuous=request.continuous, tell=tell,
             **setup_of(request, claim),
         )  # fmt: skip
+
+
+def certify(
+    request: ProveRequest,
+    controller: ControllerText,
+    verdict: LoopVerdict,
+    path: str,
+    longest: float = 600.0,
+) -> str:
+    """Write the certificate of what is proved, and return its seal; of a tube it is made first.
+
+    `longest`: most seconds for that. LoopProofError where there is none.
+    """
+    if isinstance(verdict.certificate, Certificate):
+        write_certificate(verdict.certificate, path)
+        return verdict.certificate.seal
+    if verdict.tube is not None and verdict.tube.arrival:
+        raise LoopProofError("a tube that ends in a region has no certificate")
+    claim = verdict.claim
+    assert claim is not None
+    tube = certify_tube(
+        controller, claim, budget=min(budget_of(request), longest), **setup_of(request, claim)
+    )
+    write_tube_certificate(tube, path)
+    return tube.seal
 
 
 def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from fuzzyarm.designer.requests import BareMessage, ProveWork
 from fuzzyarm.designer.results import tell_result
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.queries import Reading
+from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.picture import Chart
@@ -52,7 +53,7 @@ def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
         "lines": lines,
         "outputs": outputs,
         "plants": list(job.plants.known) if is_loop else [],
-        "tables": [] if is_loop else job.folder.listed(".lut"),
+        "tables": [] if is_loop else [*TABLE_MODES, *job.folder.listed(".lut")],
         "form": _form(is_loop=is_loop).fields(budget=BUDGET),
     })  # fmt: skip
 
@@ -121,9 +122,7 @@ def _prove_rules(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> N
 
 def _table(word: str | None, job: WindowJob) -> str | None:
     """Return the table whose error is bounded: a way of looking up, or a file of the folder."""
-    from fuzzyarm.closed_loop.orders import MODES
-
-    if not word or word in MODES:
+    if not word or word in TABLE_MODES:
         return word
     if word not in job.folder.listed(".lut"):
         raise FieldError(f"'{word}' is not a table of this folder", field="table")
@@ -217,33 +216,22 @@ class _LoopProof:
         lines, files = _verdict_lines(verdict), {}
         if self.wants_certificate and verdict.proved:
             try:
-                files = {name: self._certificate(verdict, claim)}
+                files = {name: self._certificate(verdict)}
             except FuzzyarmError as error:
                 lines.append(f"  no certificate: {error}")
         charts = _charts(self.text, verdict, self.job.plants.new(claim.plant))
         tell_result(self.job, lines, charts, verdict=verdict.verdict, files=files)
 
-    def _certificate(self, verdict: LoopVerdict, claim: LoopClaim) -> bytes:
-        """Return the file that proves a verdict again; of a tube it is made first."""
+    def _certificate(self, verdict: LoopVerdict) -> bytes:
+        """Return the file that proves a verdict again."""
         import tempfile
 
-        from fuzzyarm.closed_loop import (
-            Certificate,
-            certify_tube,
-            write_certificate,
-            write_tube_certificate,
-        )
-        from fuzzyarm.closed_loop.orders import budget_of, setup_of
+        from fuzzyarm.closed_loop.orders import certify
 
+        self.job.progress("making the certificate")
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "certificate.json"
-            if isinstance(verdict.certificate, Certificate):
-                write_certificate(verdict.certificate, str(path))
-            else:
-                self.job.progress("making the certificate")
-                setup, budget = setup_of(self.asked, claim), min(budget_of(self.asked), BUDGET)
-                tube = certify_tube(self.text, claim, budget=budget, **setup)
-                write_tube_certificate(tube, str(path))
+            certify(self.asked, self.text, verdict, str(path), BUDGET)
             return path.read_bytes()
 
     # --- What is bounded ---

@@ -3,8 +3,6 @@
 import { S } from "./strings.js";
 import { pairOf, WorkPane } from "./work.js";
 
-const MODES = ["linear", "nearest", "bins"]; // of the table that the text would be compiled to
-
 /** @type {import("./work.js").Kind} */
 const KIND = {
   name: "prove",
@@ -19,7 +17,7 @@ const KIND = {
     box.parentElement.hidden = !loop;
     box.checked &&= loop;
     form.choices("output", outputs.map(pairOf));
-    form.choices("table", [["", S.none], ...[...MODES, ...tables].map(pairOf)]);
+    form.choices("table", [["", S.none], ...tables.map(pairOf)]);
     form.choices("plant", [["", S.usual], ...plants.map(pairOf)]);
     form.show(["output"], outputs.length > 1);
   },
