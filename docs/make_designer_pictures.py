@@ -78,18 +78,14 @@ def run(browser: Any, address: str) -> None:
     page.mouse.move(x + 60, y - 90)
     page.mouse.down()
     page.mouse.move(x + 105, y - 40, steps=4)
-    page.wait_for_timeout(700)
-    page.screenshot(path=HERE / "designer_run.png")
-    page.close()
+    keep(page, "designer_run.png", after=700)
 
     page = open_run(browser, address, "cartpole", "dark")
     page.locator(".run-picture canvas").focus()
     page.keyboard.down("ArrowLeft")
     page.wait_for_timeout(600)
     page.keyboard.up("ArrowLeft")
-    page.wait_for_timeout(500)
-    page.screenshot(path=HERE / "designer_run_dark.png")
-    page.close()
+    keep(page, "designer_run_dark.png", after=500)
 
 
 def draw_beginning(browser: Any) -> None:
@@ -98,9 +94,7 @@ def draw_beginning(browser: Any) -> None:
         page = browser.new_page(viewport=SIZE)
         page.goto(address)
         page.get_by_text("This folder has no rule base yet").wait_for()
-        page.wait_for_timeout(300)
-        page.screenshot(path=HERE / "designer_empty.png")
-        page.close()
+        keep(page, "designer_empty.png", after=300)
 
 
 def draw_controller(browser: Any, address: str) -> None:
@@ -108,9 +102,7 @@ def draw_controller(browser: Any, address: str) -> None:
     page = browser.new_page(viewport=SIZE)
     page.goto(f"{address}#file=servo.frb")
     page.locator(".diagram .sheet canvas").wait_for()
-    page.wait_for_timeout(600)
-    page.screenshot(path=HERE / "designer_controller.png")
-    page.close()
+    keep(page, "designer_controller.png", after=600)
 
 
 def draw(browser: Any, address: str) -> None:
@@ -121,33 +113,32 @@ def draw(browser: Any, address: str) -> None:
     page.get_by_label("Partition").check()
     drag(page, 'circle[data-variable="e"][data-term="ZE"]', 46)
     page.mouse.up()
-    page.wait_for_timeout(600)
-    page.screenshot(path=HERE / "designer_terms.png")
-    page.close()
+    keep(page, "designer_terms.png", after=600)
 
     page = open_page(browser, address, "thermostat", "dark")
     page.locator(".surface .bar label", has_text="view").locator("select").select_option("contour")
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_dark.png")
-    page.close()
+    keep(page, "designer_dark.png")
 
     page = open_page(browser, address, "tipper2")
     page.locator('text[data-variable="food"][data-term="delicious"]').focus()
     page.locator(".surface .bar select").last.select_option("x")
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_type2.png")
-    page.close()
+    keep(page, "designer_type2.png")
 
     page = open_page(browser, address, "tipper")
     page.evaluate("designer.text.goTo([17, 0])")
     page.keyboard.type("rule if service is GOOT then tip is AVERAGE\n")
-    page.wait_for_timeout(900)
-    page.screenshot(path=HERE / "designer_mistake.png")
-    page.close()
+    keep(page, "designer_mistake.png", after=900)
     draw_learning(browser, address)
     draw_tuning(browser, address)
     draw_sweep(browser, address)
     draw_fit(browser, address)
+
+
+def keep(page: Any, name: str, after: int = 400) -> None:
+    """Keep a page as a picture, so many milliseconds later, and close it."""
+    page.wait_for_timeout(after)
+    page.screenshot(path=HERE / name)
+    page.close()
 
 
 def open_view(browser: Any, address: str, name: str, view: str, scheme: str = "light") -> Any:
@@ -168,9 +159,7 @@ def draw_learning(browser: Any, address: str) -> None:
     learn.get_by_label("Speed").select_option("fast")
     learn.get_by_role("button", name="Start").click()
     learn.get_by_text("pass 4 of 4, waiting").wait_for()
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_learn.png")
-    page.close()
+    keep(page, "designer_learn.png")
 
 
 def draw_tuning(browser: Any, address: str) -> None:
@@ -187,9 +176,7 @@ def draw_tuning(browser: Any, address: str) -> None:
         tune.get_by_label(name, exact=True).fill(value)
     tune.get_by_role("button", name="Start").click()
     tune.get_by_text("better than the file").wait_for()
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_tune.png")
-    page.close()
+    keep(page, "designer_tune.png")
 
 
 def draw_sweep(browser: Any, address: str) -> None:
@@ -199,9 +186,7 @@ def draw_sweep(browser: Any, address: str) -> None:
     sweep.get_by_role("combobox", name="Sweep").fill("G_e=2..60:12 log J=0.005..0.05:9")
     sweep.get_by_role("button", name="Start").click()
     sweep.get_by_text("All runs are made").wait_for()
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_sweep.png")
-    page.close()
+    keep(page, "designer_sweep.png")
 
 
 def draw_fit(browser: Any, address: str) -> None:
@@ -211,9 +196,7 @@ def draw_fit(browser: Any, address: str) -> None:
     fit.get_by_label("Rules", exact=True).fill("9")
     fit.get_by_role("button", name="Fit").click()
     fit.get_by_text("It can be saved").wait_for()
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_fit.png")
-    page.close()
+    keep(page, "designer_fit.png")
 
 
 def draw_files(browser: Any, address: str) -> None:
@@ -229,17 +212,13 @@ def draw_files(browser: Any, address: str) -> None:
     page.get_by_text("Over all inputs").wait_for()
     page.screenshot(path=HERE / "designer_compare.png")
     page.get_by_role("tab", name="Files").click()
-    page.wait_for_timeout(3000)
-    page.screenshot(path=HERE / "designer_files.png")
-    page.close()
+    keep(page, "designer_files.png", after=3000)
 
     page = browser.new_page(viewport=SIZE, color_scheme="dark")
     page.goto(f"{address}#file=thermostat.lut")
     page.get_by_text("not proved one by one").wait_for()
     page.locator(".cells .bar select").select_option("6")
-    page.wait_for_timeout(400)
-    page.screenshot(path=HERE / "designer_lut.png")
-    page.close()
+    keep(page, "designer_lut.png")
 
 
 def prepare(folder: str) -> None:

@@ -5,7 +5,6 @@ A page says ``enough``, which keeps the best so far, and ``save`` with the name 
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,9 +25,6 @@ if TYPE_CHECKING:
 SAMPLES = (".csv", ".parquet")
 MODELS = (".lut", ".frb")
 """What is sampled: the result stands for it."""
-
-TELL_EVERY = 0.1
-"""Seconds between two words of how far it is."""
 
 
 def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
@@ -98,14 +94,11 @@ class _Teller:
 
     def __init__(self, job: WindowJob) -> None:
         self.job = job
-        self.last = 0.0
 
     def __call__(self, words: str) -> None:
         if any(word.enough for word in self.job.heard(FitWord)):
             raise KeyboardInterrupt
-        if time.monotonic() - self.last >= TELL_EVERY:
-            self.last = time.monotonic()
-            self.job.progress(words)
+        self.job.paced_progress(words)
         self.job.check()
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fuzzyarm.designer.names import is_inside
 from fuzzyarm.errors import FuzzyarmError, WordError
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from fuzzyarm.loop import Motion
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant import Plant
+
+Experiment = TypeVar("Experiment", bound=ExperimentRequest)
 
 
 class GroundsError(FuzzyarmError, ValueError):
@@ -136,6 +138,20 @@ def check_words(request: ExperimentRequest, plant: Plant) -> None:
             options = options_of(alone, plant)
             for port in (*options.sensors, *options.loads):
                 interface.every_port(port)
+
+
+def request_on(plant: Plant, request: Experiment, *, ranges: str) -> Experiment:
+    """Return a request for a plant, its words and the ranges of a field read one by one."""
+    from fuzzyarm.loop.sweep import read_range
+
+    check_words(request, plant)
+    with at_field(ranges):
+        for word in getattr(request, ranges):
+            read_range(word)
+    if plant.trajectories:
+        return request
+    # A page may hold what was chosen for another plant: as if nobody had said it.
+    return request.replaced(trajectory=None, payload=type(request).payload)
 
 
 # --- Times, trajectories ---

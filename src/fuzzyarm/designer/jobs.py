@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+import time
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from functools import cached_property
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 Word = TypeVar("Word")
 
 Tell = Callable[[dict[str, Any]], Awaitable[None]]
+
+TELL_EVERY = 0.1
+"""Seconds between two words of how far long work is."""
 
 LOOK_EVERY = 0.25
 """Seconds after which work that waits for a word notices that it has been stopped."""
@@ -119,6 +123,7 @@ class WindowJob:
         self._loop = asyncio.get_running_loop()
         self._said: Mailbox[dict[str, Any]] = Mailbox()
         self.stopped = False
+        self._paced = 0.0  # when the last paced word was told
 
     @cached_property
     def plants(self) -> Plants:
@@ -200,6 +205,12 @@ class WindowJob:
     def progress(self, words: str) -> None:
         """Tell what is going on."""
         self.tell({"doing": words})
+
+    def paced_progress(self, words: str) -> None:
+        """Tell what is going on where the last such word is a while ago."""
+        if time.monotonic() - self._paced >= TELL_EVERY:
+            self._paced = time.monotonic()
+            self.progress(words)
 
     def offer(self, name: str, content: bytes) -> str:
         """Keep a file for the page to load; return its address."""

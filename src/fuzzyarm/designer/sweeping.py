@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.faults import TextRefusedError
 from fuzzyarm.designer.forms import SWEEP
-from fuzzyarm.designer.grounds import FieldError, at_field, check_words, plant_named, plants_for
+from fuzzyarm.designer.grounds import FieldError, at_field, plant_named, plants_for, request_on
 from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.requests import BareMessage, SweepWork
 from fuzzyarm.designer.results import tell_result
@@ -18,15 +17,13 @@ from fuzzyarm.requests.runs import SweepRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.controller import CompiledController
+    from fuzzyarm.loop.many import Many
     from fuzzyarm.loop.sweeps import Sweep
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.picture import Chart
 
 MOST_RUNS = 20_000
 """A page is not left to itself for hours."""
-
-TELL_EVERY = 0.1
-"""Seconds between two words of how far it is."""
 
 
 def sweepable(session: Session, request: BareMessage, job: WindowJob) -> None:
@@ -56,27 +53,22 @@ def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
     from fuzzyarm.show.sweep import sweep_lines
 
     request, plan = _plan(session, record, job)
-    last = time.monotonic()
 
     def moved(done: int) -> None:
-        nonlocal last
-        if time.monotonic() - last >= TELL_EVERY:
-            last = time.monotonic()
-            job.progress(f"{done:,} of {plan.count:,} runs")
+        job.paced_progress(f"{done:,} of {plan.count:,} runs")
 
     with tempfile.TemporaryDirectory() as folder:
         file = plan.file(str(Path(folder) / f"{Path(session.path).stem}-sweep.csv"))
         answer = answered(plan, file, request, None, moved)
         job.check()  # a hand that stops it is not a fault of a run
         many = many_of(plan.bench, plan.changes, answer.rows)
-        charts = _charts(plan, request, answer.rows) if len(many) == plan.count else []
+        charts = _charts(plan, request, many) if len(many) == plan.count else []
         lines = [*sweep_lines(many, request.metric), *answer.faults]
         tell_result(job, lines, charts, files={file.path.name: file.path.read_bytes()})
 
 
 def _plan(session: Session, record: SweepWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:
     """Return the request and its runs; a mistake is said at its field."""
-    from fuzzyarm.loop.sweep import read_range
     from fuzzyarm.loop.sweeps import sweep_of
 
     controller, model = _controller(session)
@@ -85,12 +77,7 @@ def _plan(session: Session, record: SweepWork, job: WindowJob) -> tuple[SweepReq
     with at_field("plant"):
         plant = plant_named(request.plant or "", model, job.plants)
         request = request.replaced(plant=request.plant or plants_for(model, job.plants)[0]["name"])
-    check_words(request, plant)
-    with at_field("sweep"):
-        for word in request.sweep:
-            read_range(word)
-    if not plant.trajectories:
-        request = request.replaced(trajectory=None, payload=False)
+    request = request_on(plant, request, ranges="sweep")
     with at_field("sweep"):
         plan = sweep_of(request, controller)
     if plan.count > MOST_RUNS:
@@ -111,12 +98,10 @@ def _axes(plan: Sweep, request: SweepRequest) -> Any:
         return map_axes(request, plan)
 
 
-def _charts(plan: Sweep, request: SweepRequest, rows: Any) -> list[Chart]:
+def _charts(plan: Sweep, request: SweepRequest, many: Many) -> list[Chart]:
     """Return the picture of runs on a grid; of runs with drawn values there is none."""
-    from fuzzyarm.loop.many import many_of
     from fuzzyarm.show.sweep import sweep_chart
 
     if request.random is not None:
         return []
-    many = many_of(plan.bench, plan.changes, rows)
     return [sweep_chart(many, _axes(plan, request), request.metric)]

@@ -21,12 +21,12 @@ from fuzzyarm.designer.grounds import (
     FieldError,
     GroundsError,
     at_field,
-    check_words,
     plant_named,
     plants_for,
+    request_on,
     seconds_of,
 )
-from fuzzyarm.designer.jobs import WindowJob
+from fuzzyarm.designer.jobs import TELL_EVERY, WindowJob
 from fuzzyarm.designer.requests import BareMessage, TuneWord, TuneWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
@@ -50,9 +50,6 @@ if TYPE_CHECKING:
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
     from fuzzyarm.tuning.tune import TuneKeywords
-
-TELL_EVERY = 0.1
-"""Seconds between two words of the search."""
 
 MOST_EVALS = 100_000
 MOST_SCENARIOS = 1_000
@@ -316,18 +313,12 @@ def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]
 def _stage(order: PageOrder, text: ControllerText) -> Stage:
     """Return where a controller runs, in the words of the page."""
     from fuzzyarm.designer.stage import Plants
-    from fuzzyarm.loop.sweep import read_range
     from fuzzyarm.loop.words import driven
     from fuzzyarm.tuning.orders import stage_asked
 
     request = order.asked
     plant = plant_named(request.plant or "", text.model, Plants(order.own))
-    check_words(request, plant)
-    with at_field("vary"):
-        for word in request.vary:
-            read_range(word)
-    if not plant.trajectories:
-        request = request.replaced(trajectory=None, payload=None)
+    request = request_on(plant, request, ranges="vary")
     return stage_asked(request, text, driven(request, plant))
 
 
