@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import Site, controller_on
@@ -38,16 +36,10 @@ class OpenRun:
         Of the controller.
     course : Course
         The experiment.
-    taps : sequence of int
-        Cells of the board that are recorded.
-    seed : int, optional
-        In place of that of the options.
+    record : RunRecord
+        What it writes, of this program and course; its seed is that of the run.
     loaded : bool, optional
         Whether :meth:`push` is to be used, which needs a number for each drive and period.
-    between : bool, optional
-        Whether errors of control periods that are not sampled are added up.
-    room : ndarray, optional
-        Where samples are recorded, see :class:`fuzzyarm.loop.program.RunRecord`.
 
     Attributes
     ----------
@@ -64,23 +56,18 @@ class OpenRun:
         site: Site,
         program: LoopProgram,
         course: Course,
-        taps: Any,
-        seed: int | None = None,
+        record: RunRecord,
         *,
         loaded: bool = False,
-        between: bool = True,
-        room: NDArray[np.float64] | None = None,
     ) -> None:
-        self.site, self.course = site, course
-        self.seed = seed
-        self.record = RunRecord(course, program.memory, taps, seed, between=between, room=room)
+        self.site, self.course, self.record = site, course, record
         self.seconds = 0.0
         self.count = len(course.motion.time)
         self._loads = course.loads() if loaded else None
         self._held: dict[int, float] = {}
         if not course.as_array:
             program.controller.prepare(program.arithmetic)
-        self._inputs = course.inputs(seed, self._loads)
+        self._inputs = course.inputs(record.seed, self._loads)
         self._use(program)
 
     @property

@@ -200,7 +200,7 @@ class RunRecord:
         between: bool = True,
         room: NDArray[np.float64] | None = None,
     ) -> None:
-        self.course = course
+        self.course, self.seed = course, seed
         count = len(course.motion.time)
 
         def new(values: Any, kind: type = np.float64) -> Any:

@@ -90,7 +90,7 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
     return units
 
 
-class Measured(NamedTuple):
+class MetricSources(NamedTuple):
     """What metrics are made of, of a run; see :class:`Run`, which has it all, for the fields."""
 
     conventions: Conventions
@@ -108,7 +108,7 @@ class Measured(NamedTuple):
     rms_path: Vector
 
 
-def metrics_by_output(of: Measured | Run) -> dict[str, Metrics]:
+def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
     """Return the metrics of each tracked output, by the names of :func:`judged_names`."""
     metrics = {}
     shown = judged_names(of.axes, of.labels)
@@ -524,9 +524,8 @@ class ClosedLoop:
         """Run once, and return no more than errors and chatter: for searches, in less time."""
         program, course = program or self.program, course or self.course
         taps = self.taps[: 2 * len(course.motion.tracked)]
-        run = OpenRun(self.site, program, course, taps, seed, between=False)
-        run.advance()
-        record = run.record
+        record = RunRecord(course, program.memory, taps, seed, between=False)
+        OpenRun(self.site, program, course, record).advance()
         stopped = None if course.plant.ended else record.diverged()
         names = list(map(self.site.interface.label, course.motion.tracked))
         labels = judged_names([axis for axis, _ in course.motion.tracked], names)
@@ -564,7 +563,8 @@ class ClosedLoop:
     ) -> OpenRun:
         """Begin a run, to be advanced in parts; see :class:`fuzzyarm.loop.open_run.OpenRun`."""
         program, course = program or self.program, course or self.course
-        return OpenRun(self.site, program, course, self.taps, seed, loaded=loaded)
+        record = RunRecord(course, program.memory, self.taps, seed)
+        return OpenRun(self.site, program, course, record, loaded=loaded)
 
     def measured(
         self,
@@ -575,20 +575,20 @@ class ClosedLoop:
         """Run once, and return metrics and when it diverged: for many runs, in less time."""
         program, course = program or self.program, course or self.course
         room = _room(len(self.taps) * len(course.motion.time))
-        open_run = OpenRun(self.site, program, course, self.taps, seed, room=room)
+        record = RunRecord(course, program.memory, self.taps, seed, room=room)
+        open_run = OpenRun(self.site, program, course, record)
         open_run.advance()
-        taps = np.ascontiguousarray(open_run.record.rows.T)
-        metrics = metrics_by_output(self._measured(open_run, taps))
-        over = open_run.course.plant.ended
-        return metrics, None if over else open_run.record.diverged()
+        taps = np.ascontiguousarray(record.rows.T)
+        metrics = metrics_by_output(self._metric_sources(open_run, taps))
+        return metrics, None if course.plant.ended else record.diverged()
 
-    def _measured(self, run: OpenRun, taps: Vector) -> Measured:
+    def _metric_sources(self, run: OpenRun, taps: Vector) -> MetricSources:
         """Return what metrics are made of, of a row for each tap."""
         record, course = run.record, run.course
         followed, label = course.motion, self.site.interface.label
         count, inputs = len(followed.tracked), self.site.interface.inputs
         own = run.program is self.program
-        return Measured(
+        return MetricSources(
             conventions=course.conventions,
             axes=tuple(axis for axis, _ in followed.tracked),
             labels=tuple(map(label, followed.tracked)),
@@ -616,7 +616,7 @@ class ClosedLoop:
         stopped, over = record.diverged(), course.plant.ended
         references, outputs, _ = self._by_port(course, taps)
         return Run(
-            **self._measured(run, taps)._asdict(),
+            **self._metric_sources(run, taps)._asdict(),
             controller=program.controller.name,
             trajectory=followed.name,
             time=followed.sampled[taken],
@@ -631,7 +631,7 @@ class ClosedLoop:
             drive_units={label(port): variable.unit for port, variable in inputs.items()},
             cause="" if over or stopped is None else self._cause(record),
             loaded=tuple((followed.block[taken] != 0).tolist()),
-            seed=course.options.seed if run.seed is None else run.seed,
+            seed=course.options.seed if record.seed is None else record.seed,
             ended=stopped if over else None,
             every=followed.every,
             output_units={label(port): output.unit for port, output in interface.outputs.items()},
