@@ -211,7 +211,10 @@ def load_controller(path: str | os.PathLike[str]) -> ControllerText:
 
 def load_sheet(path: str) -> RuleBase | LookupTable:
     """Return the rule base or table in a file; of a controller, the rule base beside it."""
-    model = load(path)
+    return _sheet_of(load(path), path)
+
+
+def _sheet_of(model: RuleBase | LookupTable | ControllerText, path: str) -> RuleBase | LookupTable:
     if isinstance(model, RuleBase):
         return model
     from fuzzyarm.controller.text import sheet_files
@@ -240,24 +243,30 @@ def controller_if_any(path: str) -> ControllerText | None:
 
 def load_rules(path: str, option: str) -> RuleBase:
     """Return the rule base in a file that was given for `option`."""
-    model = load_sheet(path)
-    if not isinstance(model, RuleBase):
+    return _rules_of(load(path), path, option)
+
+
+def _rules_of(model: RuleBase | LookupTable | ControllerText, path: str, option: str) -> RuleBase:
+    sheet = _sheet_of(model, path)
+    if not isinstance(sheet, RuleBase):
         raise WordError(f"{option} takes a rule base, but {path} is a table")
-    return model
+    return sheet
 
 
 def load_used_rules(path: str, option: str) -> RuleBase:
     """Return the rule base in a file; of a controller the only one that it uses."""
-    controller = controller_if_any(path)
-    if controller is None:
-        return load_rules(path, option)
-    sheets = (sheet for several in controller.sheets.values() for sheet in several)
+    from fuzzyarm.controller.text import ControllerText
+
+    model = load(path)
+    if not isinstance(model, ControllerText):
+        return _rules_of(model, path, option)
+    sheets = (sheet for several in model.sheets.values() for sheet in several)
     used = [sheet for sheet in dict.fromkeys(sheets) if isinstance(sheet, RuleBase)]
     if len(used) > 1:
         names = ", ".join(f"'{rulebase.name}'" for rulebase in used)
         hint = f"it uses {names}: give the file of one"
         raise WordError(f"{path} uses {len(used)} rule bases", hint=hint)
-    return used[0] if used else load_rules(path, option)
+    return used[0] if used else _rules_of(model, path, option)
 
 
 def load_sampled(path: str) -> LookupTable:
