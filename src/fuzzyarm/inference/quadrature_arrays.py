@@ -32,7 +32,7 @@ Entries = list[tuple[int, Array]]
 _AT_ONCE = 1 << 14
 
 
-class Panels(NamedTuple):
+class PanelsOfPoints(NamedTuple):
     """Panels of some points: whose each is, its ends, its area, its moment about the centre."""
 
     point: NDArray[np.intp]
@@ -41,13 +41,13 @@ class Panels(NamedTuple):
     area: Array
     moment: Array
 
-    def where(self, chosen: NDArray[Any]) -> Panels:
+    def where(self, chosen: NDArray[Any]) -> PanelsOfPoints:
         """Return the panels that a mask or indices choose."""
-        return Panels(*(column[chosen] for column in self))
+        return PanelsOfPoints(*(column[chosen] for column in self))
 
 
-def _one_list(lists: Sequence[Panels]) -> Panels:
-    return Panels(*map(np.concatenate, zip(*lists, strict=True)))
+def _one_list(lists: Sequence[PanelsOfPoints]) -> PanelsOfPoints:
+    return PanelsOfPoints(*map(np.concatenate, zip(*lists, strict=True)))
 
 
 class _Quadrature:
@@ -61,19 +61,21 @@ class _Quadrature:
         )  # fmt: skip
         point, x0, x1 = _first_panels(plan, entries, count)
         area, moment = panel_rule(plan, entries, point, x0, x1, self.centre)
-        self.first = Panels(point, x0, x1, area, moment)
+        self.first = PanelsOfPoints(point, x0, x1, area, moment)
         self.total = sum_by_point(point, area, count)
         strongest = np.maximum.reduce([strength for _, strength in entries])
         self.noise = np.array([noise_of(plan, 1.0)]) * np.minimum(1.0, strongest)
         if noise_of(plan, 0.0) > 0.0:  # rounding that does not shrink with the strengths
             self.noise = np.full(count, noise_of(plan, 1.0))
 
-    def halved(self, panels: Panels) -> tuple[Panels, Panels, NDArray[np.bool_]]:
+    def halved(
+        self, panels: PanelsOfPoints
+    ) -> tuple[PanelsOfPoints, PanelsOfPoints, NDArray[np.bool_]]:
         """Return the left and the right halves, and whether they agree with the wholes."""
         point, x0, x1, area, moment = panels
         middle = 0.5 * (x0 + x1)
         left, right = (
-            Panels(point, start, end, *panel_rule(
+            PanelsOfPoints(point, start, end, *panel_rule(
                 self.plan, self.entries, point, start, end, self.centre))
             for start, end in ((x0, middle), (middle, x1))
         )  # fmt: skip
@@ -82,7 +84,7 @@ class _Quadrature:
         agree &= np.abs(moment - left.moment - right.moment) <= limit * self.half_range
         return left, right, agree
 
-    def leaves_in_order(self, panels: Panels) -> Panels:
+    def leaves_in_order(self, panels: PanelsOfPoints) -> PanelsOfPoints:
         """Finish one point as :func:`.leaves_at_point` does, whose panels run out on the way.
 
         That goes from left to right: a panel comes before its left half, and that, with all its
@@ -91,7 +93,7 @@ class _Quadrature:
         halved together, but none that is known to come too late.
         """
         count = panels.point.size
-        family = _Family(
+        family = _Origins(
             np.zeros(count, np.intp), np.arange(count), np.zeros(count, np.int64),
             np.full(count, -1),
         )  # fmt: skip
@@ -116,7 +118,7 @@ class _Quadrature:
         return _one_list(finished).where(chosen)
 
 
-class _Family(NamedTuple):
+class _Origins(NamedTuple):
     """Where panels of one point come from.
 
     How often they were halved, out of which first panel; which halves they are, a bit for each
@@ -128,20 +130,20 @@ class _Family(NamedTuple):
     way: NDArray[np.int64]
     parent: NDArray[np.intp]
 
-    def halves(self, split: NDArray[np.intp], known: int) -> _Family:
+    def halves(self, split: NDArray[np.intp], known: int) -> _Origins:
         """Return the same of the left halves of some, and then of the right ones.
 
         `known`: how many panels there were before these.
         """
         depth, first, way, _ = (column[split] for column in self)
         right = way | (1 << (DEEPEST - 1 - depth))
-        return _Family(
+        return _Origins(
             np.tile(depth + 1, 2), np.tile(first, 2), np.concatenate([way, right]),
             np.tile(known + split, 2),
         )  # fmt: skip
 
 
-def _ranked(families: Sequence[_Family]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _ranked(families: Sequence[_Origins]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the wholes of panels, and when they come: left to right, wholes before halves."""
     depth, first, way, parent = map(np.concatenate, zip(*families, strict=True))
     rank = np.empty(depth.size, np.intp)
@@ -149,12 +151,14 @@ def _ranked(families: Sequence[_Family]) -> tuple[NDArray[np.intp], NDArray[np.i
     return parent, rank
 
 
-def _whole(left: Panels, right: Panels) -> Panels:
+def _whole(left: PanelsOfPoints, right: PanelsOfPoints) -> PanelsOfPoints:
     """Return finished panels: the sums of their halves."""
-    return Panels(left.point, left.x0, right.x1, left.area + right.area, left.moment + right.moment)
+    return PanelsOfPoints(
+        left.point, left.x0, right.x1, left.area + right.area, left.moment + right.moment
+    )
 
 
-def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> Panels:
+def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> PanelsOfPoints:
     """Integrate the aggregates of `count` points.
 
     Parameters
@@ -168,7 +172,7 @@ def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> Panels
 
     Returns
     -------
-    Panels
+    PanelsOfPoints
         The finished ones of every point, point by point from left to right.
     """
     quadrature = _Quadrature(plan, entries, count)
