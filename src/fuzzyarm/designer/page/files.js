@@ -45,7 +45,8 @@ class FolderPane {
     this.starts = {};
     this.standing = ""; // what is said where there is nothing else
     this.round = 0; // of asking for findings
-    this.create = el("button", { textContent: S.newFile, onclick: () => this.begin() });
+    // Until the folder is known there is nothing to choose from.
+    this.create = el("button", { textContent: S.newFile, disabled: true, onclick: () => this.begin() });
     bar.append(
       el("span", { class: "space" }),
       this.create,
