@@ -75,13 +75,13 @@ class _FuzzyModel(BaseEstimator):
         )
 
     def _learn(self, samples: Samples) -> Fit:
-        fit_ = fit(samples, self._options())
-        if fit_.interrupted:  # a grid search would go on as if nothing had happened
+        result = fit(samples, self._options())
+        if result.interrupted:  # a grid search would go on as if nothing had happened
             raise KeyboardInterrupt
-        self.rulebase_ = fit_.rulebase
-        self.text_ = fit_.text
-        self.fit_ = fit_
-        return fit_
+        self.rulebase_ = result.rulebase
+        self.text_ = result.text
+        self.fit_ = result
+        return result
 
     def _input_names(self, taken: tuple[str, ...]) -> tuple[str, ...]:
         """Return names for the inputs; x0, x1 … where the samples have none."""

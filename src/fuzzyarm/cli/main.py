@@ -300,9 +300,11 @@ def _overview(words: list[str], name: str | None) -> int:
         return EXIT_USAGE
     import difflib
 
+    from fuzzyarm.text.names import did_you_mean
+
     word = name or words[0]
     near = [MEANT[word]] if word in MEANT else difflib.get_close_matches(word, COMMANDS, n=1)
-    hint = f"did you mean '{near[0]}'?" if near else "see fuzzyarm --help"
+    hint = did_you_mean(*near) if near else "see fuzzyarm --help"
     print_error(f"no command '{word}'; {hint}")
     return EXIT_USAGE
 

@@ -176,7 +176,7 @@ def _ensemble_lines(ensemble: Ensemble, row: PublishedRow) -> list[str]:
     inside = ["inside" if is_inside else "OUTSIDE" for is_inside in ensemble.inside(row.figures)]
     return [
         f"  {ensemble.runs} runs, each disturbed in the last bit at every step:",
-        *(_line(name, [f"{value:.4f}" for value in row_]) for name, row_ in rows.items()),
+        *(_line(name, [f"{value:.4f}" for value in figures]) for name, figures in rows.items()),
         _line("published", inside),
     ]
 

@@ -153,30 +153,30 @@ def _gains_data(gains: Gains) -> dict[str, Any]:
     }
 
 
-def _pairs(field_: Field) -> dict[str, tuple[Fraction, Fraction]]:
-    return {name: pair.pair for name, pair in field_.items()}
+def _pairs(entry: Field) -> dict[str, tuple[Fraction, Fraction]]:
+    return {name: pair.pair for name, pair in entry.items()}
 
 
-def _rationals(field_: Field) -> dict[str, Fraction]:
-    return {name: number.rational for name, number in field_.items()}
+def _rationals(entry: Field) -> dict[str, Fraction]:
+    return {name: number.rational for name, number in entry.items()}
 
 
-def texts_of(field_: Field) -> dict[str, str]:
+def texts_of(entry: Field) -> dict[str, str]:
     """Return texts by name."""
-    return {name: text.text for name, text in field_.items()}
+    return {name: text.text for name, text in entry.items()}
 
 
-def _gains(field_: Field) -> Gains:
+def _gains(entry: Field) -> Gains:
     return Gains(
-        _pairs(field_["region"]),
-        field_["between"].pair,
-        _rationals(field_["weights"]),
-        _pairs(field_["gains"]),
+        _pairs(entry["region"]),
+        entry["between"].pair,
+        _rationals(entry["weights"]),
+        _pairs(entry["gains"]),
     )
 
 
-def _spread(field_: Field) -> tuple[int, int, Fraction, Fraction]:
-    k, j, low, high = field_.row(4)
+def _spread(entry: Field) -> tuple[int, int, Fraction, Fraction]:
+    k, j, low, high = entry.row(4)
     return k.index, j.index, low.rational, high.rational
 
 

@@ -524,6 +524,6 @@ def _demand_still(problem: LoopProblem) -> None:
     for root in equations.outputs:
         if set(symbols(root)) & {*equations.inputs, *equations.parameters}:
             spans = dict(zip(equations.parameters, problem.parameters.values(), strict=True))
-            open_ = {key for key, span in spans.items() if span.low < span.high}
-            if set(symbols(root)) & {*equations.inputs, *open_}:
+            free = {key for key, span in spans.items() if span.low < span.high}
+            if set(symbols(root)) & {*equations.inputs, *free}:
                 raise LoopProofError("an output depends on an input or an open parameter at once")

@@ -77,9 +77,9 @@ class Conclusions:
         return forms
 
     def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
-        for variable_, low, high in self._universes(prover):
-            if not low <= at[variable_] <= high:
-                raise LoopProofError(f"at rest '{variable_}' is outside its universe")
+        for name, low, high in self._universes(prover):
+            if not low <= at[name] <= high:
+                raise LoopProofError(f"at rest '{name}' is outside its universe")
         value = prover.exactly(at)
         if value is None:
             raise LoopProofError("no rule fires at rest")
@@ -278,7 +278,7 @@ def _table_form(
     values = np.asarray(sheet.values, float)
     total = Affine(ZERO)
     region, gains = {}, {}
-    for number_, (axis, (name, form)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
+    for index, (axis, (name, form)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
         if form.is_constant:
             continue
         levels = np.asarray(axis.levels, float)
@@ -287,7 +287,7 @@ def _table_form(
         if half <= 0:
             raise LoopProofError(f"at rest '{name}' is at the end of its table")
         algebra.require(form, -half, half, f"'{name}' of a table")
-        steps = Intervals.at(np.moveaxis(values, number_, -1))
+        steps = Intervals.at(np.moveaxis(values, index, -1))
         slopes = (steps[..., 1:] - steps[..., :-1]) / (
             Intervals.at(levels[1:]) - Intervals.at(levels[:-1])
         )

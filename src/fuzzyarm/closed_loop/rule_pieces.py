@@ -327,9 +327,9 @@ def _sums(piece: SimplexPiece, row: Sequence[Fraction]) -> list[Fraction]:
 
 def _sides(piece: SimplexPiece, row: Sequence[Fraction]) -> list[SimplexPiece]:
     """Return a piece, or its parts on both sides of σ = 0."""
-    open_, parts = [piece], []
-    while open_:
-        part = open_.pop()
+    waiting, parts = [piece], []
+    while waiting:
+        part = waiting.pop()
         sums = _sums(part, row)
         low, high = min(sums), max(sums)
         if low >= 0 or high <= 0:
@@ -337,7 +337,7 @@ def _sides(piece: SimplexPiece, row: Sequence[Fraction]) -> list[SimplexPiece]:
             continue
         i, j = sums.index(low), sums.index(high)
         share = sums[i] / (sums[i] - sums[j])  # of the way from corner i to corner j
-        open_ += [_moved(part, i, j, share), _moved(part, j, i, 1 - share)]
+        waiting += [_moved(part, i, j, share), _moved(part, j, i, 1 - share)]
     return parts
 
 

@@ -56,10 +56,8 @@ def refuting_run(
         against = _breach(problem, claim, run, rest)
         finer = against and run_of(problem, start, values, claim, steps=4)
         if finer and _breach(problem, claim, finer, rest):
-            open_ = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
-            words = ", ".join(
-                f"{name} = {number_text(x)}" for name, x in {**start, **open_}.items()
-            )
+            free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
+            words = ", ".join(f"{name} = {number_text(x)}" for name, x in {**start, **free}.items())
             return Breach(run, (f"from {words}", against))
     return None
 

@@ -39,11 +39,11 @@ def require_still(problem: LoopProblem) -> None:
             if isinstance(node, Apply) and node.operation in JUMPS:
                 raise LoopProofError(f"the equations of {name} may jump: '{node.operation}'")
     spans = zip(equations.parameters, problem.parameters.values(), strict=True)
-    open_ = {key for key, span in spans if span.low < span.high}
+    free = {key for key, span in spans if span.low < span.high}
     for root in equations.outputs:
         if set(equations.inputs) & set(symbols(root)):
             raise LoopProofError(f"an output of {name} depends on an input at once")
-        if open_ & set(symbols(root)):
+        if free & set(symbols(root)):
             raise LoopProofError(f"an output of {name} depends on a parameter that is open")
 
 
@@ -149,8 +149,8 @@ class SampledPlant:
                     of = self.problem.states[j] if j < count else self.equations.inputs[j - count]
                     words = f"the plant, {name} by {of} in {low:.6g} .. {high:.6g}"
                     row = row.plus(algebra.block(signal.scaled(radius), words))
-                    low_, high_ = Fraction(middle) - radius, Fraction(middle) + radius
-                    algebra.spread.append((k, j, low_, high_))
+                    bottom, top = Fraction(middle) - radius, Fraction(middle) + radius
+                    algebra.spread.append((k, j, bottom, top))
                 elif radius:
                     spread = spread.plus(_magnitudes(signal, radius))
             rows.append(row)

@@ -226,13 +226,13 @@ class _Bisection:
 
     def tube(self, boxes: Sequence[int]) -> Tube:
         """Return the tube."""
-        open_ = self._cut(boxes)
+        waiting = self._cut(boxes)
         finished: list[FollowedBoxes] = []
         failed: list[Box] = []
         unfollowed: list[Box] = []
-        count = len(open_)
-        while open_:
-            batch, open_ = open_[:AT_ONCE], open_[AT_ONCE:]
+        count = len(waiting)
+        while waiting:
+            batch, waiting = waiting[:AT_ONCE], waiting[AT_ONCE:]
             halves = bool(self.follower.names) and count < self.most
             halves &= clock.monotonic() < self.until
             for group, course, weights in self._followed(batch, whole=not halves):
@@ -255,10 +255,10 @@ class _Bisection:
                     halved = []
                 for box in halved:
                     way = self._dimension(box, weights[:, group.index(box)], lost=course is None)
-                    open_ += box.halves(way)
+                    waiting += box.halves(way)
                     count += 1
             if self.progress is not None:
-                self.progress(self.done, len(open_))
+                self.progress(self.done, len(waiting))
         return self._answer(finished, failed, unfollowed, count)
 
     def _cut(self, boxes: Sequence[int]) -> list[Box]:
@@ -331,7 +331,7 @@ class _Bisection:
                 strict=True,
             )
         )
-        open_ = tuple(
+        waiting = tuple(
             {name: Interval(a, b) for name, a, b in zip(names, box.low, box.high, strict=True)}
             for box in (*failed, *lost)
         )
@@ -346,7 +346,7 @@ class _Bisection:
             low_at=low_at,
             high_at=high_at,
             boxes=count,
-            open=open_,
+            open=waiting,
             complete=not lost and bool(finished),
             seconds=clock.monotonic() - self.begun,
             arrival=0.0 if follower.goal is None else max(lengths) * period,

@@ -41,11 +41,11 @@ def proof_boxes(
         s.
     """
     until = time.monotonic() + budget
-    open_: list[tuple[tuple[int, bool], ...]] = [()]
+    waiting: list[tuple[tuple[int, bool], ...]] = [()]
     proofs: list[BoxProof] = []
     wide = [k for k, x in enumerate(loop.problem.start.values()) if x.low < x.high]
-    while open_:
-        path = open_.pop(0)
+    while waiting:
+        path = waiting.pop(0)
         proof = _followed(loop, claim, port, path, until)
         if isinstance(proof, BoxProof):
             proofs.append(proof)
@@ -54,7 +54,7 @@ def proof_boxes(
             return proof
         # Along each of the states in turn, as the whole box was wide.
         dimension = wide[len(path) % len(wide)]
-        open_ += [(*path, (dimension, False)), (*path, (dimension, True))]
+        waiting += [(*path, (dimension, False)), (*path, (dimension, True))]
     return tuple(proofs)
 
 

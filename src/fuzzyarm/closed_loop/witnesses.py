@@ -81,12 +81,12 @@ def _starts(
     root = np.linalg.inv(np.linalg.cholesky(quadratic)).T
     rest = np.array([float(loop.rest[name]) for name in names])
     generator = np.random.default_rng(0)
-    open_ = {n: span for n, span in problem.parameters.items() if span.low < span.high}
+    free = {n: span for n, span in problem.parameters.items() if span.low < span.high}
     for _ in range(count):
         way = generator.standard_normal(len(names))
         way /= np.linalg.norm(way)
         at = rest + centre + 0.9999 * math.sqrt(level) * (root @ way)
-        values = {n: float(generator.choice([span.low, span.high])) for n, span in open_.items()}
+        values = {n: float(generator.choice([span.low, span.high])) for n, span in free.items()}
         yield dict(zip(names, map(float, at), strict=True)), values
 
 

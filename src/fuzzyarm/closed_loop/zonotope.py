@@ -425,16 +425,18 @@ def positive_part(x: Forms) -> Forms:
     low, high = bounds.low, bounds.high
     if (low >= 0.0).all():
         return x
-    open_ = (low < 0.0) & (high > 0.0)
+    undecided = (low < 0.0) & (high > 0.0)
     # Any slope λ in [0, 1] will do: max(x, 0) - λ x lies between 0 and the larger of -λ l and
     # (1 - λ) h.
-    slope = np.where(open_, high / np.where(open_, high - low, 1.0), (low >= 0.0).astype(float))
+    slope = np.where(
+        undecided, high / np.where(undecided, high - low, 1.0), (low >= 0.0).astype(float)
+    )
     slope = np.clip(slope, 0.0, 1.0)
     band = (
         Intervals.at(-slope) * Intervals.at(low),
         (1.0 - Intervals.at(slope)) * Intervals.at(high),
     )
-    most = np.where(open_, np.maximum(band[0].high, band[1].high), 0.0)
+    most = np.where(undecided, np.maximum(band[0].high, band[1].high), 0.0)
     return x.scaled(slope) + Forms.between(np.zeros_like(most), np.maximum(most, 0.0))
 
 

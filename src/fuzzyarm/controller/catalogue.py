@@ -46,6 +46,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.names import did_you_mean
 
 # --- What an entry of the catalogue is, and what its maker is asked for ---
 
@@ -437,15 +438,15 @@ class CatalogueLaws:
     def __call__(self, law: str) -> CompiledController:
         """Return a law of the catalogue with its gains."""
         record = CATALOGUE.get(law)
-        law_ = None
+        controller = None
         if isinstance(record, Entry):
-            law_ = record.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
-        if not isinstance(law_, CompiledController):
+            controller = record.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
+        if not isinstance(controller, CompiledController):
             laws = ", ".join(entry.name for entry in CONVENTIONAL if "+" not in entry.name)
             raise SourceError(
                 f"no law of the catalogue is called '{law}'", hint=f"there are {laws}"
             )
-        return law_
+        return controller
 
 
 def _both(first: Change | None, second: Change) -> Change:
@@ -511,7 +512,7 @@ class UnknownControllerError(FuzzyarmError, LookupError):
         if os.path.isdir(name):
             hint = "it is a folder: name a file in it"
         elif near:
-            hint = "did you mean " + " or ".join(f"'{name_}'" for name_ in near) + "?"
+            hint = did_you_mean(*near)
         else:
             hint = "fuzzyarm simulate --list names all"
         super().__init__(f"no controller '{name}'", hint=hint)

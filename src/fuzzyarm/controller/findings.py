@@ -363,7 +363,7 @@ def _limits_before_factors(
         if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
             continue
         within = line.source.option("within")
-        if not isinstance(within, tuple) or not any(product_.factors for product_ in line.products):
+        if not isinstance(within, tuple) or not any(product.factors for product in line.products):
             continue
         limits, name = Interval(*within), line.names[0]
         for what, reader in _readers(model, reaches, site, axes, name):
@@ -389,7 +389,7 @@ def _readers(
             yield up.sheet, up.universe
     for line in axes.lines:
         if not isinstance(line, Drive) or name not in {
-            factor.value for product_ in line.products for factor in product_.factors
+            factor.value for product in line.products for factor in product.factors
         }:
             continue
         if line.within is not None:

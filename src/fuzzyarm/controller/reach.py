@@ -344,17 +344,17 @@ class _LineWalk:
         )
         settings = {name: self._number(value) for name, value in kind.settings(options).items()}
         unit = of_difference(reach.unit) if kind.difference else reach.unit
-        reach_ = Reach(
+        bounds = Reach(
             range_of_source(kind, near, settings, kind.starts(options)),
             math.inf if kind.pace is None else kind.pace(near),
             unit=product(unit, {"s": kind.seconds}),
             scaled=reach.scaled,
         )
         if kind.kept == "signal":
-            return replace(reach_, kept=reach.kept, origins=reach.origins, tight=reach.tight)
+            return replace(bounds, kept=reach.kept, origins=reach.origins, tight=reach.tight)
         kept_by = FED_BACK if kind.kept == "loop" else MADE
         # What the text alone keeps small goes wherever it can.
-        return replace(reach_, kept=kept_by, origins=_own(of), tight=kept_by == MADE or reach.tight)
+        return replace(bounds, kept=kept_by, origins=_own(of), tight=kept_by == MADE or reach.tight)
 
     def _port(self, of: Source) -> Reach:
         """Return where a value of a port is, or its error."""

@@ -93,7 +93,7 @@ def _axes(plan: Sweep, request: SweepRequest) -> Any:
     from fuzzyarm.loop.sweeps import map_axes
 
     if len(plan.ranges) > 2 and not request.map:
-        request = request.replaced(map=",".join(range_.name for range_ in plan.ranges[:2]))
+        request = request.replaced(map=",".join(axis.name for axis in plan.ranges[:2]))
     with at_field("map"):
         return map_axes(request, plan)
 

@@ -184,7 +184,7 @@ class _STFunction(_Function):
         inputs = [line for name in self.parameters for line in self._declared(name)]
         local = {n: t for n, t in self.types.items() if n not in self.parameters}
         lines = [line for name in local for line in self._declared(name)]
-        lines += [f"    {name} : {kind_};" for name, kind_ in self.own.items()]
+        lines += [f"    {name} : {st_type};" for name, st_type in self.own.items()]
         end = [f"{self.name} := TRUE;"] if kind == "BOOL" and self.returned is not TRUTH else []
         self.text = "\n".join([
             f"FUNCTION {self.name} : {kind}", *self.whole.memories(), *results, "END_VAR",

@@ -154,10 +154,10 @@ class DefuzzifierKind(Kind):
         """Return the value from its numbers by name, which may be floats or arrays."""
         if self.figure:
             return figures[self.figure]
-        figures_ = [figures[name] for name in self.symbols]
-        if all(isinstance(figure, float) for figure in figures_):
-            return self.scalar(*figures_)
-        return self.array(*figures_)
+        arguments = [figures[name] for name in self.symbols]
+        if all(isinstance(figure, float) for figure in arguments):
+            return self.scalar(*arguments)
+        return self.array(*arguments)
 
 
 class Defuzzifiers(Registry[DefuzzifierKind]):

@@ -168,17 +168,17 @@ class _Lowering:
             arguments: tuple[Node, ...] = (known[node.arguments[0]], second)
         else:
             arguments = tuple(known[child] for child in node.arguments)
-        node_ = apply(node.operation, *arguments)
-        self.depth[node_] = 1 + max(self.depth.get(argument, 0) for argument in arguments)
+        copy = apply(node.operation, *arguments)
+        self.depth[copy] = 1 + max(self.depth.get(argument, 0) for argument in arguments)
         shared = self.uses[node] > 1 and not OPERATIONS[node.operation].is_condition
         # A chain such as a + b + c prints without nesting: its left side costs little depth.
         if OPERATIONS[node.operation].binds < 9 and isinstance(arguments[0], Apply):
             rest = [self.depth.get(argument, 0) + 1 for argument in arguments[1:]]
-            self.depth[node_] = max([self.depth.get(arguments[0], 0) + 1 / 8, *rest])
-        if not shared and self.depth[node_] < DEEPEST:
-            return node_
+            self.depth[copy] = max([self.depth.get(arguments[0], 0) + 1 / 8, *rest])
+        if not shared and self.depth[copy] < DEEPEST:
+            return copy
         name = next(self.names)
-        body.append(Assign(name, node_))
+        body.append(Assign(name, copy))
         return symbol(name)
 
     def _choose(self, node: Apply, known: dict[Node, Node], body: list[Statement]) -> None:

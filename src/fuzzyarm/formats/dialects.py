@@ -317,12 +317,12 @@ class Spelling(NamedTuple):
 @lru_cache(maxsize=1000)
 def spellings(kind: Kind, key: str) -> tuple[Spelling, ...]:
     """Return the names of a kind under one key, the one to write first."""
-    spellings_ = []
+    variants = []
     for text in filter(None, kind.names.get(key, "").split(",")):
         word, *numbers = text.split()
         order = map(kind.parameters.index, numbers or kind.parameters)
-        spellings_.append(Spelling(kind.name, word, tuple(order)))
-    return tuple(spellings_)
+        variants.append(Spelling(kind.name, word, tuple(order)))
+    return tuple(variants)
 
 
 def all_spellings(kinds: Mapping[str, Kind], *keys: str) -> Mapping[str, Spelling]:
@@ -347,5 +347,5 @@ def words(kinds: Mapping[str, Kind], *keys: str) -> dict[str, str]:
 
 def word_of(kinds: Mapping[str, Kind], name: str, key: str) -> str | None:
     """Return the word to write for a kind, or None where the program does not know it."""
-    spellings_ = spellings(kinds[name], key) if name in kinds else []
-    return spellings_[0].word if spellings_ else None
+    variants = spellings(kinds[name], key) if name in kinds else []
+    return variants[0].word if variants else None

@@ -438,7 +438,7 @@ def parse_fcl(
     """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
-        dialect_ = FCL[dialect or detect(plain)]
-        return _Reader(plain, dialect_, findings).read(block), dialect_
+        record = FCL[dialect or detect(plain)]
+        return _Reader(plain, record, findings).read(block), record
 
     return imported(text, path, read, lossy=lossy, strict=strict)

@@ -60,10 +60,8 @@ def write_fcl(
     if dialect is not None:
         demand_program(dialect, ".fcl", "written for", PRODUCERS)
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
-    dialects = [FCL[producer] for producer in producers]
-    return best(
-        [_Writer(rulebase, dialect_, lossy=lossy, strict=strict).export() for dialect_ in dialects]
-    )
+    writers = [_Writer(rulebase, FCL[name], lossy=lossy, strict=strict) for name in producers]
+    return best([writer.export() for writer in writers])
 
 
 class _Writer(SystemWriter):

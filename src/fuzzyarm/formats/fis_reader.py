@@ -135,15 +135,15 @@ class _Reader(SystemReader):
         self.is_toolbox = is_of_toolbox(text)
 
     def read(self) -> RuleBase | None:
-        sections_ = sections(self.text, self.findings)
-        systems = [section for section in sections_ if section.kind == "system"]
+        fis_sections = sections(self.text, self.findings)
+        systems = [section for section in fis_sections if section.kind == "system"]
         for section in systems:
             self._section(section, 0)
         if not self._has_known_type():
             return None
-        inputs = sum(section.kind == "input" for section in sections_)
+        inputs = sum(section.kind == "input" for section in fis_sections)
         # [Input2] may stand before [Input1]; the rules go by number.
-        for section in sorted(sections_, key=lambda section: section.number):
+        for section in sorted(fis_sections, key=lambda section: section.number):
             if section.kind != "system":
                 self._section(section, inputs)
         self._check_whole(systems)
@@ -340,8 +340,8 @@ class _Reader(SystemReader):
         if unique != draft.name:
             what = "has no name" if not draft.name else f"shares the name '{name}'"
             message = f"the {section.kind} {what}; it is called '{unique}'"
-            name_ = "duplicate-variable" if draft.name else "missing-name"
-            self.findings.warn(name_, message, draft.word)
+            code = "duplicate-variable" if draft.name else "missing-name"
+            self.findings.warn(code, message, draft.word)
         draft.word = TextPiece(unique, draft.word.span)
 
     def _variable_setting(

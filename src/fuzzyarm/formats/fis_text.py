@@ -64,13 +64,13 @@ class _Comments:
 
 def sections(text: str, findings: Findings) -> list[Section]:
     """Return the sections of a file; ``[FISTree]`` ends the reading."""
-    sections_: list[Section] = []
+    fis_sections: list[Section] = []
     comments = _Comments()
     for line in lines_of(text, comments.cut):
         match = _HEADER.match(line.text) if len(line.text) < 100 else None
         if match:
             digits = match.group(2)[:6]
-            sections_.append(Section(match.group(1).lower(), int(digits or 0), line.span))
+            fis_sections.append(Section(match.group(1).lower(), int(digits or 0), line.span))
             name = line.part(*match.span(1))
             if name.text.lower() == "fistree":
                 message = (
@@ -80,8 +80,8 @@ def sections(text: str, findings: Findings) -> list[Section]:
                 raise FaultError(message, line, "unsupported-type")
             if name.text.capitalize() not in _SECTIONS:
                 findings.unknown("syntax", "the section", name, _SECTIONS)
-        elif sections_:
-            sections_[-1].lines.append(line)
+        elif fis_sections:
+            fis_sections[-1].lines.append(line)
         elif not findings.failed:  # of many such lines the first
             message = f"'{line.text[:40]}' is before any section"
             findings.error("syntax", message, line)
@@ -89,7 +89,7 @@ def sections(text: str, findings: Findings) -> list[Section]:
             comments.glued.remove(line.text)
             message = "this rule is glued to the comment before it; fuzzylite leaves such rules out"
             findings.warn("glued-rule", f"{message}, here it is read", line)
-    return sections_
+    return fis_sections
 
 
 def _without_comment(raw: str) -> str:

@@ -341,16 +341,16 @@ class _Reader(SystemReader):
         else:
             norm = f"s:{self.snorm(element.get('t-conorm', 'MAX')) or 'max'}"
         norms.append(norm)
-        degrees_: list[Degree | None] = []
+        operands: list[Degree | None] = []
         for child in element.all("termName", "and", "or"):
             if child.tag.text == "termName":
-                degrees_.append(self._named_degree(child, draft, parts))
+                operands.append(self._named_degree(child, draft, parts))
             else:
-                degrees_.append(self._joined(child, draft, parts, norms))
-        degrees = [degree for degree in degrees_ if degree is not None]
-        if len(degrees_) < 2:
+                operands.append(self._joined(child, draft, parts, norms))
+        degrees = [degree for degree in operands if degree is not None]
+        if len(operands) < 2:
             raise FaultError(f"<{element.tag.text}> joins two terms", element.tag)
-        return norm_of(norm, degrees) if len(degrees) == len(degrees_) else None
+        return norm_of(norm, degrees) if len(degrees) == len(operands) else None
 
     def _named_degree(
         self, element: _Element, draft: VariableDraft, parts: list[Shape]

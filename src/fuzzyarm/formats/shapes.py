@@ -338,13 +338,13 @@ def word_and_numbers(shape: Shape, key: str) -> tuple[str, tuple[float, ...]] | 
 
     `key` is that of the names in the records; None where the program has no such shape.
     """
-    spellings_ = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
-    if not spellings_:
+    variants = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
+    if not variants:
         return None
     p = shape.parameters
     # Two words for a ramp are one for each direction: MATLAB's linsmf and linzmf.
-    falls = shape.kind == "ramp" and len(spellings_) == 2 and p[0] > p[1]
-    spelling = spellings_[falls]
+    falls = shape.kind == "ramp" and len(variants) == 2 and p[0] > p[1]
+    spelling = variants[falls]
     numbers = tuple(p[index] for index in spelling.order) or p
     return spelling.word, numbers if shape.height == 1.0 else (*numbers, shape.height)
 

@@ -66,14 +66,14 @@ def identifier(name: str, reserved: frozenset[str], *, ignore_case: bool) -> str
     """Return a name as an identifier that is not reserved."""
     # A fraction or a raised digit is a word character, but no reader takes it for a letter.
     plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
-    name_ = re.sub(r"\W+", "_", plain).strip("_") or "_"
+    word = re.sub(r"\W+", "_", plain).strip("_") or "_"
     if name.isidentifier() and re.fullmatch(r"\w+", name):
-        name_ = name
-    elif name_[0].isnumeric():
-        name_ = f"_{name_}"
-    if (name_.lower() if ignore_case else name_) in reserved:
-        name_ = f"{name_}_"
-    return name_
+        word = name
+    elif word[0].isnumeric():
+        word = f"_{word}"
+    if (word.lower() if ignore_case else word) in reserved:
+        word = f"{word}_"
+    return word
 
 
 def identifiers(
@@ -86,11 +86,11 @@ def identifiers(
     """Return names that are identifiers and not reserved; report every change."""
 
     def fitted(name: str, taken: set[str], what: str) -> str:
-        name_ = unique_name(identifier(name, reserved, ignore_case=ignore_case), taken)
-        taken.add(name_)
-        if name_ != name:
-            findings.warn("renamed", f"the {what} '{name}' is written as {name_}")
-        return name_
+        word = unique_name(identifier(name, reserved, ignore_case=ignore_case), taken)
+        taken.add(word)
+        if word != name:
+            findings.warn("renamed", f"the {what} '{name}' is written as {word}")
+        return word
 
     names = WrittenNames()
     variables: set[str] = set()
@@ -260,10 +260,10 @@ class _SentenceWriter:
             inner = self.closed(self.condition(expression.operand, rule))
             return " ".join([*self.negations(expression.hedges, rule), inner])
         parts = []
-        for operand_ in expression.operands:
-            operand = operand_
-            if isinstance(operand_, Hedged) and self.dialect.activates:
-                operand = self.pushed_in(operand_)
+        for part in expression.operands:
+            operand = part
+            if isinstance(part, Hedged) and self.dialect.activates:
+                operand = self.pushed_in(part)
             text = self.condition(operand, rule)
             # To fuzzylite `and` binds tighter than `or`, to jFuzzyLogic they bind alike.
             apart = isinstance(operand, Or) or type(operand) is type(expression)

@@ -43,11 +43,11 @@ ENDS_OF_INTERVAL = 4.0
 
 def microseconds(rulebase: RuleBase) -> float:
     """Return how long one point of a rule base takes among many, roughly."""
-    plan_ = plan(rulebase)
+    steps = plan(rulebase)
     covered = not what_is_not_covered(rulebase)
     per_rule = PER_RULE if covered else PER_RULE_OF_NUMPY
-    rules = per_rule * len(plan_.rules)
-    return rules + sum(_of_output(output, covered=covered) for output in plan_.outputs.values())
+    rules = per_rule * len(steps.rules)
+    return rules + sum(_of_output(output, covered=covered) for output in steps.outputs.values())
 
 
 def points_within(rulebase: RuleBase, seconds: float, *, least: int, most: int) -> int:

@@ -159,8 +159,8 @@ class Compiled:
             result = self._ordinary(named)
             if result is not None:
                 return result
-        values_, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
-        general = self._general(values_, held)
+        columns, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
+        general = self._general(columns, held)
         return general if labels is None else labels.on(general)
 
     def _general(
@@ -349,7 +349,7 @@ class _Engine:
         except IndexError:
             block = make_block(self._layout, self._chunk)
             run_block = on_block(sweep, block.numbers, compiled=self._compiled)
-        shape = tuple(slice_.stop - slice_.start for slice_ in part)
+        shape = tuple(extent.stop - extent.start for extent in part)
         count = math.prod(shape)
         block.points[0] = count
         for column, array in zip(block.columns, arrays.values(), strict=True):

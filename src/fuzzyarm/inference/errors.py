@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.names import did_you_mean
 
 
 class InferenceError(FuzzyarmError, ValueError):
@@ -29,7 +30,7 @@ class UnknownNameError(InferenceError):
         self.known = tuple(known)
         near = difflib.get_close_matches(name, self.known, n=1)
         listed = ", ".join(self.known) or "none"
-        hint = f"did you mean '{near[0]}'?" if near else f"there are: {listed}"
+        hint = did_you_mean(*near) if near else f"there are: {listed}"
         super().__init__(f"there is no {what} '{name}'", hint=hint)
 
 

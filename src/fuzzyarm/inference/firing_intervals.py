@@ -323,10 +323,10 @@ def ends(rulebase: RuleBase) -> Ends:
         )
         for block in rulebase.blocks
     )
-    rulebase_ = replace(
+    bounded = replace(
         rulebase, outputs=tuple(outputs), blocks=blocks, expectations=(), properties=()
     )
-    return Ends(rulebase_, names)
+    return Ends(bounded, names)
 
 
 def _has_both_ends(output: Output) -> bool:

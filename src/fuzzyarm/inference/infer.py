@@ -75,8 +75,8 @@ def infer(
     """
     rulebase = model_of(rulebase)
     values, labels = gathered(inputs, named, rulebase.inputs)
-    outputs_ = _outputs(rulebase, values, held, None if outputs is None else tuple(outputs))
-    return outputs_ if labels is None else labels.on(outputs_)
+    results = _outputs(rulebase, values, held, None if outputs is None else tuple(outputs))
+    return results if labels is None else labels.on(results)
 
 
 def _outputs(

@@ -264,10 +264,12 @@ class OutputWriter:
 
     def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
         """Note where the numbers of a consequent without hedges stand in a loose layout."""
-        member_, output = self.plan.members[member], self.plan.output
-        if self.loose and not member_.hedges:
-            counted, scaled = self.consequents[member], member_.implication == "product"
-            mark = TermNumbers(sort, output.name, member_.term.name, counted, begin, room, scaled)
+        term_member, output = self.plan.members[member], self.plan.output
+        if self.loose and not term_member.hedges:
+            counted, scaled = self.consequents[member], term_member.implication == "product"
+            mark = TermNumbers(
+                sort, output.name, term_member.term.name, counted, begin, room, scaled
+            )
             self.base.marks.append(mark)
 
     def _write_pieces(self) -> int:

@@ -334,8 +334,8 @@ def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
         unfinished = {c.variable for i in waiting for c in block.rules[i].consequents}
         ready = [i for i in waiting if not _reads(block.rules[i], outputs) & unfinished]
         if not ready:
-            names_ = sorted(unfinished & outputs)
-            raise CyclicRulesError(f"the rules go in a circle: {' → '.join(names_)} → …", names_)
+            circle = sorted(unfinished & outputs)
+            raise CyclicRulesError(f"the rules go in a circle: {' → '.join(circle)} → …", circle)
         ordered += ready
         waiting = [i for i in waiting if i not in set(ready)]
     return ordered
@@ -398,7 +398,7 @@ def _both_sides(output_plan: OutputPlan, doubled: Doubled) -> OutputPlan:
     pairs = _pairs(output, members, sides, doubled)
     if output_plan.discrete:
         return output_plan._replace(sides=sides, pairs=pairs)
-    members_by_side = [[i for i, side_ in enumerate(sides) if side_ == side] for side in (0, 1)]
+    members_by_side = [[i for i in range(len(sides)) if sides[i] == side] for side in (0, 1)]
     closed = _closed_sides(output, members, members_by_side) if output_plan.record.both else None
     output_plan = output_plan._replace(
         sides=sides, pairs=pairs, closed=closed, enveloped=output_plan.enveloped and closed is None
@@ -616,9 +616,7 @@ def _read(plan: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
     antecedents = [plan.rules[rule].rule.antecedent for rule in rules]
     names = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
     members = [member for name in outputs for member in plan.outputs[name].members]
-    return names | {
-        name for member_ in members if member_.formula for name in member_.formula.names
-    }
+    return names | {name for member in members if member.formula for name in member.formula.names}
 
 
 @remembered
@@ -654,15 +652,17 @@ def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
 
 
 def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
-    plan_ = plan(rulebase)
+    full_plan = plan(rulebase)
     for name in outputs:
-        if name not in plan_.outputs:
-            raise UnknownNameError(name, plan_.outputs, what="output")
-    names, needed_readings = needed(plan_, outputs)
+        if name not in full_plan.outputs:
+            raise UnknownNameError(name, full_plan.outputs, what="output")
+    names, needed_readings = needed(full_plan, outputs)
     rules = {
-        i for i, readings_here in enumerate(plan_.readings) if needed_readings & set(readings_here)
+        i
+        for i, readings_here in enumerate(full_plan.readings)
+        if needed_readings & set(readings_here)
     }
-    names_read = _read(plan_, names, needed_readings)
+    names_read = _read(full_plan, names, needed_readings)
     # A linear consequent reads an input by its coefficient, not by its name.
     linear = [
         shape.parameters
@@ -682,9 +682,7 @@ def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
     return replace(
         rulebase,
         inputs=tuple(rulebase.inputs[i] for i in inputs),
-        outputs=tuple(
-            _over(output_, inputs) for output_ in rulebase.outputs if output_.name in names
-        ),
+        outputs=tuple(_over(output, inputs) for output in rulebase.outputs if output.name in names),
         blocks=tuple(
             replace(
                 block,

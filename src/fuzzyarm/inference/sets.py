@@ -384,7 +384,7 @@ class Stretch(NamedTuple):
 
 def stretches(profiles: Sequence[Sequence[Piece]]) -> tuple[Stretch, ...]:
     """Return the stretches over which two straight sets overlap."""
-    stretches_ = []
+    result = []
     for i, pieces in enumerate(profiles):
         for j in range(i + 1, len(profiles)):
             for one in pieces:
@@ -392,8 +392,8 @@ def stretches(profiles: Sequence[Sequence[Piece]]) -> tuple[Stretch, ...]:
                     start, end = max(one.x0, other.x0), min(one.x1, other.x1)
                     if start < end and _matters(one) and _matters(other):
                         ends = (*_between(one, start, end), *_between(other, start, end))
-                        stretches_.append(Stretch(i, j, start, end, *ends))
-    return tuple(stretches_)
+                        result.append(Stretch(i, j, start, end, *ends))
+    return tuple(result)
 
 
 def _matters(piece: Piece) -> bool:

@@ -244,7 +244,7 @@ def claim_node(claim: LoopClaim) -> LoopClaimNode:
         Word(claim.plant),
         tuple((Word(name), figure(value)) for name, value in claim.at),
         tuple(stretch(*parameter) for parameter in claim.parameters),
-        tuple(stretch(*range_) for range_ in claim.start),
+        tuple(stretch(*start) for start in claim.start),
         stretch(claim.output, claim.low, claim.high) if claim.output else None,
         claim.when,
         begin,

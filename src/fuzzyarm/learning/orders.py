@@ -60,8 +60,8 @@ def _words(text: str) -> tuple[int, int]:
     except ValueError:
         raise UsageError(f"--words takes a number or a range such as 3..15, not '{text}'") from None
     if not FEWEST_WORDS <= fewest <= most <= MOST_WORDS:
-        range_ = f"{FEWEST_WORDS} to {MOST_WORDS}, the smaller first"
-        raise UsageError(f"--words takes numbers from {range_}, not '{text}'")
+        limits = f"{FEWEST_WORDS} to {MOST_WORDS}, the smaller first"
+        raise UsageError(f"--words takes numbers from {limits}, not '{text}'")
     return fewest, most
 
 

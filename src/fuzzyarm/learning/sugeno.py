@@ -151,8 +151,8 @@ class Premises:
         columns = group.signs * self.numbers[group.indices]
         symbols = group.readings.symbols
         values = dict(zip(symbols, (inputs[:, group.inputs], *columns), strict=True))
-        values_ = evaluate_arrays(reading[0], values, order=reading[1])
-        return np.broadcast_to(values_, (len(inputs), len(group.inputs)))
+        weights = evaluate_arrays(reading[0], values, order=reading[1])
+        return np.broadcast_to(weights, (len(inputs), len(group.inputs)))
 
     def degrees(self, inputs: Array) -> Array:
         """Return the memberships, shape (samples, terms)."""

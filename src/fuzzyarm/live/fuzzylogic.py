@@ -109,7 +109,7 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
         for label, domain in domains.items()
     )
     rules = []
-    for sets, set_ in rule.conditions.items():
+    for sets, fuzzy_set in rule.conditions.items():
         parts = tuple(
             Is(
                 str(fuzzy_set.domain._name),
@@ -117,7 +117,7 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
             )
             for fuzzy_set in sorted(sets, key=lambda fuzzy_set: str(fuzzy_set.domain._name))
         )
-        conclusion = Consequent(labels[0], values[id(set_)].term)
+        conclusion = Consequent(labels[0], values[id(fuzzy_set)].term)
         rules.append(Rule(And(parts) if len(parts) > 1 else parts[0], (conclusion,)))
     output = _output(labels[0], target, values.values())
     return RuleBase(name, inputs, (output,), (RuleBlock(tuple(rules)),))
@@ -134,18 +134,19 @@ class _NamedSet(NamedTuple):
 def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[int, _NamedSet]:
     """Return by identity the sets of a domain, and those made of them on the way."""
     names_of_sets = {
-        id(set_): _NamedSet(str(name), (), set_) for name, set_ in domain._sets.items()
+        id(fuzzy_set): _NamedSet(str(name), (), fuzzy_set)
+        for name, fuzzy_set in domain._sets.items()
     }
     own_sets = list(names_of_sets.values())
-    names = {set_.term for set_ in own_sets}
-    for set_ in used:
-        if set_.domain is not domain or id(set_) in names_of_sets:
+    names = {fuzzy_set.term for fuzzy_set in own_sets}
+    for fuzzy_set in used:
+        if fuzzy_set.domain is not domain or id(fuzzy_set) in names_of_sets:
             continue
-        same = _under_hedges(set_, own_sets, domain) if hedged else None
+        same = _under_hedges(fuzzy_set, own_sets, domain) if hedged else None
         if same is None:
-            same = _NamedSet(unique_name(str(set_.name or "derived"), names), (), set_)
+            same = _NamedSet(unique_name(str(fuzzy_set.name or "derived"), names), (), fuzzy_set)
             names.add(same.term)
-        names_of_sets[id(set_)] = same
+        names_of_sets[id(fuzzy_set)] = same
     return names_of_sets
 
 
@@ -179,12 +180,12 @@ _POWERS = {2.0: Hedge("very"), 0.5: Hedge("somewhat"), 3.0: Hedge("extremely")}
 def _input(label: str, domain: Any, sets: Iterable[_NamedSet], findings: Findings) -> Input:
     low, high = float(domain._low), float(domain._high)
     shapes = {}
-    for name, _, set_ in sets:
-        if set_ is not None:
+    for name, _, fuzzy_set in sets:
+        if fuzzy_set is not None:
             what = f"'{name}' of '{label}'"
             with reading(what):
                 words = f"{what} is a user-defined function,"
-                shapes[name] = shape_or_points(_degree_of(set_), low, high, words, findings)
+                shapes[name] = shape_or_points(_degree_of(fuzzy_set), low, high, words, findings)
     return input_of(label, low, high, shapes)
 
 
@@ -195,7 +196,7 @@ def _degree_of(fuzzy_set: Any) -> Callable[[float], float]:
 def _output(label: str, target: Any, sets: Iterable[_NamedSet]) -> Output:
     low, high = float(target._low), float(target._high)
     step = (high - low) / len(target.range)
-    values = {name: low + step * float(set_.center_of_gravity) for name, _, set_ in sets}
+    values = {name: low + step * float(fuzzy_set.center_of_gravity) for name, _, fuzzy_set in sets}
     return Output(
         label,
         low,

@@ -310,17 +310,17 @@ class _Reader:
                 what = "conclusion" if conditions else "condition"
                 self.findings.error("empty-rule", f"rule {number} has no {what}")
             for uses, parts in ((self.sets, conditions), (self.results, conclusions)):
-                for variable, set_ in parts:
+                for variable, fuzzy_set in parts:
                     if variable not in uses:
                         message = f"rule {number} uses '{variable}', which is not declared"
                         self.findings.error("undefined-variable", message)
-                    elif not any(_same(set_, other) for other in uses[variable]):
-                        uses[variable].append(set_)
-        for name in [name_ for name_, set_ in self.sets.items() if not set_]:
+                    elif not any(_same(fuzzy_set, other) for other in uses[variable]):
+                        uses[variable].append(fuzzy_set)
+        for name in [key for key, fuzzy_set in self.sets.items() if not fuzzy_set]:
             if not self._has_values:
                 self.findings.info("unused-variable", f"no rule uses '{name}'; it is left out")
                 del self.sets[name]
-        for name in [name_ for name_, set_ in self.results.items() if not set_]:
+        for name in [key for key, fuzzy_set in self.results.items() if not fuzzy_set]:
             self.findings.error("no-rules", f"no rule concludes '{name}'")
         self.partly = self._left_out()
         return not self.findings.failed
@@ -401,11 +401,11 @@ class _Reader:
     ) -> tuple[Term, ...]:
         names: set[str] = set()
         terms = []
-        for number, set_ in enumerate(sets, 1):
-            name = unique_name(str(getattr(set_, NAME, f"set{number}")), names)
+        for number, fuzzy_set in enumerate(sets, 1):
+            name = unique_name(str(getattr(fuzzy_set, NAME, f"set{number}")), names)
             names.add(name)
             with reading(f"'{name}' of '{variable}'"):
-                terms.append(self._term(set_, name, variable, low, high))
+                terms.append(self._term(fuzzy_set, name, variable, low, high))
         return tuple(terms)
 
     def _term(self, fuzzy_set: Any, name: str, variable: str, low: float, high: float) -> Term:
@@ -441,7 +441,7 @@ class _Reader:
         sets = self.results[name]
         low, high = _range(sets)
         points = [float(x) for x in sets[0].domain]
-        if any([*map(float, set_.domain)] != points for set_ in sets):
+        if any([*map(float, fuzzy_set.domain)] != points for fuzzy_set in sets):
             self.findings.error("bad-range", f"the sets of '{name}' have different domains")
         step = (high - low) / max(1, len(points) - 1)
         if any(abs(low + step * i - x) > 1e-9 * (high - low) for i, x in enumerate(points)):
@@ -594,7 +594,7 @@ def _definition(fuzzy_set: Any) -> tuple[Any, ...]:
 
 def _range(sets: Sequence[Any]) -> tuple[float, float]:
     """Return the range that the domains of sets span."""
-    ends = [float(x) for set_ in sets for x in (min(set_.domain), max(set_.domain))]
+    ends = [float(x) for fuzzy_set in sets for x in (min(fuzzy_set.domain), max(fuzzy_set.domain))]
     return (min(ends), max(ends)) if ends else (0.0, 1.0)
 
 

@@ -99,7 +99,7 @@ class _Reader:
             self.findings.error("unknown-type", message)
             return None
         rules = [self._rule(number, *rule) for number, rule in enumerate(self.system._rules, 1)]
-        readings = [name_ for name_ in rules if name_ is not None]
+        readings = [rule for rule in rules if rule is not None]
         if not rules:
             self.findings.error("no-rules", "the system has no rules")
         if not readings or self.findings.failed:
@@ -108,12 +108,12 @@ class _Reader:
         inputs = [n for n in self.variables if n in set(names)]
         concluded = list(dict.fromkeys(rule.consequents[0].variable for _, rule in readings))
         self._note_both(inputs, concluded)
-        inputs_ = tuple(self._input(variable) for variable in inputs)
+        variables = tuple(self._input(variable) for variable in inputs)
         output = self._values if self.sugeno else self._sets
         outputs = tuple(
-            output(name_, inputs_, [rule for _, rule in readings]) for name_ in concluded
+            output(label, variables, [rule for _, rule in readings]) for label in concluded
         )
-        return RuleBase(name, inputs_, outputs, blocks_by_norms(readings))
+        return RuleBase(name, variables, outputs, blocks_by_norms(readings))
 
     def _note_both(self, inputs: list[str], concluded: list[str]) -> None:
         for name in concluded:
@@ -163,7 +163,9 @@ class _Reader:
 
     def _term(self, variable: str, term: str) -> tuple[str, tuple[Hedge, ...]]:
         """Return a term as rules name it: an inverse gaussian is not its complement."""
-        inverse = (set_ for set_ in self.variables[variable]._FSlist if set_._term == term)
+        inverse = (
+            fuzzy_set for fuzzy_set in self.variables[variable]._FSlist if fuzzy_set._term == term
+        )
         return (_complement(term), (NOT,)) if any(map(_is_inverse, inverse)) else (term, ())
 
     def _known_conclusion(self, variable: str, term: str, number: int) -> bool:
@@ -180,7 +182,7 @@ class _Reader:
             what = f"in rule {number}, the variable"
             self.findings.unknown("undefined-variable", what, TextPiece(variable), self.variables)
             return False
-        terms = [set_._term for set_ in self.variables[variable]._FSlist]
+        terms = [fuzzy_set._term for fuzzy_set in self.variables[variable]._FSlist]
         if term not in terms:
             self.findings.no_term(variable, TextPiece(term), terms, f"in rule {number}, ")
         return term in terms
@@ -239,13 +241,15 @@ class _Reader:
             low, high = -math.inf, math.inf
         finite = -math.inf < low < high < math.inf
         shapes: dict[str, Shape] = {}
-        for set_ in variable._FSlist:
-            with reading(f"the term '{set_._term}' of '{name}'"):
-                shape = self._shape(set_, name, *((low, high) if finite else (-1e3, 1e3)))
-            if set_._term in shapes:
-                message = f"'{name}' has two terms called '{set_._term}'"
+        for fuzzy_set in variable._FSlist:
+            with reading(f"the term '{fuzzy_set._term}' of '{name}'"):
+                shape = self._shape(fuzzy_set, name, *((low, high) if finite else (-1e3, 1e3)))
+            if fuzzy_set._term in shapes:
+                message = f"'{name}' has two terms called '{fuzzy_set._term}'"
                 self.findings.error("duplicate-term-name", message)
-            shapes[_complement(set_._term) if _is_inverse(set_) else set_._term] = shape
+            shapes[_complement(fuzzy_set._term) if _is_inverse(fuzzy_set) else fuzzy_set._term] = (
+                shape
+            )
         if not finite:
             low, high = estimated_range(list(shapes.values())) or (0.0, 1.0)
             message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its terms"

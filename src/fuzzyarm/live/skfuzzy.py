@@ -104,7 +104,7 @@ def from_skfuzzy(
     system = getattr(system, "ctrl", system)  # of a simulation
     variables = [*system.antecedents, *system.consequents]
     labels = [str(variable.label) for variable in variables]
-    for label in sorted({label_ for label_ in labels if labels.count(label_) > 1}):
+    for label in sorted({other for other in labels if labels.count(other) > 1}):
         findings.error("duplicate-variable", f"two variables are called '{label}'")
     terms = {id(variable): _terms(variable, findings, points=points) for variable in variables}
     inputs = tuple(

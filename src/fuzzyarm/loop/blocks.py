@@ -285,14 +285,14 @@ def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
     if not name or not hasattr(module, SOURCE):
         return None
     # A file that was loaded twice has two of each; a function knows its own.
-    thing_: Any = thing.__globals__ if isinstance(thing, FunctionType) else vars(module)
+    target: Any = thing.__globals__ if isinstance(thing, FunctionType) else vars(module)
     first, *rest = name.split(".")
-    thing_ = thing_.get(first)
+    target = target.get(first)
     for part in rest:
-        thing_ = getattr(thing_, part, None)
-    if thing_ is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
+        target = getattr(target, part, None)
+    if target is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
         return plant_class, thing.__bases__[:1]
-    if thing_ is not thing and not _same_class(thing_, thing):
+    if target is not thing and not _same_class(target, thing):
         return None  # made in a function, or under a decorator: its name does not lead to it
     return _own_thing, (module.__file__, getattr(module, SOURCE), name)
 

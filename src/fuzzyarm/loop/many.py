@@ -146,14 +146,14 @@ class Many:
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return everything by name, shape (n,) each: what differed, seed, divergence, metrics."""
-        columns_: dict[str, NDArray[Any]] = {}
+        table: dict[str, NDArray[Any]] = {}
         for name, values in self.changes.items():
             parts = values.reshape(len(self), -1).T
-            columns_ |= {part_name(name, i, len(parts)): part for i, part in enumerate(parts)}
-        columns_ |= {"seed": self.seeds, "diverged": self.diverged}
+            table |= {part_name(name, i, len(parts)): part for i, part in enumerate(parts)}
+        table |= {"seed": self.seeds, "diverged": self.diverged}
         for at, name in enumerate(metric_names(self.outputs)):
-            columns_[name] = self.values.reshape(len(self), -1)[:, at]
-        return columns_
+            table[name] = self.values.reshape(len(self), -1)[:, at]
+        return table
 
     def frame(self) -> Any:
         """Return it as a pandas DataFrame with a row for each run."""
@@ -278,8 +278,8 @@ class Bench:
     def column_units(self) -> dict[str, str]:
         """Units of what differs and of all metrics, by name; without those that have none."""
         units = {"diverged": "s", **self.change_units}
-        for output, units_ in metric_units(self.loop.course).items():
-            units |= {f"{output}.{name}": unit for name, unit in units_.items()}
+        for output, units_by_metric in metric_units(self.loop.course).items():
+            units |= {f"{output}.{name}": unit for name, unit in units_by_metric.items()}
         return {name: unit for name, unit in units.items() if unit not in ("", "1")}
 
     def _unit_of(self, name: str) -> str:
@@ -407,11 +407,11 @@ SENSOR_FIELDS = ("noise", "resolution", "delay")
 
 def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str, Sensor]:
     """Return sensors with some fields replaced."""
-    sensors_ = dict(sensors)
+    result = dict(sensors)
     for name, value in values.items():
         kind, _, port = name.partition(".")
-        sensors_[port] = replace(sensors_.get(port, Sensor()), **{kind: float(value)})
-    return sensors_
+        result[port] = replace(result.get(port, Sensor()), **{kind: float(value)})
+    return result
 
 
 def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:

@@ -88,13 +88,13 @@ def read_range(word: str) -> Range:
     try:
         if not (name.strip() and equals and dots):
             raise ValueError
-        range_ = float(low), float(high), int(count) if colon else 0
+        numbers = float(low), float(high), int(count) if colon else 0
     except ValueError:
         raise RangeError(f"'{word}' is not a range", name=name.strip(), hint=hint) from None
-    if colon and not 1 <= range_[2] <= MOST_VALUES:
+    if colon and not 1 <= numbers[2] <= MOST_VALUES:
         message = f"a range of '{name.strip()}' has 1 to {MOST_VALUES:,} values, not {count}"
         raise RangeError(message, name=name.strip())
-    return Range(name.strip(), *range_, log=log)
+    return Range(name.strip(), *numbers, log=log)
 
 
 def grid(ranges: Sequence[Range]) -> dict[str, Vector]:

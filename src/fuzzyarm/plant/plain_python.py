@@ -31,7 +31,7 @@ from fuzzyarm.plant.plant import (
     runge_kutta_4,
 )
 from fuzzyarm.plant.trajectory import Trajectory
-from fuzzyarm.text.names import nearest
+from fuzzyarm.text.names import did_you_mean, nearest
 
 EXAMPLES = {
     "inputs": '{"power": Port("%", 0, 100)}',
@@ -112,7 +112,7 @@ def _require_rates(plant: Plant) -> None:
             near = nearest(port.rate_of, bare)
             raise _fault(
                 plant, "outputs", f"output '{name}' is the rate of '{port.rate_of}', not an output",
-                hint=f"did you mean '{near}'?" if near else f"there are {', '.join(bare)}",
+                hint=did_you_mean(near) if near else f"there are {', '.join(bare)}",
             )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def _require_no_slip(plant: Plant) -> None:
             options.append("trajectories")
         near = "" if name in options else nearest(name, options)
         if near:
-            raise _fault(plant, name, f"'{name}' is not read", hint=f"did you mean '{near}'?")
+            raise _fault(plant, name, f"'{name}' is not read", hint=did_you_mean(near))
 
 
 def _require_followable(plant: Plant) -> None:

@@ -248,7 +248,7 @@ class Quotients:
         coefficients next to the vertex.
         """
         dimension = self.corners.shape[2]
-        attained_: tuple[Any, int, Array] | None = None
+        top: tuple[Any, int, Array] | None = None
         for near, far, position in _beside_vertices(dimension, self.degree):
             upper, lower = self.upper[:, position], self.lower[:, position]
             sure = lower > (0 if self.error is None else 1e3 * self.error[:, position])
@@ -260,13 +260,13 @@ class Quotients:
                 continue
             values = upper[rows] / lower[rows]
             best = int(values.argmax())
-            if attained_ is None or values[best] > attained_[0]:
+            if top is None or values[best] > top[0]:
                 owner = int(rows[best])
                 a, b = self.corners[owner, near], self.corners[owner, far]
                 # A point next to the vertex, on the edge of the limit; the vertex itself where b is
                 # a.
-                attained_ = values[best], owner, a + (b - a) / 2**24
-        return attained_
+                top = values[best], owner, a + (b - a) / 2**24
+        return top
 
     def bound(self) -> float:
         """Return what N / D cannot exceed, crude; infinite where D may vanish."""
@@ -406,28 +406,28 @@ def maximise(
         With `left` empty unless the search was given up.
     """
     best, corner, owner = least, None, -1
-    count, open_ = quotients.count, quotients
+    count, waiting = quotients.count, quotients
     given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
     try:
-        while open_.count:
-            attained = open_.attained()
+        while waiting.count:
+            attained = waiting.attained()
             if attained is not None and (best is None or attained[0] > best):
                 best, corner = attained[0], attained[2]
-                owner = int(open_.owner[attained[1]])
+                owner = int(waiting.owner[attained[1]])
                 if decide:
                     return Extremum(best, best, corner, owner, count, given_up)
-            open_, too_small = _worth_halving(open_, best, tolerance, smallest, stop)
+            waiting, too_small = _worth_halving(waiting, best, tolerance, smallest, stop)
             given_up = given_up.joined(too_small)
-            if stop.tell is not None and open_.count and best is not None:
-                stop.say(open_.count, open_.bound() - float(best))
-            if stop.now or open_.count > MOST:
+            if stop.tell is not None and waiting.count and best is not None:
+                stop.say(waiting.count, waiting.bound() - float(best))
+            if stop.now or waiting.count > MOST:
                 break
-            if open_.count:
-                open_ = open_.halved(stop)
-                count += open_.count
+            if waiting.count:
+                waiting = waiting.halved(stop)
+                count += waiting.count
     except TimeOverError:
         pass
-    given_up = given_up.joined(open_)
+    given_up = given_up.joined(waiting)
     bound = None if best is None else best + tolerance
     if given_up.count:
         crude = given_up.bound()
@@ -441,14 +441,16 @@ def _exceeds(value: float, bound: Any) -> bool:
 
 
 def _worth_halving(
-    open_: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
+    waiting: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
 ) -> tuple[Quotients, Quotients]:
     """Return the simplices that may exceed what is attained, and those too small to be halved."""
     # Without a value anywhere only what has none can be discarded.
     keep = (
-        any_of_rows(open_.lower != 0) if best is None else open_.excess(best + tolerance, stop) > 0
+        any_of_rows(waiting.lower != 0)
+        if best is None
+        else waiting.excess(best + tolerance, stop) > 0
     )
-    open_ = open_.take(np.flatnonzero(keep))
-    shape = open_.corners.astype(float)
+    waiting = waiting.take(np.flatnonzero(keep))
+    shape = waiting.corners.astype(float)
     small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
-    return open_.take(np.flatnonzero(~small)), open_.take(np.flatnonzero(small))
+    return waiting.take(np.flatnonzero(~small)), waiting.take(np.flatnonzero(small))

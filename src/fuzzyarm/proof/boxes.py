@@ -95,13 +95,11 @@ class Boxes:
             rulebase,
             outputs=tuple(
                 replace(
-                    output_,
-                    no_rule=output_.no_rule
-                    if isinstance(output_.no_rule, float | int)
-                    else math.nan,
-                    outside="extend" if output_.outside == "error" else output_.outside,
+                    target,
+                    no_rule=target.no_rule if isinstance(target.no_rule, float | int) else math.nan,
+                    outside="extend" if target.outside == "error" else target.outside,
                 )
-                for output_ in rulebase.outputs
+                for target in rulebase.outputs
             ),
         )
         # Outputs that the rules or values of this one read; there are no circles.
@@ -207,12 +205,12 @@ class Boxes:
 
     def _judge(self, low: Array, high: Array, *, valued: bool) -> tuple[Array, Array]:
         """Tell where a rule fires all over a box, and where none does anywhere in it."""
-        low, high, open_ = self._with_chained(low, high)
-        strengths = self._strengths(low, high, open_)
+        low, high, undecided = self._with_chained(low, high)
+        strengths = self._strengths(low, high, undecided)
         if not valued:
             return _most(strengths, 0) > 0.0, _most(strengths, 1) == 0.0
         least, _, may_lack = self._bounds_of(strengths, low, high)
-        return ~(may_lack | open_), np.isnan(least)
+        return ~(may_lack | undecided), np.isnan(least)
 
     # ── the search ───────────────────────────────────────────────────────────────────
 
@@ -275,10 +273,10 @@ class Boxes:
                     best = float(values[k])
                     where = dict(zip(self.names, map(float, points[k]), strict=True))
             limit = best + gap
-            open_ = ~(tops <= limit)
-            if (~open_).any():
-                closed_top = max(closed_top, float(tops[~open_].max()))
-            low, high, tops = low[open_], high[open_], tops[open_]
+            undecided = ~(tops <= limit)
+            if (~undecided).any():
+                closed_top = max(closed_top, float(tops[~undecided].max()))
+            low, high, tops = low[undecided], high[undecided], tops[undecided]
             if len(low):
                 self.stop.say(len(low), float(tops.max()) - best)
             if self.stop.now or count > self.most or (len(low) and self._is_fine(low, high)):
@@ -343,8 +341,8 @@ class Boxes:
     # ── one step: from a box to bounds of the output ─────────────────────────────────
 
     def _value_bounds(self, low: Array, high: Array) -> Interval:
-        low, high, open_ = self._with_chained(low, high)
-        strengths = self._strengths(low, high, open_)
+        low, high, undecided = self._with_chained(low, high)
+        strengths = self._strengths(low, high, undecided)
         least, most, may_lack = self._bounds_of(strengths, low, high)
         output = self.output.output
         nothing = np.isnan(least)
@@ -356,34 +354,34 @@ class Boxes:
             value = float(output.no_rule)  # which is not brought into the range
             least = np.where(may_lack, np.fmin(least, value), least)
             most = np.where(may_lack, np.fmax(most, value), most)
-        return np.where(open_, -np.inf, least), np.where(open_, np.inf, most)
+        return np.where(undecided, -np.inf, least), np.where(undecided, np.inf, most)
 
     def _with_chained(self, low: Array, high: Array) -> tuple[Array, Array, Array]:
         """Return boxes with the bounds of the outputs that are read, and where one may have none.
 
         Such a box is open: it has to be cut until a rule fires all over it.
         """
-        open_ = np.zeros(len(low), dtype=bool)
+        undecided = np.zeros(len(low), dtype=bool)
         columns: list[Interval] = []
         for boxes in self._chained.values():
             least, most = boxes._value_bounds(low, high)
             if not boxes.says_no_rule:
-                open_ |= ~boxes._judge(low, high, valued=True)[0]
+                undecided |= ~boxes._judge(low, high, valued=True)[0]
             unbounded = ~np.isfinite(least) | ~np.isfinite(most)
-            open_ |= unbounded
+            undecided |= unbounded
             widen = WIDENED * boxes.range
             columns.append(
                 (np.where(unbounded, 0.0, least - widen), np.where(unbounded, 0.0, most + widen))
             )
         if not columns:
-            return low, high, open_
+            return low, high, undecided
         return (
             np.column_stack([low, *(least for least, _ in columns)]),
             np.column_stack([high, *(most for _, most in columns)]),
-            open_,
+            undecided,
         )
 
-    def _strengths(self, low: Array, high: Array, open_: Array) -> list[tuple[int, Interval]]:
+    def _strengths(self, low: Array, high: Array, undecided: Array) -> list[tuple[int, Interval]]:
         """Return (member, bounds of its firing strength) of each rule: anything in open boxes."""
         degrees = self._degrees.over(low, high)
         intervals: dict[int, Interval] = {}
@@ -394,7 +392,10 @@ class Boxes:
                 least, most = self._truth(planned.rule.antecedent, planned, degrees)
                 weight = planned.rule.weight
                 least, most = widened(least * weight, most * weight)
-                least, most = np.where(open_, 0.0, least), np.where(open_, abs(weight), most)
+                least, most = (
+                    np.where(undecided, 0.0, least),
+                    np.where(undecided, abs(weight), most),
+                )
                 intervals[rule] = (
                     np.where(least > planned.threshold, least, 0.0),
                     np.where(most > planned.threshold, most, 0.0),

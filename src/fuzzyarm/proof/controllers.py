@@ -174,14 +174,14 @@ class _AxisCase:
             free = combined("add", free, more.at)
         limits = drives[0][0].within if len(drives) == 1 else None
         bound = Interval(*limits) if limits else actuator
-        open_: list[str] = []
+        gaps: list[str] = []
         gains: tuple[DriveGain, ...] = ()
         if isinstance(law.gains, str) or isinstance(law.around, str):
-            open_.append(f"gains: {law.gains if isinstance(law.gains, str) else law.around}")
+            gaps.append(f"gains: {law.gains if isinstance(law.gains, str) else law.around}")
         else:
             gains = self._by_ports(law, unit)
-            open_ += (f"gains: {name} has the slope 0 around 0" for name in first.notes.flat)
-        sectors = tuple(self._sectors(port, law, first, zones, open_))
+            gaps += (f"gains: {name} has the slope 0 around 0" for name in first.notes.flat)
+        sectors = tuple(self._sectors(port, law, first, zones, gaps))
         at = clipped(law.at, actuator) if actuator is not None else law.at
         reached, where = self._reached(port, free, bound, first, zones)
         return DriveProof(
@@ -196,7 +196,7 @@ class _AxisCase:
             at=where,
             gains=gains,
             sectors=sectors,
-            open=tuple(dict.fromkeys(open_)),
+            open=tuple(dict.fromkeys(gaps)),
         )
 
     def _actuator(self, port: str) -> tuple[Interval | None, Unit | None]:
@@ -270,19 +270,19 @@ class _AxisCase:
         law: SignalLaw,
         first: LineWalk,
         zones: Mapping[str, Interval],
-        open_: list[str],
+        gaps: list[str],
     ) -> Iterator[DriveSector]:
         if isinstance(law.gains, str):
             return
         if law.rest != NOTHING and not inside(law.rest, symmetric(LIKE_EXPECT * largest(law.at))):
-            open_.append(f"sectors: the drive is {_short(law.rest)} where every source is 0")
+            gaps.append(f"sectors: the drive is {_short(law.rest)} where every source is 0")
             return
         gains = _notable(law.gains)
         level = [name for name, gain in law.gains.items() if gain == NOTHING]  # as at a step
         for source in (*gains, *level):
             stretches = dict.fromkeys((zones[source], self.sources[source].at))
             for stretch in stretches:
-                yield from self._sector(port, {source: 1.0}, {source: stretch}, open_)
+                yield from self._sector(port, {source: 1.0}, {source: stretch}, gaps)
         for group in dict.fromkeys(first.notes.groups):
             weights = {
                 name: 0.5 * gains[name].low + 0.5 * gains[name].high
@@ -290,14 +290,14 @@ class _AxisCase:
                 if name in gains
             }
             if len(weights) > 1 and all(weights.values()):
-                yield from self._sector(port, weights, {s: zones[s] for s in weights}, open_)
+                yield from self._sector(port, weights, {s: zones[s] for s in weights}, gaps)
 
     def _sector(
         self,
         port: str,
         weights: Mapping[str, float],
         where: Mapping[str, Interval],
-        open_: list[str],
+        gaps: list[str],
     ) -> Iterator[DriveSector]:
         farthest = sum(abs(weights[name]) * largest(at) for name, at in where.items())
         law = self._limited(
@@ -305,7 +305,7 @@ class _AxisCase:
         )
         if isinstance(law.along, str):
             what = " and ".join(weights)
-            open_.append(f"sector along {what}: {law.along}")
+            gaps.append(f"sector along {what}: {law.along}")
             return
         if 0.0 < largest(law.along) < math.inf:
             within = {name: (at.low, at.high) for name, at in where.items()}

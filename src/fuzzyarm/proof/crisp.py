@@ -243,8 +243,8 @@ class _OfSamples(Crisp):
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
         weighted = [
-            tuple(side * self.samples.weights for side in self.samples.bounds(side_))
-            for side_ in self.sides(strengths)
+            tuple(side * self.samples.weights for side in self.samples.bounds(strengths_of_side))
+            for strengths_of_side in self.sides(strengths)
         ]
         may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
         positions = self.samples.positions

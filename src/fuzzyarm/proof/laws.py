@@ -272,7 +272,7 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
     if not math.isfinite(largest(at)):
         return whole
     low, high = math.inf, -math.inf
-    for end in (end_ for end_ in at if end_):
+    for end in (e for e in at if e):
         for part in range(PARTS):
             ends = sorted((end * part / PARTS, end * (part + 1) / PARTS))
             here = Interval(*map(float, ends))

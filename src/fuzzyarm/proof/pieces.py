@@ -366,33 +366,32 @@ class Pieces:
         first = system * self.model.columns
 
         def strength(which: Array, undecided: list[Array]) -> _Affine:
-            strength_ = self._truth(rule.antecedent, which, shift, undecided)
+            truth = self._truth(rule.antecedent, which, shift, undecided)
             if rule.weight == 1:
-                return strength_
-            return _Affine(strength_.values * weight, strength_.slopes * weight)
+                return truth
+            return _Affine(truth.values * weight, truth.slopes * weight)
 
         def against(which: Array) -> list[Array]:
             undecided: list[Array] = []
-            strength_ = strength(which, undecided)
+            truth = strength(which, undecided)
             if not adds:
                 undecided += [
-                    strength_.values - self.heights[which, :, first + column]
-                    for column in rule.columns
+                    truth.values - self.heights[which, :, first + column] for column in rule.columns
                 ]
             return undecided
 
         which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
         which = self._refine(which, against)
-        strength_ = strength(which, [])
+        truth = strength(which, [])
         for column in rule.columns:
             if adds:
-                self.heights[which, :, first + column] += strength_.values
-                self.slopes[which, :, first + column] += strength_.slopes
+                self.heights[which, :, first + column] += truth.values
+                self.slopes[which, :, first + column] += truth.slopes
                 continue
             affine = _Affine(
                 self.heights[which, :, first + column], self.slopes[which, :, first + column]
             )
-            highest = self._chosen(affine, strength_, which, largest=True)
+            highest = self._chosen(affine, truth, which, largest=True)
             self.heights[which, :, first + column] = highest.values
             self.slopes[which, :, first + column] = highest.slopes
 

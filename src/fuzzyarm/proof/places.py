@@ -126,7 +126,7 @@ class _OfHighest(Places):
             else:
                 set_of_member = _Curved(member, panel_edges(output, LEVEL_PANELS), stop)
             self.sets.append(set_of_member)
-        self.width = sum(set_.count for set_ in self.sets)
+        self.width = sum(one.count for one in self.sets)
         if samples is not None:
             self.width = samples.width * len(self.sets)
 

@@ -344,10 +344,10 @@ class Prover:
         question = QuotientProblem(box, Surface.value)
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if not self.exact:
-            open_ = surface.nearly_silent(valued=valued)
-            if not open_.size:
+            doubtful_cells = surface.nearly_silent(valued=valued)
+            if not doubtful_cells.size:
                 return None
-            cells = np.unique(surface.pieces.flat_cells[open_])
+            cells = np.unique(surface.pieces.flat_cells[doubtful_cells])
             surface = self.surface(question, rationals(), cells)
         corner = surface.silent(valued=valued)
         return None if corner is None else self.named(surface.pieces.position(*corner))
@@ -375,8 +375,8 @@ class Prover:
             )
             for sign in ((-1, 1) if both else (1,))
         }
-        open_ = [search.left.owner for search in searched.values()]
-        undecided = np.concatenate([*open_, np.flatnonzero(doubtful)])
+        owners = [search.left.owner for search in searched.values()]
+        undecided = np.concatenate([*owners, np.flatnonzero(doubtful)])
         if any(search.reached is None for search in searched.values()):
             if self.exact or not undecided.size:
                 raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
@@ -510,9 +510,9 @@ class Prover:
                 inner = float(reached) * sign + float(shift)
             bounds[sign] = outer, inner, {name: float(x) for name, x in at.items()}
         low, reached_low, at_low = bounds.get(-1, (-math.inf, math.nan, {}))
-        high_, reached_high, at_high = bounds[1]
+        most, reached_high, at_high = bounds[1]
         way = "exact" if self.exact else "widened"
-        return Bounds(low, high_, reached_low, reached_high, at_low, at_high, pieces, way, complete)
+        return Bounds(low, most, reached_low, reached_high, at_low, at_high, pieces, way, complete)
 
     # ── surfaces, remembered ─────────────────────────────────────────────────────────
 
@@ -524,9 +524,9 @@ class Prover:
         positions = tuple(tuple(position) for position in question.positions)
         key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
         if cells is None and key in self._surfaces:
-            surface_ = self._surfaces[key]
-            surface_.pieces.stop = self.stop
-            return surface_
+            surface = self._surfaces[key]
+            surface.pieces.stop = self.stop
+            return surface
         what = Cut(question.box, positions, question.mirrored, question.form)
         try:
             pieces = cut(self.model, what, arithmetic, cells, self.stop)

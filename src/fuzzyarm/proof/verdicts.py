@@ -270,14 +270,14 @@ class _Case:
     @property
     def prover(self) -> Prover:
         """The prover of the output, with what it has cut for other statements."""
-        prover_ = self.provers.get(self.claim.output)
-        if prover_ is None:
-            prover_ = Prover(
+        prover = self.provers.get(self.claim.output)
+        if prover is None:
+            prover = Prover(
                 self.rulebase, self.claim.output, tolerance=self.tolerance, exact=self.exact
             )
-            self.provers[self.claim.output] = prover_
-        prover_.stop = self.stop
-        return prover_
+            self.provers[self.claim.output] = prover
+        prover.stop = self.stop
+        return prover
 
     def verdict(self) -> Verdict:
         judge = {
@@ -724,14 +724,14 @@ class _Beyond:
 
 
 def _interval(
-    relation: str, value: float, other: float | None, range_: float
+    relation: str, value: float, other: float | None, width: float
 ) -> tuple[float, float, bool]:
     """Return what a relation allows: the ends of an interval, and whether they are excluded."""
     if relation == "in":
         assert other is not None
         return value, other, False
     if relation == "=":
-        slack = LIKE_EXPECT * range_ if other is None else other
+        slack = LIKE_EXPECT * width if other is None else other
         return value - slack, value + slack, False
     if relation.startswith("<"):
         return -math.inf, value, relation == "<"

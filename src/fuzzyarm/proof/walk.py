@@ -132,9 +132,9 @@ class AxisLines:
         key = id(sheet), output
         if key not in self._known:
             self._known[key] = Prover(sheet, output)
-        prover_: Prover = self._known[key]
-        prover_.stop = self.stop
-        return prover_
+        prover: Prover = self._known[key]
+        prover.stop = self.stop
+        return prover
 
     def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
         """Return bounds of an output; None where there are none."""

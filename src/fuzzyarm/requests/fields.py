@@ -329,9 +329,9 @@ class _Constructor(type):
             for word in values:
                 if word not in records:
                     raise unknown_field(cls, word)
-            for field_ in records.values():
-                if field_.is_required and field_.name not in values:
-                    raise RequestError(field_.name, f"of {name} is missing", is_usage=True)
+            for option in records.values():
+                if option.is_required and option.name not in values:
+                    raise RequestError(option.name, f"of {name} is missing", is_usage=True)
             return super().__call__(**values)
 
 
@@ -433,7 +433,7 @@ def unknown_field(kind: type[Request], name: str) -> RequestError:
     """
     records = _known(cast(Hashable, kind))
     options = {
-        field_.spelling.lstrip("-").replace("-", "_"): field_.name for field_ in records.values()
+        record.spelling.lstrip("-").replace("-", "_"): record.name for record in records.values()
     }
     if name in options:
         hint = f"the field of {printable(records[options[name]].spelling)} is '{options[name]}'"

@@ -126,19 +126,19 @@ class Canvas:
         """Return the rows of characters."""
         from rich.text import Text
 
-        lines_ = []
+        rows = []
         for i in range(self.rows):
             line = Text(no_wrap=True, overflow="crop")
             for j in range(self.columns):
                 bits = self._bits.get((i, j), 0)
                 line.append(self._character(bits), self._colours.get((i, j), ""))
-            lines_.append(line)
+            rows.append(line)
         for row, column, text in self._words:
             if 0 <= row < self.rows and column < self.columns:
                 label = fitted(text, self.columns - column)
-                whole = lines_[row]
-                lines_[row] = whole[:column] + Text(label) + whole[column + len(label) :]
-        return lines_
+                whole = rows[row]
+                rows[row] = whole[:column] + Text(label) + whole[column + len(label) :]
+        return rows
 
     def _character(self, bits: int) -> str:
         if self.unicode:

@@ -438,7 +438,7 @@ def _assign(trunks: Sequence[_Trunk]) -> int:
     settled: list[_Trunk] = []
     while waiting:
         # One that ends in the row in which another comes stands to the right of that one.
-        free = [trunk_ for trunk_ in waiting if not any(_left_of(o, trunk_) for o in waiting)]
+        free = [t for t in waiting if not any(_left_of(other, t) for other in waiting)]
         if not free:
             trunk = waiting[0]
             trunk.behind = _Trunk(_free_row(trunk, rows), trunk.targets)

@@ -52,7 +52,7 @@ def _title(many: Many, over: Sequence[Range], diverged: Any) -> str:
     title = f"{many.controller} on {many.where}"
     if diverged.any():
         title += f", {int(diverged.sum())} of {diverged.size} points diverge (grey)"
-    rest = [name for name in many.changes if name not in [range_.name for range_ in over]]
+    rest = [name for name in many.changes if name not in [span.name for span in over]]
     return f"{title}; the worst over {', '.join(rest)}" if rest else title
 
 
@@ -65,10 +65,10 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
         Largest magnitude; not a number where a run diverged or nothing was measured.
     ndarray of bool, shape (up, across) or (across,)
     """
-    axes = [range_.values() for range_ in reversed(over)]
+    axes = [span.values() for span in reversed(over)]
     places = tuple(
-        np.searchsorted(values, many.changes[range_.name])
-        for values, range_ in zip(axes, reversed(over), strict=True)
+        np.searchsorted(values, many.changes[span.name])
+        for values, span in zip(axes, reversed(over), strict=True)
     )
     shape = tuple(map(len, axes))
     diverged = np.zeros(shape, bool)

@@ -174,10 +174,10 @@ def compare(
         find_controllers([controller for controller in controllers if isinstance(controller, str)])
     )
     for controller in controllers:
-        controller_ = controller if isinstance(controller, Controller) else next(catalogue)
+        law = controller if isinstance(controller, Controller) else next(catalogue)
         runs = [
             watched_run(
-                controller_,
+                law,
                 way,
                 conventions,
                 options or Options(),
@@ -188,7 +188,7 @@ def compare(
             for way in ways
         ]
         yield Compared(
-            name=controller_.name,
+            name=law.name,
             units=tuple(unit for run in runs for unit in run.units),
             rms=tuple(error for run in runs for error in run.rms),
             rms_periods=tuple(error for run in runs for error in run.rms_periods),

@@ -232,10 +232,10 @@ def _torque_of_law(
 ) -> Sequence[float]:
     if isinstance(law, TextLaw):
         return _torque_of_text(law, arrays, reference, state, clock)
-    reference_ = Reference(*(_pair(axis_values) for axis_values in reference))
+    course = Reference(*(_pair(axis_values) for axis_values in reference))
     now = State(*(_pair(axis_values) for axis_values in state))
     pose: Any = _CountedPose(state.position)
-    torque: Sequence[float] = law.kernel(Moment(reference_, now, pose, clock), *arrays)
+    torque: Sequence[float] = law.kernel(Moment(course, now, pose, clock), *arrays)
     return torque
 
 

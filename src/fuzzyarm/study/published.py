@@ -19,6 +19,7 @@ from fuzzyarm.plant.setting import (
     STUDY_TABLES,
     Conventions,
 )
+from fuzzyarm.text.names import did_you_mean
 
 MAXIMUM_ON = "pick-and-place"
 """On this trajectory the last figure of a link is its maximum."""
@@ -48,11 +49,7 @@ class UnknownRowError(FuzzyarmError, LookupError):
     """No published row goes by `name`."""
 
     def __init__(self, name: str, near: list[str]) -> None:
-        hint = (
-            "did you mean " + " or ".join(f"'{name_}'" for name_ in near) + "?"
-            if near
-            else "fuzzyarm reproduce --list names all"
-        )
+        hint = did_you_mean(*near) if near else "fuzzyarm reproduce --list names all"
         super().__init__(f"no published row '{name}'", hint=hint)
         self.name = name
         self.near = near

@@ -345,8 +345,8 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
 def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller:
     """Make the controller of a row, with the model that it had."""
     start = cast(Start, row.start or "warm")
-    controller_ = controller(row.controller, start=start, variant=cast(Variant, variant))
-    return controller_ if row.model_mass is None else _with_mass(controller_, row.model_mass)
+    law = controller(row.controller, start=start, variant=cast(Variant, variant))
+    return law if row.model_mass is None else _with_mass(law, row.model_mass)
 
 
 def _with_mass(controller: Controller, mass: float) -> Controller:

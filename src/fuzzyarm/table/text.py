@@ -23,7 +23,7 @@ from fuzzyarm.table.header import (
     spelled,
 )
 from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.names import did_you_mean, near_hint
 from fuzzyarm.text.numbers import column_of_numbers, number_text
 
 # --- The whole text ---
@@ -457,7 +457,7 @@ class _GridReader:
         hint, replacement = "", None
         mended = cell.text.replace("\u2212", "-").replace(",", ".")
         if mended != cell.text and _NUMBER.match(mended):
-            hint, replacement = f"did you mean '{mended}'?", mended
+            hint, replacement = did_you_mean(mended), mended
         message = f"'{cell.text[:40]}' is not a number"
         self._report("not-a-number", message, cell.span, hint, replacement)
         return None

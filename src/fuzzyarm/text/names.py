@@ -38,6 +38,12 @@ def _closest(word: str, options: tuple[str, ...]) -> str | None:
     return matches[0] if matches else None
 
 
+def did_you_mean(*names: str) -> str:
+    """Return the question whether one of some names was meant."""
+    quoted = [f"'{name}'" for name in names]
+    return f"did you mean {' or '.join(quoted)}?"
+
+
 def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
     """Return a hint in words and the replacement text; empty and None where nothing is near.
 
@@ -51,7 +57,7 @@ def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
             return f"'{word}' of other programs is '{ours}' here: {ours} {order}", None
         return f"'{word}' of other programs is '{ours}' here", ours
     near = nearest(word, choices)
-    return ("", None) if near is None else (f"did you mean '{near}'?", near)
+    return ("", None) if near is None else (did_you_mean(near), near)
 
 
 def quote(text: str, mark: str) -> str:

@@ -302,7 +302,7 @@ def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
 
 def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[str, Tuning]]:
     """Yield what lines that are given beside a file say of each rule base that they fit."""
-    names = {name_: {v.name for v in (*r.inputs, *r.outputs)} for name_, r in sheets.items()}
+    names = {key: {v.name for v in (*r.inputs, *r.outputs)} for key, r in sheets.items()}
     for name in (*(v for peaks in tuning.peaks for v in peaks.variables), *dict(tuning.kept)):
         if not any(name in names_of_sheet for names_of_sheet in names.values()):
             names_there = sorted(set().union(*names.values()))

@@ -391,11 +391,11 @@ def panel(
     problem: TuningProblem, workers: int | None = None, executor: Executor | None = None
 ) -> Iterator[ExaminerPool]:
     """Give a :class:`ExaminerPool`, and close it."""
-    panel_ = ExaminerPool(problem, workers, executor)
+    pool = ExaminerPool(problem, workers, executor)
     try:
-        yield panel_
+        yield pool
     finally:
-        panel_.close()
+        pool.close()
 
 
 def _outcome_of(begun: Callable[[], Score] | FuzzyarmError) -> Score:

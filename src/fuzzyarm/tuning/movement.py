@@ -289,15 +289,15 @@ class Movement:
                     knots.setdefault(edge, name)
         begin = 0.5 * self.turn if self.peaks.mirrored else low
         nails = sorted(nail for nail in self.nails if nail >= begin)
-        stretches_ = []
+        knot_stretches = []
         for first, last in pairwise(nails):
             inside = [Knot(knots[edge], edge) for edge in sorted(knots) if first < edge < last]
             # Shares are counted from the inner nail outwards.
             if inside and first == low and last < high:
-                stretches_.append(KnotStretch(last, first, tuple(reversed(inside))))
+                knot_stretches.append(KnotStretch(last, first, tuple(reversed(inside))))
             elif inside:
-                stretches_.append(KnotStretch(first, last, tuple(inside)))
-        return stretches_
+                knot_stretches.append(KnotStretch(first, last, tuple(inside)))
+        return knot_stretches
 
     def _demand_room(self) -> None:
         for part in self.stretches:

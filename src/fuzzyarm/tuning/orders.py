@@ -90,10 +90,10 @@ def require_sensible(request: TuneRequest) -> None:
 
 def longest(request: TuneRequest) -> float:
     """Return how long the whole may take, s."""
-    seconds_ = read_time(request.time, "--time") if request.time else math.inf
-    if not seconds_ > 0.0:
+    limit = read_time(request.time, "--time") if request.time else math.inf
+    if not limit > 0.0:
         raise UsageError(f"--time must be above 0 s, not {request.time}")
-    return seconds_
+    return limit
 
 
 def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:

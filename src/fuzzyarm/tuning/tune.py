@@ -381,7 +381,7 @@ def _in_loop(
     stage = keywords.get("stage") or stage_of(text, plant, keywords, plan.seed)
     cost = keywords.get("cost")
     wish = DEFAULT_COST if cost is None else cost
-    cost_ = read_cost(wish) if isinstance(wish, str) else wish
+    criterion = read_cost(wish) if isinstance(wish, str) else wish
     controller = controller_of(text)
     scenarios = keywords.get("scenarios")
     if scenarios is None or isinstance(scenarios, int):
@@ -392,7 +392,7 @@ def _in_loop(
     problem = TuningProblem(
         text,
         tuning,
-        cost_,
+        criterion,
         train,
         over=keywords.get("over", "mean"),
         conventions=keywords.get("conventions", PLAIN),
@@ -443,11 +443,11 @@ def _on_samples(
         hint = "give samples, or tune the controller that uses it"
         raise TuneError(message, hint=hint)
     text = cost if cost is not None else DEFAULT_DATA_COST
-    cost_ = read_cost(text, tuple(ERRORS)) if isinstance(text, str) else text
+    criterion = read_cost(text, tuple(ERRORS)) if isinstance(text, str) else text
     name = _cost_name(text)
     if data is None:
         nothing: dict[str, tuple[str, ...]] = {"train": (), "unseen": ()}
-        return TuningJob(TuningProblem(rulebase, tuning, cost_), {}, {}, name, nothing, {})
+        return TuningJob(TuningProblem(rulebase, tuning, criterion), {}, {}, name, nothing, {})
     data = _fitting(data, rulebase)
     if test is None:
         order = np.random.default_rng(seed).permutation(len(data))
@@ -460,7 +460,7 @@ def _on_samples(
     if not len(data) or not len(test):
         raise TuneError("too few samples to keep some back", hint="give others to judge by")
     noisy = _with_noise(test, seed)
-    problem = TuningProblem(rulebase, tuning, cost_, samples=data)
+    problem = TuningProblem(rulebase, tuning, criterion, samples=data)
     sets = {"train": data, "unseen": test, "noisy": noisy}
     judged = {key: replace(problem, samples=sets[key]) for key in ("unseen", "noisy")}
     regression = {

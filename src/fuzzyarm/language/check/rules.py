@@ -206,12 +206,12 @@ def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
             if all(_has_opposites(name, subject) for name in around - fixed)
         ]
         breaks = [
-            break_
+            flaw
             for pairs in mirrors
             if opposites and len(pairs) >= _FEWEST_PAIRS
-            for break_ in _breaks(pairs, opposites)
+            for flaw in _breaks(pairs, opposites)
         ]
-        best = min(breaks, key=lambda asymmetry: asymmetry.share, default=None)
+        best = min(breaks, key=lambda flaw: flaw.share, default=None)
         if best is not None and best.share <= 1.0 - ALMOST:
             for pair in best.pairs:
                 first = _term(pair[0])

@@ -303,10 +303,10 @@ def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
 def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``crossed-terms`` for a term that lies elsewhere than in its place in the list."""
     for variable in subject.families:
-        crossing_ = crossing(variable)
-        if crossing_ is None:
+        neighbourhood = crossing(variable)
+        if neighbourhood is None:
             continue
-        name, *neighbours = crossing_
+        name, *neighbours = neighbourhood
         places = cores(variable) or {}
         beside = " and ".join(
             f"'{neighbour}' ({places[neighbour].middle:g})" for neighbour in neighbours if neighbour

@@ -339,8 +339,8 @@ class _AskingCursor(Cursor):
         self._last(candidates)
 
     def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
-        variable_ = self.variable_called(variable)
-        self._last(_terms(variable_, without=list(named)))
+        record = self.variable_called(variable)
+        self._last(_terms(record, without=list(named)))
 
     def _suggest_labels(self, grid: GridNode) -> NoReturn:
         if grid.row is None:

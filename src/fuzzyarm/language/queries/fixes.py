@@ -50,31 +50,31 @@ def fixes(diagnostic: Diagnostic, text: str, grids: Sequence[GridNode] = ()) -> 
         The grids of the file.
     """
     lines = split_lines(text)
-    fixes_: list[Fix] = []
+    offers: list[Fix] = []
     if diagnostic.replacement is not None:
         old = text_of(diagnostic.span, lines)
-        fixes_.append(
+        offers.append(
             Fix(
                 f"change {_shown(old)} to {_shown(diagnostic.replacement)}",
                 (Edit(diagnostic.span, diagnostic.replacement),),
             )
         )
     if diagnostic.name == "wrong-cell-count":
-        fixes_ += _cells(diagnostic, lines, grids)
+        offers += _cells(diagnostic, lines, grids)
     elif diagnostic.name == "missing-heading":
         start = Span(1, 1, 1, 1)
-        fixes_.append(Fix("add a heading", (Edit(start, 'rulebase unnamed "description"\n\n'),)))
+        offers.append(Fix("add a heading", (Edit(start, 'rulebase unnamed "description"\n\n'),)))
     elif diagnostic.name == "missing-rule":
-        fixes_ += _missing_rows(diagnostic, grids)
+        offers += _missing_rows(diagnostic, grids)
     elif diagnostic.name == "duplicate-rule":
-        fixes_ += _remove_line(diagnostic, lines)
+        offers += _remove_line(diagnostic, lines)
     elif diagnostic.name == "useless-allow":
-        fixes_ += _remove_comment(diagnostic, lines)
+        offers += _remove_comment(diagnostic, lines)
     if diagnostic.lines:
-        fixes_.append(_paste(diagnostic, lines))
+        offers.append(_paste(diagnostic, lines))
     if not diagnostic.is_error and diagnostic.name not in ("useless-allow", "missing-heading"):
-        fixes_ += _allow(diagnostic, lines)
-    return fixes_
+        offers += _allow(diagnostic, lines)
+    return offers
 
 
 def text_of(span: Span, lines: Sequence[str]) -> str:

@@ -101,13 +101,13 @@ def _share(index: int, names: Sequence[str]) -> float:
 
 def _terms(reading: Reading, variable: str) -> list[str]:
     """Return the names of the terms of a variable, from low to high."""
-    variable_ = reading.variable(variable)
-    if variable_ is None:
+    record = reading.variable(variable)
+    if record is None:
         raise ReshapeError(f"the text declares no variable '{variable}'")
-    if not variable_.terms:
+    if not record.terms:
         raise ReshapeError(f"'{variable}' has no terms yet", hint="add some first")
-    order = _order(variable_)
-    return sorted((term.name for term in variable_.terms), key=order.__getitem__)
+    order = _order(record)
+    return sorted((term.name for term in record.terms), key=order.__getitem__)
 
 
 def _order(variable: Variable) -> dict[str, tuple[float, int]]:
@@ -244,15 +244,15 @@ def _placed(
     reading: Reading, variable: str, labels: Sequence[str], term: str, shape: Shape | None
 ) -> tuple[list[Edit], int]:
     """Return the edits that declare a new term, and its place among the heads of a grid."""
-    variable_ = reading.variable(variable)
-    if variable_ is None:
+    record = reading.variable(variable)
+    if record is None:
         raise ReshapeError(f"the text declares no variable '{variable}'")
     if term in labels:
         raise ReshapeError(f"the grid has '{term}' already")
-    order = _order(variable_)
+    order = _order(record)
     if shape is not None:
         edits = add_term(reading, variable, term, shape)
-        middle = centre(shape, variable_.low, variable_.high)
+        middle = centre(shape, record.low, record.high)
         order[term] = (math.inf if middle is None else middle, len(order))
     else:
         edits = []

@@ -191,15 +191,15 @@ def _of_line(reading: Reading, occurrence: Occurrence) -> str:
     """Return the lines of a controller that define a name, and how often it is used."""
     occurrences = references(reading, occurrence)
     lines = [
-        " ".join(reading.raw_line(occurrence_.span.line).split())
-        for occurrence_ in occurrences
-        if occurrence_.is_definition
+        " ".join(reading.raw_line(use.span.line).split())
+        for use in occurrences
+        if use.is_definition
     ]
     if occurrence.kind is NameKind.PLANT:
         return f"the plant {code(occurrence.name)}"
     if occurrence.kind in (NameKind.PORT, NameKind.STATE, NameKind.PARAMETER):
         return f"{occurrence.kind} {code(occurrence.name)} of the plant"
-    uses = sum(not occurrence_.is_definition for occurrence_ in occurrences)
+    uses = sum(not use.is_definition for use in occurrences)
     return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])
 
 

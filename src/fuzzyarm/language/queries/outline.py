@@ -127,10 +127,10 @@ class Fold:
 
 def folds(reading: Reading) -> list[Fold]:
     """Return grids, lookup settings, long rules, blocks and runs of comment lines."""
-    folds_ = [Fold(first, last) for _, first, last in reading.extents if last > first]
-    folds_ += _blocks(reading)
-    folds_ += _comments(reading)
-    return sorted(folds_, key=lambda fold: (fold.first, -fold.last))
+    ranges = [Fold(first, last) for _, first, last in reading.extents if last > first]
+    ranges += _blocks(reading)
+    ranges += _comments(reading)
+    return sorted(ranges, key=lambda fold: (fold.first, -fold.last))
 
 
 def _blocks(reading: Reading) -> list[Fold]:
@@ -191,7 +191,7 @@ class OutlineSymbol:
 
 def symbols(reading: Reading) -> list[OutlineSymbol]:
     """Return the parts of a file in its order; the terms of a variable below it."""
-    symbols_: list[OutlineSymbol] = []
+    entries: list[OutlineSymbol] = []
     for node, first, last in reading.extents:
         word = reading.tokens_of(first)[0].text
         record = STATEMENTS.get(word) or CONTROLLER_STATEMENTS.get(word)
@@ -199,10 +199,10 @@ def symbols(reading: Reading) -> list[OutlineSymbol]:
             continue
         whole = Span(first, node.span.column, last, len(reading.raw_line(last)) + 1)
         if isinstance(node, VariableNode):
-            symbols_.append(_variable(reading, node, whole))
+            entries.append(_variable(reading, node, whole))
         else:
-            symbols_.append(_named(*_title(reading, node, first), record.outline, whole))
-    return symbols_
+            entries.append(_named(*_title(reading, node, first), record.outline, whole))
+    return entries
 
 
 def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, Span]:

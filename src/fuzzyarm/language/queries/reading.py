@@ -143,13 +143,13 @@ class Reading:
         nodes = [statement.node for statement in self.document.statements]
         starts = [node.span.line for node in nodes]
         ends = [*(start - 1 for start in starts[1:]), len(self.lines)]
-        extents_ = []
+        spans = []
         for node, start, stop in zip(nodes, starts, ends, strict=False):
             end = stop
             while end > start and not self.tokens_of(end):
                 end -= 1
-            extents_.append((node, start, end))
-        return extents_
+            spans.append((node, start, end))
+        return spans
 
     def statement_at(self, line: int) -> tuple[StatementNode, int, int] | None:
         """Return the statement that has tokens on `line` or around it."""

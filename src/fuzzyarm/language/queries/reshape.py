@@ -108,7 +108,7 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     """
     declaration_of(reading, variable)
     model = reading.model.variable(variable)
-    existing = model.term(term) if any(term_.name == term for term_ in model.terms) else None
+    existing = model.term(term) if any(known.name == term for known in model.terms) else None
     if existing is None:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     low, high = model.low, model.high
@@ -130,13 +130,13 @@ def _shape_text(reading: Reading, shape: Shape, lower: Shape | None = None) -> s
     """Return a shape, or one over another, as a line of the text has it."""
     names = [variable.name for variable in reading.model.inputs]
     nodes = []
-    for shape_ in (shape, lower):
-        if shape_ is None:
+    for side in (shape, lower):
+        if side is None:
             continue
-        if shape_.kind == "linear" and len(shape_.parameters) != len(names) + 1:
+        if side.kind == "linear" and len(side.parameters) != len(names) + 1:
             message = f"a sum of {len(names)} inputs has {len(names) + 1} numbers"
-            raise ReshapeError(f"{message}, not {len(shape_.parameters)}")
-        nodes.append(shape_node(shape_, names))
+            raise ReshapeError(f"{message}, not {len(side.parameters)}")
+        nodes.append(shape_node(side, names))
     upper, *under = nodes
     return str(upper._replace(lower=under[0] if under else None))
 

@@ -188,12 +188,12 @@ def diff(values: Any, axis: int = -1, *, prepend: Any = None) -> ndarray:
 
 def dot(a: Any, b: Any) -> Any:
     """Return the product of matrices, or of rows."""
-    one_, other = array_of(a), array_of(b)
+    first, other = array_of(a), array_of(b)
     if other.ndim == 1:
-        return sum(multiply(one_, other), -1)
-    if one_.ndim == 1:
-        return sum(multiply(expand_dims(one_, -1), other), -2)
-    return sum(multiply(expand_dims(one_, -1), expand_dims(other, -3)), -2)
+        return sum(multiply(first, other), -1)
+    if first.ndim == 1:
+        return sum(multiply(expand_dims(first, -1), other), -2)
+    return sum(multiply(expand_dims(first, -1), expand_dims(other, -3)), -2)
 
 
 def array_equal(a: Any, b: Any) -> bool:
