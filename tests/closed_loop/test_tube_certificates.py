@@ -13,9 +13,9 @@ from fuzzyarm.closed_loop import (
     CertificateError,
     certify_tube,
     check_certificate,
-    read_any_certificate,
+    read_certificate,
     read_claim,
-    write_tube_certificate,
+    write_certificate,
 )
 from fuzzyarm.closed_loop.certificate import sealed
 from fuzzyarm.closed_loop.claims import problem_of
@@ -41,8 +41,8 @@ def certificate(servo):
 @pytest.mark.slow
 def test_a_certificate_is_what_was_written_and_proves_its_claim(certificate, tmp_path):
     path = str(tmp_path / "tube.json")
-    write_tube_certificate(certificate, path)
-    assert read_any_certificate(path) == certificate
+    write_certificate(certificate, path)
+    assert read_certificate(path) == certificate
     verdict = check_certificate(path)
     assert verdict.proved
     assert verdict.certificate == certificate
@@ -123,17 +123,17 @@ def test_what_it_does_not_say_is_not_proved(servo, certificate, change, words):
 
 def test_a_damaged_file_is_refused(certificate, tmp_path):
     path = tmp_path / "tube.json"
-    write_tube_certificate(certificate, str(path))
+    write_certificate(certificate, str(path))
     data = json.loads(path.read_text(encoding="utf-8"))
     data["boxes"][0]["sets"][0]["centre"][0] = "1/3"
     path.write_text(json.dumps(data), encoding="utf-8")
     with pytest.raises(CertificateError, match="seal"):
-        read_any_certificate(str(path))
+        read_certificate(str(path))
     data.pop("seal")
     data["boxes"][0]["sets"][0]["centre"][0] = "much"
     path.write_text(json.dumps(sealed(data)), encoding="utf-8")
     with pytest.raises(CertificateError, match="not a certificate"):
-        read_any_certificate(str(path))
+        read_certificate(str(path))
 
 
 def test_halvings_that_are_all_of_the_starts():

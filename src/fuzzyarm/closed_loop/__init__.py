@@ -7,12 +7,7 @@
 from typing import TYPE_CHECKING
 
 from fuzzyarm.closed_loop.call import prove
-from fuzzyarm.closed_loop.certificate import (
-    Certificate,
-    CertificateError,
-    read_certificate,
-    write_certificate,
-)
+from fuzzyarm.closed_loop.certificate import Certificate, CertificateError
 from fuzzyarm.closed_loop.claims import claim_text, read_claim
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
@@ -21,8 +16,8 @@ from fuzzyarm.closed_loop.tube import Demand, Tube, tube
 from fuzzyarm.closed_loop.tube_certificate import (
     TubeCertificate,
     certify_tube,
-    read_any_certificate,
-    write_tube_certificate,
+    read_certificate,
+    write_certificate,
 )
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.lazy import lazily
@@ -43,12 +38,10 @@ __all__ = [
     "loop_tube",
     "prove",
     "prove_loop",
-    "read_any_certificate",
     "read_certificate",
     "read_claim",
     "tube",
     "write_certificate",
-    "write_tube_certificate",
 ]
 
 if not TYPE_CHECKING:

@@ -17,21 +17,18 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast, get_args
 
-from fuzzyarm.closed_loop.certificate_fields import CertificateError, Field, read_fields
+from fuzzyarm.closed_loop.certificate_fields import CertificateError, Field
 from fuzzyarm.closed_loop.evidence import Evidence, Gains
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.controller.text import ControllerText, sheet_files
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim, Stretch, When
 from fuzzyarm.plant.plant import PlantError
-from fuzzyarm.text.files import write_atomically
 
 __all__ = [
     "Certificate",
     "CertificateError",
     "fingerprints_of",
-    "read_certificate",
-    "write_certificate",
 ]
 
 FORMAT = "fuzzyarm-certificate 3"
@@ -212,40 +209,8 @@ def fingerprints_of(text: ControllerText) -> dict[str, str]:
     }
 
 
-def write_certificate(certificate: Certificate, path: str) -> None:
-    """Write a certificate.
-
-    Parameters
-    ----------
-    certificate : Certificate
-        Which.
-    path : str
-        The file, replaced as a whole.
-    """
-    text = json.dumps(certificate.as_data(), indent=1, ensure_ascii=False)
-    write_atomically(path, (text + "\n").encode())
-
-
-def read_certificate(path: str) -> Certificate:
-    """Read a certificate; whether it proves anything is not asked.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    CertificateError
-        If it is not a certificate, or is damaged.
-    """
-    return certificate_of(read_fields(path))
-
-
 def certificate_of(whole: Field) -> Certificate:
-    """Return the certificate that the fields of a file are; as :func:`read_certificate`."""
+    """Return the certificate that the fields of a file are; see `read_certificate`."""
     data = unsealed(whole, FORMAT)
     return Certificate(
         claim_of(data),

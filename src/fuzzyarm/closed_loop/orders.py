@@ -11,13 +11,13 @@ from fractions import Fraction
 from typing import Any
 
 from fuzzyarm.api import controller_if_any, load_rules, load_sampled
-from fuzzyarm.closed_loop.certificate import Certificate, write_certificate
+from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.claims import claim_text, read_claim
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.timed import loop_tube
 from fuzzyarm.closed_loop.tube import Tube
-from fuzzyarm.closed_loop.tube_certificate import certify_tube, write_tube_certificate
+from fuzzyarm.closed_loop.tube_certificate import certify_tube, write_certificate
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError, UsageError, WordError
@@ -298,7 +298,7 @@ def certify(
     tube = certify_tube(
         controller, claim, budget=min(budget_of(request), longest), **setup_of(request, claim)
     )
-    write_tube_certificate(tube, path)
+    write_certificate(tube, path)
     return tube.seal
 
 

@@ -32,7 +32,7 @@ from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.text.files import write_atomically
 
-__all__ = ["TubeCertificate", "certify_tube", "read_any_certificate", "write_tube_certificate"]
+__all__ = ["TubeCertificate", "certify_tube", "read_certificate", "write_certificate"]
 
 FORMAT = "fuzzyarm-tube 1"
 
@@ -156,21 +156,21 @@ def certify_tube(
     )
 
 
-def write_tube_certificate(certificate: TubeCertificate, path: str) -> None:
-    """Write a certificate.
+def write_certificate(certificate: Certificate | TubeCertificate, path: str) -> None:
+    """Write a certificate of a region or of a tube.
 
     Parameters
     ----------
-    certificate : TubeCertificate
+    certificate : Certificate or TubeCertificate
         Which.
     path : str
         The file, replaced as a whole.
     """
-    data = json.dumps(certificate.as_data(), indent=0, ensure_ascii=False)
+    data = json.dumps(certificate.as_data(), indent=1, ensure_ascii=False)
     write_atomically(path, (data + "\n").encode())
 
 
-def read_any_certificate(path: str) -> Certificate | TubeCertificate:
+def read_certificate(path: str) -> Certificate | TubeCertificate:
     """Read a certificate of a region or of a tube; whether it proves anything is not asked.
 
     Parameters

@@ -31,7 +31,7 @@ from fuzzyarm.closed_loop.runs import refuting_run
 from fuzzyarm.closed_loop.search import Proposal, proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.closed_loop.tube import Tube
-from fuzzyarm.closed_loop.tube_certificate import TubeCertificate, read_any_certificate
+from fuzzyarm.closed_loop.tube_certificate import TubeCertificate, read_certificate
 from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.closed_loop.witnesses import contradiction
 from fuzzyarm.controller.text import ControllerText, read_controller
@@ -448,7 +448,7 @@ def check_certificate(
     place = Path(".")
     if isinstance(certificate, str):
         place = Path(certificate).parent
-        certificate = read_any_certificate(certificate)
+        certificate = read_certificate(certificate)
     if text is None:
         path = next(
             (p for p in (Path(certificate.controller), place / certificate.controller,
