@@ -2,8 +2,12 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import {
+  cellAt,
+  cellsPanel,
   edgesOf,
+  gridOf,
   layoutOf,
+  outlineOf,
   scaleOf,
   shareOf,
   strokesOf,
@@ -91,4 +95,33 @@ test("cells whose first row stands at the top turn the axis over, and have a bar
   assert.equal(turned.yAt(turned.toY(0.25)), 0.25);
   assert.ok(upward.hasBar && !layoutOf(panelOf(false), 200, 200, 0).hasBar);
   assert.ok(upward.inside.right < 400 - 60);
+});
+
+const TABLE = gridOf({ name: "ce", levels: [-1, 0, 2] }, { name: "e", levels: [10, 20] });
+
+test("a table is a panel of cells about its levels, or between them", () => {
+  assert.deepEqual(TABLE, { x: [-1.5, -0.5, 1, 3], y: [5, 15, 25], names: ["ce", "e"] });
+  assert.deepEqual(gridOf({ name: "x", levels: [0, 1, 4] }, null, true).x, [0, 1, 4]);
+  const { across, up, parts } = cellsPanel(TABLE, [1, 2, 3, 4, 5, null], { low: 1, high: 5 }, { downward: true });
+  assert.deepEqual([across.words, across.low, across.high], ["ce", -1.5, 3]);
+  assert.deepEqual([up.words, up.low, up.high], ["e", 5, 25]);
+  assert.equal(parts[0].values.length, (parts[0].x.length - 1) * (parts[0].y.length - 1));
+});
+
+test("the axis of a table of one row has no ticks", () => {
+  const { up } = cellsPanel(gridOf({ name: "x", levels: [0, 1] }, null), [1, 2], { low: 0, high: 1 });
+  assert.deepEqual(ticksOf(up, 5), []);
+});
+
+test("the pixel in the middle of a cell leads to it, its first row on top", () => {
+  const panel = cellsPanel(TABLE, Array(6).fill(0), { low: 0, high: 1 }, { downward: true });
+  const layout = layoutOf(panel, 400, 300, 0);
+  for (let row = 0; row < 2; row++)
+    for (let column = 0; column < 3; column++) {
+      const { x, y } = outlineOf(TABLE, [row, column]);
+      const at = [layout.toX((x[0] + x[1]) / 2), layout.toY((y[0] + y[2]) / 2)];
+      assert.deepEqual(cellAt(TABLE, layout, at[0], at[1]), [row, column]);
+    }
+  assert.ok(layout.toY(TABLE.y[0]) < layout.toY(TABLE.y[1]));
+  assert.equal(cellAt(TABLE, layout, layout.inside.left - 1, 100), null);
 });

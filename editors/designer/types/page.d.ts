@@ -29,6 +29,7 @@ declare namespace Page {
     ): Promise<Answer>;
     fill(title: string, fields: any[], button: string, act: (values: any) => any, note?: string): Promise<any>;
     choose(title: string, texts: string[]): Promise<number | null>;
+    settled(): Promise<boolean>;
     [name: string]: any;
   }
 

@@ -1,6 +1,6 @@
-// Canvases that fill their panes, their colours, and fields with labels.
+// Canvases that fill their panes.
 
-import { el, context, colourOf, eachFrame } from "./draw.js";
+import { el, context, eachFrame } from "./draw.js";
 
 /**
  * A canvas that fills its pane and is drawn again when its size or the theme changes.
@@ -21,21 +21,4 @@ export function stage(store, body, draw) {
   store.on("theme", redraw);
   body.append(canvas);
   return { canvas, redraw };
-}
-
-/** The colours of canvases, as the theme has them now. */
-export function inks() {
-  return {
-    ink: colourOf("--ink"),
-    soft: colourOf("--soft"),
-    line: colourOf("--line"),
-    pane: colourOf("--pane"),
-    lines: [colourOf("--accent"), colourOf("--lit"), colourOf("--number"), colourOf("--keyword")],
-  };
-}
-
-/** A field with its label, for the bar of a view. */
-export function field(label, input, hint = "") {
-  if (hint) input.title = hint;
-  return el("label", { class: "field" }, el("span", { textContent: label }), input);
 }

@@ -1,8 +1,21 @@
 // Two files compared: their surfaces over the same inputs, their difference, and what it means.
 
-import { choice, clean, el, eachFrame, pane, shortNumber } from "./draw.js";
+import {
+  choice,
+  clean,
+  el,
+  eachFrame,
+  keepFocus,
+  pairsOf,
+  pane,
+  placeWords,
+  setTools,
+  shortNumber,
+  space,
+} from "./draw.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
+import { Task } from "./task.js";
 
 /**
  * The pane; the file that is open comes first.
@@ -33,17 +46,11 @@ class ComparePane {
     body.append(this.state, this.pictures, this.changes);
     this.wanted = { other: "", output: "", x: "", y: "", view: "both" };
     this.found = null;
-    this.job = null;
+    this.task = new Task(hand, "compare");
     this.names = [];
 
     this.redraw = eachFrame(this.draw);
-    this.store.on("view", async () => {
-      if (this.store.view !== "compare") return;
-      this.names = ((await this.hand.folder({ what: "list" })).files ?? []).map((each) => each.name);
-      if (this.names.length < 2) this.state.textContent = S.nothingToCompare;
-      this.build();
-      this.redraw();
-    });
+    for (const name of ["view", "files"]) this.store.on(name, this.look);
     this.store.on("text", () => {
       if (this.found) this.section.classList.add("stale");
     });
@@ -51,64 +58,56 @@ class ComparePane {
     new ResizeObserver(this.redraw).observe(body);
   }
 
-  where = (at) =>
-    Object.entries(at)
-      .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
-      .join(", ");
+  /** Ask which files there are to compare with. */
+  look = async () => {
+    if (this.store.view !== "compare") return;
+    const { files, error } = await this.hand.folder({ what: "list" });
+    if (files) this.names = files.map((each) => each.name);
+    if (!this.found && !this.task.job) {
+      this.say(error ?? (this.names.length < 2 ? S.nothingToCompare : S.chooseOther), Boolean(error));
+    }
+    this.build();
+    this.redraw();
+  };
+
+  say(words, isWrong = false) {
+    this.state.textContent = clean(words);
+    this.state.classList.toggle("error", isWrong);
+  }
 
   build = () => {
-    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
     const others = this.names.filter((name) => name !== this.hand.file());
     const set = (name) => (value) => {
       this.wanted[name] = value;
       if (name === "view") this.redraw();
       else this.run();
     };
-    this.bar.append(choice(S.with, [["", "…"], ...others.map((n) => [n, n])], this.wanted.other, set("other")));
-    this.bar.append(el("span", { class: "space" }));
-    if (this.found?.outputs.length > 1) {
-      this.bar.append(
-        choice(
-          S.shown,
-          this.found.outputs.map((n) => [n, n]),
-          this.found.output,
-          set("output"),
-        ),
-      );
-    }
-    if (this.found?.shared.length > 2) {
-      const axes = this.found.shared.map((n) => [n, n]);
-      this.bar.append(
-        choice(S.horizontal, axes, this.found.x, set("x")),
-        choice(S.vertical, axes, this.found.y, set("y")),
-      );
-    }
+    const { outputs = [], shared = [], output, x, y } = this.found ?? {};
     const views = [
       ["both", S.sideBySide],
       ["difference", S.onlyDifference],
     ];
-    this.bar.append(
+    const refocus = keepFocus(this.bar);
+    setTools(
+      this.bar,
+      choice(S.with, [["", "…"], ...pairsOf(others)], this.wanted.other, set("other")),
+      space(),
+      ...(outputs.length > 1 ? [choice(S.shown, pairsOf(outputs), output, set("output"))] : []),
+      ...(shared.length > 2
+        ? [choice(S.horizontal, pairsOf(shared), x, set("x")), choice(S.vertical, pairsOf(shared), y, set("y"))]
+        : []),
       choice(S.view, views, this.wanted.view, set("view")),
       el("button", { textContent: S.compareAgain, onclick: this.run }),
     );
+    refocus();
   };
 
-  run = async () => {
-    this.job?.stop();
+  run = () => {
     if (!this.wanted.other || this.store.view !== "compare") return;
-    this.state.classList.remove("error");
+    this.say(S.working);
     this.section.classList.remove("stale");
-    this.state.textContent = S.working;
-    if (!(await this.hand.settled())) {
-      this.state.textContent = S.gone;
-      return;
-    }
     const { other, output, x, y } = this.wanted;
-    const at = Object.fromEntries((this.store.scene?.inputs ?? []).map((each, i) => [each.name, this.store.point[i]]));
-    const mine = this.hand.start("compare", { other, output, axes: { x, y, at } }, (news) => {
-      if (mine === this.job || !this.job) this.hear(news);
-    });
-    this.job = mine;
+    this.task.beginSettled(() => ({ other, output, axes: { x, y, at: this.store.place() } }), this.hear);
   };
 
   hear = (news) => {
@@ -119,34 +118,17 @@ class ComparePane {
     }
     if (news.changes) this.showChanges(news.changes);
     if ("largest" in news) this.found.largest = news.largest;
-    if (news.end) {
-      this.job = null;
-      this.state.classList.toggle("error", news.end === "failed");
-      this.state.textContent = clean(
-        news.end === "failed" ? news.message : news.end === "done" ? this.largestWords() : "",
-      );
-    }
+    if (news.end === "failed") this.say(news.message, true);
+    else if (news.end) this.say(news.end === "done" ? this.largestWords() : "");
     this.redraw();
   };
 
   largestWords = () => {
+    const { worst, largest, held } = this.found;
     const parts = [];
-    if (this.found.worst)
-      parts.push(
-        S.largestHere(
-          shortNumber(this.found.worst.difference, 6),
-          this.where({ ...this.found.held, ...this.found.worst.at }),
-        ),
-      );
-    if (this.found.largest)
-      parts.push(
-        S.largest(
-          shortNumber(this.found.largest.difference, 6),
-          this.where(this.found.largest.at),
-          this.found.largest.points,
-        ),
-      );
-    if (this.found.largest?.alone) parts.push(S.oneSided(this.found.largest.alone));
+    if (worst) parts.push(S.largestHere(shortNumber(worst.difference, 6), placeWords({ ...held, ...worst.at })));
+    if (largest) parts.push(S.largest(shortNumber(largest.difference, 6), placeWords(largest.at), largest.points));
+    if (largest?.alone) parts.push(S.oneSided(largest.alone));
     return parts.join(" ") || S.nothingShared;
   };
 

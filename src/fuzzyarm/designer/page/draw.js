@@ -62,12 +62,58 @@ export function pane(kind, title) {
   return { section, bar, body };
 }
 
+/** Choices, each of them its own words. */
+export const pairsOf = (words) => words.map((word) => /** @type {[string, string]} */ ([word, word]));
+
+/** The point of several variables in words. */
+export const placeWords = (at, digits = 5) =>
+  Object.entries(at)
+    .map(([name, x]) => `${name} = ${shortNumber(x, digits)}`)
+    .join(", ");
+
+/** Put other tools into the bar of a pane, behind its title. */
+export function setTools(bar, ...tools) {
+  bar.replaceChildren(bar.firstChild, ...tools);
+}
+
+/** What keeps the tools behind it at the end of a bar. */
+export const space = () => el("span", { class: "space" });
+
+/** A list to choose from: pairs of a value and its words. */
+export function select(options, chosen, properties = {}) {
+  const choices = options.map(([value, text]) =>
+    el("option", { value, textContent: text, selected: value === chosen }),
+  );
+  return el("select", properties, ...choices);
+}
+
+/** The same with its label, for the bar of a pane. */
 export function choice(label, options, chosen, onchange) {
-  const select = el("select", { onchange: () => onchange(select.value) });
-  for (const [value, text] of options) {
-    select.append(el("option", { value, textContent: text, selected: value === chosen }));
-  }
-  return el("label", { class: "small" }, label, select);
+  const list = select(options, chosen, { "data-key": label, onchange: () => onchange(list.value) });
+  return el("label", { class: "small" }, label, list);
+}
+
+/** A control with its label above it. */
+export const field = (label, input) => el("label", { class: "field" }, el("span", { textContent: label }), input);
+
+/**
+ * A table; the first cell of a row is its head. A cell or a row may be an element that stands there as it is.
+ *
+ * @param {{ class?: string, caption?: any, head?: any[], rows: any[] }} parts
+ */
+export function tableOf({ class: kind = "", caption, head, rows }) {
+  const cell = (name, content, properties = {}) =>
+    content instanceof HTMLTableCellElement ? content : el(name, properties, content);
+  const headCell = (scope, content) => (content === "" ? el("td") : cell("th", content, { scope }));
+  const row = ([first, ...others]) =>
+    el("tr", {}, headCell("row", first), ...others.map((content) => cell("td", content)));
+  return el(
+    "table",
+    { class: kind },
+    ...(caption ? [el("caption", {}, caption)] : []),
+    ...(head ? [el("thead", {}, el("tr", {}, ...head.map((content) => headCell("col", content))))] : []),
+    el("tbody", {}, ...rows.map((cells) => (cells instanceof Node ? cells : row(cells)))),
+  );
 }
 
 /** A number to so many significant digits, without zeros that say nothing. */

@@ -1,25 +1,45 @@
 // Fit: what `fuzzyarm fit` makes of samples in the folder, with residuals, calibration and the firing of the rules.
 
+import { pairsOf } from "./draw.js";
 import { S } from "./strings.js";
-import { pairOf, WorkPane } from "./work.js";
+import { ResultWork } from "./work.js";
+
+class FitWork extends ResultWork {
+  constructor(store, hand, kind) {
+    super(store, hand, kind);
+    this.saving("", S.save);
+  }
+
+  fill({ samples, models }) {
+    this.form.choices("data", pairsOf([...samples, ...models]));
+    this.form.choices("test", [["", S.none], ...pairsOf(samples)]);
+  }
+
+  ready({ samples }) {
+    return samples.length ? S.fitReady : S.noSamples;
+  }
+
+  take(news) {
+    super.take(news);
+    if (!news.name) return;
+    this.isOver = true; // it waits, and can be written
+    this.name.value = news.name;
+    this.say(S.fitEnds.done);
+  }
+}
 
 /** @type {import("./work.js").Kind} */
 const KIND = {
   name: "fit",
   title: S.fit,
-  go: S.fitIt,
+  go: S.fit,
+  stop: S.stopAndKeep,
   facts: "fittable",
-  ends: S.fitEnds,
-  enough: S.stopAndKeep,
-  saves: true,
   form: () => "fit",
-  fill(form, { samples, models }) {
-    form.choices("data", [...samples, ...models].map(pairOf));
-    form.choices("test", [["", S.none], ...samples.map(pairOf)]);
-  },
-  ready: ({ samples }) => (samples.length ? S.fitReady : S.noSamples),
+  ends: S.fitEnds,
+  isEnough: true,
 };
 
-const fitPane = (store, hand) => new WorkPane(store, hand, KIND).section;
+const fitPane = (store, hand) => new FitWork(store, hand, KIND).section;
 
 export const FIT = { name: "fit", title: S.fit, drawn: false, panes: [fitPane] };

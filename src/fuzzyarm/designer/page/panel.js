@@ -305,19 +305,26 @@ function cells({ g, toX, toY }, part) {
     const [i, j] = [k % columns, Math.floor(k / columns)];
     const [x0, x1] = [toX(across[i]), toX(across[i + 1])];
     const [y0, y1] = [toY(up[j]), toY(up[j + 1])].toSorted((a, b) => a - b);
-    if (value === null) {
-      if (part.missing) hatch(g, x0, y0, x1, y1);
-      return;
-    }
+    const isBare = value === null || part.bare?.[k];
+    if (isBare && part.missing) hatch(g, x0, y0, x1, y1);
+    if (value === null || (isBare && !value)) return;
     const shade = shadeOf(value, part);
-    g.fillStyle = `rgb(${shade.join(" ")})`;
-    g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
-    const said = shortNumber(value, 2);
-    if (x1 - x0 < 8 * said.length || y1 - y0 < 13) return;
-    g.fillStyle = inkOn(shade);
+    if (!isBare) {
+      g.fillStyle = `rgb(${shade.join(" ")})`;
+      g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
+    }
+    const said = wordsOf(value, part.value).find((each) => g.measureText(each).width <= x1 - x0 - 2);
+    if (!said || y1 - y0 < 12) return;
+    g.fillStyle = isBare ? colourOf("--ink") : inkOn(shade);
     g.fillText(said, (x0 + x1) / 2, (y0 + y1) / 2 + 4);
   });
 }
+
+/** A number in a cell, the shorter the later. */
+const wordsOf = (value, { whole }) =>
+  whole
+    ? [String(value), `${shortNumber(value / 1000, 2)}k`]
+    : [shortNumber(value, 2), shortNumber(value, 1), value.toFixed(1)];
 
 /** Black or white, whichever has more contrast. */
 const inkOn = ([r, g, b]) =>

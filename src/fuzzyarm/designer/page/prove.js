@@ -1,29 +1,50 @@
 // Prove: what `fuzzyarm prove` says of the text that is open, with the region or the tube of a loop as a picture.
 
+import { el, pairsOf } from "./draw.js";
 import { S } from "./strings.js";
-import { pairOf, WorkPane } from "./work.js";
+import { ResultWork } from "./work.js";
+
+class ProveWork extends ResultWork {
+  constructor(store, hand, kind) {
+    super(store, hand, kind);
+    this.certificate = el("input", { type: "checkbox" });
+    this.option = el(
+      "label",
+      { class: "check", title: S.certificateHint, hidden: true },
+      this.certificate,
+      S.certificate,
+    );
+    this.actions.append(this.option);
+  }
+
+  fill({ loop, outputs, plants, tables }) {
+    this.option.hidden = !loop;
+    this.certificate.checked &&= loop;
+    this.form.choices("output", pairsOf(outputs));
+    this.form.choices("table", [["", S.none], ...pairsOf(tables)]);
+    this.form.choices("plant", [["", S.usual], ...pairsOf(plants)]);
+    this.form.show(["output"], outputs.length > 1);
+  }
+
+  ready({ lines }) {
+    return S.proveLines(lines);
+  }
+
+  begin() {
+    super.begin(this.certificate.checked ? { certificate: true } : {});
+  }
+}
 
 /** @type {import("./work.js").Kind} */
 const KIND = {
   name: "prove",
   title: S.prove,
-  go: S.proveIt,
+  go: S.prove,
   facts: "provable",
-  ends: S.proveEnds,
   form: ({ loop }) => (loop ? "prove-loop" : "prove"),
-  options: { certificate: [S.certificate, S.certificateHint] },
-  fill(form, { loop, outputs, plants, tables }, boxes) {
-    const box = boxes.get("certificate");
-    box.parentElement.hidden = !loop;
-    box.checked &&= loop;
-    form.choices("output", outputs.map(pairOf));
-    form.choices("table", [["", S.none], ...tables.map(pairOf)]);
-    form.choices("plant", [["", S.usual], ...plants.map(pairOf)]);
-    form.show(["output"], outputs.length > 1);
-  },
-  ready: ({ lines }) => S.proveLines(lines),
+  ends: S.proveEnds,
 };
 
-const provePane = (store, hand) => new WorkPane(store, hand, KIND).section;
+const provePane = (store, hand) => new ProveWork(store, hand, KIND).section;
 
 export const PROVE = { name: "prove", title: S.prove, drawn: false, panes: [provePane] };

@@ -130,6 +130,11 @@ export class Store {
     return this.held?.engine ?? this.engine;
   }
 
+  /** The point, input by input. */
+  place() {
+    return Object.fromEntries((this.scene?.inputs ?? []).map(({ name }, i) => [name, this.point[i]]));
+  }
+
   setPoint(index, value) {
     const [low, high] = rangeOf(this.scene.inputs[index]);
     this.point[index] = Math.min(high, Math.max(low, value));

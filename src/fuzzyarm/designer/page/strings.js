@@ -486,7 +486,6 @@ export const S = {
   goOn: "Go on",
   replace: "Replace it",
   replaceFile: (name) => `${name} exists already. Replace it?`,
-  preparing: "preparing …",
   usual: "usual",
   yes: "yes",
   no: "no",
@@ -499,9 +498,10 @@ export const S = {
   fast: "as fast as it goes",
   onePass: "One pass",
   onePassHint: "Train one pass, then wait",
-  tableName: "Name of the file",
+  fileName: "Name of the file",
   saveTable: "Save the table",
-  tableSaved: (name) => `${name} is written, with where it comes from.`,
+  isWritten: (name) => `${name} is written.`,
+  neverUsed: "never used",
   learnsItself: "This text has a table that learns.",
   learnsNot: "This text has no table that learns; shipped controllers that do can be chosen.",
   learning: (news, begin) => {
@@ -516,20 +516,19 @@ export const S = {
   errorOfPasses: "Error of each pass",
   axis: "axis",
   noTraining: "Nothing has been learned yet.",
-  tableLabel: (axis, table, count) =>
-    `Table of ${axis}: ${table.visited} of ${count} cells visited, ` +
+  tableLabel: (axis, table) =>
+    `Table of ${axis}: ${table.visited} of ${table.values.length} cells visited, ` +
     `${table.changed} changed, values from ${Math.min(...table.values)} to ${Math.max(...table.values)}. ` +
     "Arrow keys read the cells; those that were never visited are hatched.",
   visitsLabel: (axis, most) =>
     `How often each cell of ${axis} was used, ${most} times at most. Arrow keys read the cells.`,
-  errorsLabel: (errors, begin, news) =>
+  errorsLabel: (errors, news) =>
     errors.length
       ? `RMS error after ${errors.length} passes: ${news.words}; at first ${errors[0].map((x) => x.toPrecision(3)).join(" and ")}.`
       : "No pass is over yet.",
   cell: (place, value, visits) =>
     visits ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`,
   prove: "Prove",
-  proveIt: "Prove",
   proveLines: (count) =>
     count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
   certificate: "Certificate",
@@ -537,13 +536,11 @@ export const S = {
     "Certify what is proved of a loop; fuzzyarm prove --check asks such a file whether it proves what it says",
   proveEnds: { done: "All is judged.", stopped: "Stopped." },
   toLoad: "To load:",
-  savedAs: (name) => `Saved as ${name}.`,
   sweep: "Sweep",
   sweepEnds: { done: "All runs are made.", stopped: "Stopped." },
   sweepReady: (gains) =>
     `NAME=A..B:N takes N values from A to B of a gain${gains.length ? ` (${gains.join(", ")})` : ""} or a parameter of the plant.`,
   fit: "Fit",
-  fitIt: "Fit",
   fitEnds: { done: "It can be saved.", stopped: "Stopped." },
   fitReady:
     "A rule base is learned from samples of this folder; the last column is what is learned, unless a target is named.",

@@ -1,8 +1,24 @@
 // Tables: the cells of one as a grid, and how far a table is from direct inference.
 
-import { choice, clean, el, eachFrame, heat, pane, shortNumber } from "./draw.js";
+import {
+  choice,
+  clean,
+  el,
+  eachFrame,
+  heat,
+  keepFocus,
+  pairsOf,
+  pane,
+  placeWords,
+  setTools,
+  shortNumber,
+  space,
+  tableOf,
+} from "./draw.js";
+import { cellsPanel, gridOf } from "./geometry/panel.js";
 import { drawPanel, levelAt, markAt } from "./panel.js";
 import { S } from "./strings.js";
+import { Task } from "./task.js";
 
 /** Whether a file, by its name, is a table. */
 export const isTable = (name) => /\.lut$/i.test(name);
@@ -51,18 +67,16 @@ class CellsPane {
   show = (table) => {
     this.section.classList.remove("stale");
     ({ page: this.page } = table);
-    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
-    this.bar.append(el("span", { class: "space" }));
-    const outer = table.axes.slice(0, -2);
-    outer.forEach((axis, k) => {
+    const pages = table.axes.slice(0, -2).map((axis, k) => {
       const levels = axis.levels.map((x, i) => [String(i), shortNumber(x, 6)]);
-      this.bar.append(
-        choice(axis.name, levels, String(this.page[k]), (i) => {
-          this.page = this.page.with(k, Number(i));
-          this.look();
-        }),
-      );
+      return choice(axis.name, levels, String(this.page[k]), (i) => {
+        this.page = this.page.with(k, Number(i));
+        this.look();
+      });
     });
+    const refocus = keepFocus(this.bar);
+    setTools(this.bar, space(), ...pages);
+    refocus();
     this.body.replaceChildren(this.words(table), this.grid(table));
   };
 
@@ -99,31 +113,25 @@ class CellsPane {
     const across = table.axes.at(-1);
     const down = table.axes.at(-2);
     const corner = down ? `${down.name} \\ ${across.name}` : across.name;
-    const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-    for (const j of table.columns)
-      head.append(el("th", { scope: "col", textContent: shortNumber(across.levels[j], 5) }));
-    const rows = table.rows.map((i, k) => {
-      const label = down ? shortNumber(down.levels[i], 5) : table.output;
-      const line = el("tr", {}, el("th", { scope: "row", textContent: label }));
-      table.values[k].forEach((value, m) => {
-        const cell = [...this.page, ...(down ? [i] : []), table.columns[m]];
-        const shown = el("button", {
-          textContent: shortNumber(value, 5),
-          tabIndex: k || m ? -1 : 0,
-          onclick: () => this.goTo(cell),
-        });
-        [shown.style.background, shown.style.color] = heat((value - table.low) / (table.high - table.low || 1));
-        line.append(el("td", {}, shown));
+    const cell = (value, k, m) => {
+      const at = [...this.page, ...(down ? [table.rows[k]] : []), table.columns[m]];
+      const shown = el("button", {
+        textContent: shortNumber(value, 5),
+        tabIndex: k || m ? -1 : 0,
+        onclick: () => this.goTo(at),
       });
-      return line;
+      [shown.style.background, shown.style.color] = heat((value - table.low) / (table.high - table.low || 1));
+      return shown;
+    };
+    const made = tableOf({
+      class: "cells",
+      caption: el("span", { class: "unseen", textContent: S.tableOf(table.output, table.cells, table.mode) }),
+      head: [corner, ...table.columns.map((j) => shortNumber(across.levels[j], 5))],
+      rows: table.rows.map((i, k) => [
+        down ? shortNumber(down.levels[i], 5) : table.output,
+        ...table.values[k].map((value, m) => cell(value, k, m)),
+      ]),
     });
-    const made = el(
-      "table",
-      { class: "cells" },
-      el("caption", { class: "unseen", textContent: S.tableOf(table.output, table.cells, table.mode) }),
-      el("thead", {}, head),
-      el("tbody", {}, ...rows),
-    );
     made.addEventListener("keydown", (event) => this.step(event, made));
     return made;
   };
@@ -180,7 +188,7 @@ class ErrorPane {
     this.wanted = { levels: "", mode: "", output: "", x: "", y: "" };
     const side = el("div", { class: "side" }, this.worst, this.state, this.lines);
     body.append(el("div", { class: "beside" }, this.canvas, side));
-    this.job = null;
+    this.task = new Task(hand, "table-error");
     this.found = null; // { map, cells, worst }
     this.shown = "difference";
     this.built = "";
@@ -192,7 +200,7 @@ class ErrorPane {
     });
     this.store.on("view", () => {
       this.build();
-      if (this.store.view === "table" && !this.found && !this.job) this.run();
+      if (this.store.view === "table" && !this.found && !this.task.job) this.run();
       else this.redraw();
     });
     this.store.on("text", () => {
@@ -200,7 +208,6 @@ class ErrorPane {
       this.go.textContent = S.measureAgain;
       this.section.classList.add("stale");
     });
-    this.go.addEventListener("click", () => this.section.classList.remove("stale"));
     for (const name of ["theme", "scene"]) this.store.on(name, this.redraw);
     new ResizeObserver(this.redraw).observe(body);
   }
@@ -223,21 +230,13 @@ class ErrorPane {
     const key = JSON.stringify([isTable(this.hand.file()), outputs, names, this.shown]);
     if (key === this.built) return;
     this.built = key;
-    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
-    this.bar.append(el("span", { class: "space" }));
     const set = (name) => (value) => {
       this.wanted[name] = value;
       this.run();
     };
+    const tools = [];
     if (outputs.length > 1)
-      this.bar.append(
-        choice(
-          S.shown,
-          outputs.map((n) => [n, n]),
-          this.wanted.output || outputs[0],
-          set("output"),
-        ),
-      );
+      tools.push(choice(S.shown, pairsOf(outputs), this.wanted.output || outputs[0], set("output")));
     if (!isTable(this.hand.file())) {
       const levels = el("input", {
         type: "text",
@@ -245,73 +244,54 @@ class ErrorPane {
         value: this.wanted.levels,
         placeholder: S.asInFile,
         title: S.levelsHint,
+        "data-key": "levels",
         onchange: () => set("levels")(levels.value),
       });
-      this.bar.append(el("label", { class: "small" }, S.options.levels, levels));
+      tools.push(el("label", { class: "small" }, S.options.levels, levels));
     }
-    this.bar.append(
-      choice(
-        S.options.mode,
-        [
-          ["", S.asInFile],
-          ["bins", "bins"],
-          ["nearest", "nearest"],
-          ["linear", "linear"],
-        ],
-        this.wanted.mode,
-        set("mode"),
-      ),
-    );
+    const modes = [["", S.asInFile], ...pairsOf(["bins", "nearest", "linear"])];
+    tools.push(choice(S.options.mode, modes, this.wanted.mode, set("mode")));
     if (names.length > 2) {
-      const axes = names.map((n) => [n, n]);
-      this.bar.append(
-        choice(S.horizontal, axes, this.found.map.x, set("x")),
-        choice(S.vertical, axes, this.found.map.y, set("y")),
-      );
+      tools.push(choice(S.horizontal, pairsOf(names), this.found.map.x, set("x")));
+      tools.push(choice(S.vertical, pairsOf(names), this.found.map.y, set("y")));
     }
-    this.bar.append(
-      choice(
-        S.view,
-        [
-          ["difference", S.signed],
-          ["proved", S.provedCells],
-        ],
-        this.shown,
-        (value) => {
-          this.shown = value;
-          this.redraw();
-        },
-      ),
-      this.go,
-    );
+    const views = [
+      ["difference", S.signed],
+      ["proved", S.provedCells],
+    ];
+    const show = (value) => {
+      this.shown = value;
+      this.redraw();
+    };
+    const refocus = keepFocus(this.bar);
+    setTools(this.bar, space(), ...tools, choice(S.view, views, this.shown, show), this.go);
+    refocus();
   };
 
-  run = async () => {
-    this.job?.stop();
+  run = () => {
     if (this.store.view !== "table" || !this.hand.file()) return;
-    this.state.classList.remove("error");
-    this.state.textContent = S.working;
-    if (!(await this.hand.settled())) {
-      this.state.textContent = S.gone;
-      return;
-    }
+    this.say(S.working);
+    this.go.textContent = this.found ? S.measureAgain : S.measure;
+    this.section.classList.remove("stale");
     const { levels, mode, output, x, y } = this.wanted;
-    const at = Object.fromEntries((this.store.scene?.inputs ?? []).map((each, i) => [each.name, this.store.point[i]]));
-    const mine = this.hand.start("table-error", { options: { levels, mode, output }, axes: { x, y, at } }, (news) => {
-      if (mine === this.job || !this.job) this.hear(news);
-    });
-    this.job = mine;
+    const asked = () => ({ options: { levels, mode, output }, axes: { x, y, at: this.store.place() } });
+    this.task.beginSettled(asked, this.hear);
   };
+
+  say(words, isWrong = false) {
+    this.state.textContent = clean(words);
+    this.state.classList.toggle("error", isWrong);
+  }
 
   hear = (news) => {
     if (news.map) {
       this.found = { map: news.map, cells: [], worst: null };
       this.build();
     }
-    if (news.doing) this.state.textContent = clean(`${news.doing} …`);
+    if (news.doing) this.say(`${news.doing} …`);
     if (news.cells) {
       this.found.cells.push(...news.cells);
-      this.state.textContent = S.provedSoFar(news.done, news.of);
+      this.say(S.provedSoFar(news.done, news.of));
     }
     if (news.lines) {
       this.lines.textContent = clean(news.lines.join("\n"));
@@ -324,19 +304,15 @@ class ErrorPane {
     this.redraw();
   };
 
-  ended = (news) => {
-    this.job = null;
-    if (news.end === "failed") {
-      this.state.textContent = clean(news.message);
-      this.state.classList.add("error");
+  ended = ({ end, message }) => {
+    if (end === "failed") {
+      this.say(message, true);
       if (!this.found?.worst) this.worst.textContent = "";
-    } else if (news.end === "done") this.state.textContent = clean(this.found.unproved ?? S.provedAll);
+    } else if (end === "done") this.say(this.found.unproved ?? S.provedAll);
   };
 
   worstWords = ({ at, table, direct, difference, proved, mode }, output) => {
-    const where = Object.entries(at)
-      .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
-      .join(", ");
+    const where = placeWords(at);
     return S.worstAt(
       output,
       mode,
@@ -352,13 +328,7 @@ class ErrorPane {
     if (!this.found || this.store.view !== "table") return;
     const { map } = this.found;
     const place = this.found.worst && this.inSlice(map, this.found.worst.at);
-    const title = S.errorTitle(
-      map.output,
-      map.mode,
-      Object.entries(map.held)
-        .map(([n, x]) => `${n} = ${shortNumber(x)}`)
-        .join(", "),
-    );
+    const title = S.errorTitle(map.output, map.mode, placeWords(map.held, 4));
     const isProved = this.shown === "proved" && this.found.cells.length > 0;
     const panel = isProved ? this.provedPanel(map) : map.panel;
     const high = Math.max(Math.abs(panel.parts[0].value?.high ?? panel.up.high));
@@ -370,14 +340,13 @@ class ErrorPane {
 
   /** The cells whose error has been proved so far: they come one by one. */
   provedPanel(map) {
-    const [x, y] = [map.levels[map.x], map.y ? map.levels[map.y] : [0, 1]];
-    const values = Array((x.length - 1) * (y.length - 1)).fill(null);
-    for (const [i, j, value] of this.found.cells.map(this.cellOf(map))) values[j * (x.length - 1) + i] = value;
+    const axis = (name) => ({ name, levels: map.levels[name] });
+    const grid = gridOf(axis(map.x), map.y ? axis(map.y) : null, true);
+    const columns = grid.x.length - 1;
+    const values = Array(columns * (grid.y.length - 1)).fill(null);
+    for (const [i, j, value] of this.found.cells.map(this.cellOf(map))) values[j * columns + i] = value;
     const high = Math.max(...values) || 1;
-    const value = { words: "", low: -high, high, logarithmic: false, whole: false };
-    const across = { words: map.x, low: x[0], high: x.at(-1), logarithmic: false, whole: false };
-    const up = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false, whole: false };
-    return { title: "", across, up, parts: [{ is: "cells", x, y, values, value, signed: true }] };
+    return cellsPanel(grid, values, { words: "", low: -high, high });
   }
 }
 

@@ -1,12 +1,10 @@
 // Tune: the search of `fuzzyarm tune` on the text that is open, its cost as it falls, what came of it.
 
-import { clean, el, pane, shortNumber } from "./draw.js";
 import { stage } from "./charts.js";
-import { confirm } from "./dialogs.js";
-import { Form } from "./form.js";
+import { clean, el, pairsOf, pane, shortNumber, tableOf, space } from "./draw.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
-import { showGrounds } from "./work.js";
+import { showGrounds, Work } from "./work.js";
 
 const MOST_ROWS = 120; // of numbers that move
 /** Fields of a controller in its loop, and of a rule base on samples. */
@@ -14,222 +12,160 @@ const AROUND = ["connect", "noise", "quantise", "sensor_delay", "difference", "a
 const IN_LOOP = ["plant", "scenarios", "vary", "over", "linear", ...AROUND];
 const ON_SAMPLES = ["data", "test", "target"];
 
+const shown = (value) => (value === null ? "–" : shortNumber(value));
+
+/** @type {import("./work.js").Kind} */
+const KIND = {
+  name: "tune",
+  title: S.tune,
+  go: S.start,
+  stop: S.stopAndKeep,
+  facts: "tunable",
+  form: () => "tune",
+  isEnough: true,
+};
+
 export const TUNE = {
   name: "tune",
   title: S.tune,
   drawn: false,
-  panes: [tunePanes],
+  panes: [(store, hand) => new TuneWork(store, hand).panes],
   splits: [
     { key: "tune-columns", vertical: true, at: 1, usual: 0.5 },
     { key: "tune-rows", vertical: false, at: 2, usual: 0.44 },
   ],
 };
 
-/**
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function tunePanes(store, hand) {
-  return new TunePanes(store, hand).panes;
-}
-
-class TunePanes {
+class TuneWork extends Work {
   /**
    * @param {Page.Store} store
    * @param {Page.Hand} hand
    */
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
+    super(store, hand, KIND);
+    this.forget();
+    this.heard = 0; // when the line was read out, ms
+    this.rows = [];
+    this.drawn = null; // the report that is drawn
+    this.insert = el("button", {
+      textContent: S.insertTune,
+      hidden: true,
+      onclick: () => this.hand.change("movable", {}),
+    });
+    this.told = el("span", { class: "says" });
+    this.actions.append(this.told, this.insert);
+    this.makePictures();
+    this.show();
+  }
 
-    this.facts = null; // whether the text can be tuned, and on what
-    this.job = null; // the search; when it is over it is kept, until its change has been taken
-    this.running = false;
-    this.ending = false; // a hand has said that it is enough
+  makePictures() {
+    const left = pane("cost", S.costOfTrials);
+    const [right, below] = [pane("numbers", S.numbersThatMove), pane("report", S.whatCameOfIt)];
+    this.counted = el("span", { class: "readout" });
+    left.bar.append(space(), this.counted);
+    this.curve = stage(this.store, left.body, () => this.panel && drawPanel(this.curve.canvas, this.panel));
+    this.numbers = right.body;
+    this.outcome = below.body;
+    this.keep = el("button", {
+      class: "main",
+      textContent: S.takeIt,
+      title: S.takeItHint,
+      onclick: () => this.task.say({ take: true }),
+    });
+    below.bar.append(space(), this.keep);
+    this.panes = new DocumentFragment();
+    this.panes.append(this.section, left.section, right.section, below.section);
+  }
+
+  // --- what may be asked for ---
+
+  canStart() {
+    return super.canStart() && (this.facts.loop ? this.facts.plants : this.facts.samples).length > 0;
+  }
+
+  refuse(words) {
+    super.refuse(words);
+    this.insert.hidden = true;
+  }
+
+  fill({ plants, samples, cost, says, parameters }) {
+    this.form.choices(
+      "plant",
+      plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]),
+    );
+    this.form.choices("data", pairsOf(samples));
+    this.form.choices("test", [["", S.fifth], ...pairsOf(samples)]);
+    this.form.input("cost").placeholder = cost;
+    this.insert.hidden = says || parameters.length === 0;
+    this.changed("plant");
+  }
+
+  changed(name) {
+    if (name !== "plant") return;
+    const { loop, plants } = this.facts;
+    this.form.show(IN_LOOP, loop);
+    this.form.show(ON_SAMPLES, !loop);
+    const plant = loop ? plants.find((each) => each.name === this.form.shown("plant")) : undefined;
+    showGrounds(this.form, plant, [["", S.asCompared]]);
+  }
+
+  ready(facts) {
+    return S.whatMoves(facts);
+  }
+
+  // --- the search ---
+
+  /** Forget the search before. */
+  forget() {
     this.moving = []; // the numbers that move
     this.counts = { search: 0, linear: 0 }; // of trials
     this.panel = null; // the picture of their costs
     this.state = null; // the last word of the search
     this.phase = "search";
     this.report = null;
-    this.stale = true;
-
-    // --- what may be asked ---
-
-    this.top = pane("tuning", S.tune);
-    this.form = new Form({
-      changed: (name) => name === "plant" && this.fit(),
-      judge: (values) => this.hand.askNow("judge", { form: "tune", values }),
-    });
-    this.makeActions();
-    this.makePictures();
-    this.listen();
   }
 
-  makeActions() {
-    this.start = el("button", { class: "main", textContent: S.start, onclick: () => this.begin() });
-    this.stop = el("button", { textContent: S.stopAndKeep, disabled: true, onclick: () => this.enough() });
-    this.insert = el("button", {
-      textContent: S.insertTune,
-      hidden: true,
-      onclick: () => this.hand.change("movable", {}),
-    });
-    this.says = el("span", { class: "says" });
-    this.said = el("p", { class: "said", role: "status" });
-    const actions = el("div", { class: "actions" }, this.start, this.stop, this.says, this.insert);
-    this.top.body.append(this.form.view, actions, this.said);
-
-    this.told = 0;
+  begin() {
+    this.forget();
+    super.begin();
   }
 
-  makePictures() {
-    // --- pictures ---
-
-    this.left = pane("cost", S.costOfTrials);
-    this.right = pane("numbers", S.numbersThatMove);
-    this.below = pane("report", S.whatCameOfIt);
-    this.counted = el("span", { class: "readout" });
-    this.left.bar.append(el("span", { class: "space" }), this.counted);
-    this.curve = stage(this.store, this.left.body, () => this.panel && drawPanel(this.curve.canvas, this.panel));
-
-    this.rows = [];
-
-    // --- what came of it ---
-
-    this.takeIt = el("button", {
-      class: "main",
-      textContent: S.takeIt,
-      title: S.takeItHint,
-      onclick: () => this.job?.say({ take: true }),
-    });
-    this.below.bar.append(el("span", { class: "space" }), this.takeIt);
-    this.drawn = null;
-  }
-
-  listen() {
-    this.store.on("view", this.ask);
-    this.store.on("text", () => {
-      this.stale = true;
-      this.ask();
-    });
-    this.show();
-    this.panes = new DocumentFragment();
-    this.panes.append(this.top.section, this.left.section, this.right.section, this.below.section);
-  }
-
-  shown = (value) => (value === null ? "–" : shortNumber(value));
-
-  fit = () => {
-    const known = this.facts?.plants.find((each) => each.name === this.form.shown("plant"));
-    this.form.show(IN_LOOP, Boolean(this.facts?.loop));
-    this.form.show(ON_SAMPLES, Boolean(this.facts) && !this.facts.loop);
-    showGrounds(this.form, this.facts?.loop ? known : undefined, [["", S.asCompared]]);
-  };
-
-  ask = () => {
-    if (this.store.view !== TUNE.name || !this.stale || this.running) return;
-    this.stale = false;
-    this.hand.start("tunable", {}, (message) => {
-      if (message.end === "failed") {
-        this.facts = null;
-        this.says.textContent = clean(message.message);
-        this.insert.hidden = true;
-        this.start.disabled = true;
-      }
-      if (message.end) return;
-      this.facts = message;
-      this.form.open(this.facts.form);
-      const samples = this.facts.samples.map((each) => [each, each]);
-      this.form.choices(
-        "plant",
-        this.facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]),
-      );
-      this.form.choices("data", samples);
-      this.form.choices("test", [["", S.fifth], ...samples]);
-      this.form.input("cost").placeholder = this.facts.cost;
-      this.says.textContent = clean(S.whatMoves(/** @type {any} */ (this.facts)));
-      this.insert.hidden = this.facts.says || this.facts.parameters.length === 0;
-      this.start.disabled = this.running || (this.facts.loop ? !this.facts.plants.length : !this.facts.samples.length);
-      this.fit();
-    });
-  };
-
-  // --- the search ---
-
-  begin = () => {
-    this.job?.stop();
-    this.moving = [];
-    this.counts = { search: 0, linear: 0 };
-    this.panel = null;
-    this.state = this.report = null;
-    this.phase = "search";
-    this.running = true;
-    this.ending = false;
-    this.said.textContent = S.preparing;
-    this.form.mark("");
-    const mine = (this.job = this.hand.start("tune", { form: this.form.values() }, (message) => {
-      if (this.job === mine) this.hear(message);
-    }));
-    this.show();
-  };
-
-  enough = () => {
-    this.job?.say({ enough: true });
-    this.ending = true;
-    this.said.textContent = S.stopping;
-    this.show();
-  };
-
-  hear = (message) => {
-    if (message.panel) this.panel = message.panel;
-    if (message.end) {
-      this.job = null;
-      this.running = false;
-      if (message.end === "failed") this.said.textContent = clean(message.field ? "" : message.message);
-      this.ask();
-    } else if (message.moving) this.moving = message.moving;
-    else if (message.phase) this.take(message);
-    else if (message.report) {
-      this.report = message.report;
-      this.running = false;
-      this.said.textContent = clean(this.report.interrupted ? S.stopped(this.report) : S.tuned(this.report));
-      this.ask();
-    } else if (message.exists) this.replace(message.exists);
-    else if (message.untaken) this.said.textContent = clean(message.untaken);
-    else if (message.taken) this.edit(message.taken);
-    this.show();
-    if (message.end === "failed") this.form.mark(message.field ?? "", message.message);
-  };
-
-  take = (message) => {
-    this.counts[message.phase] = message.count;
-    if (message.phase === "search") this.state = message;
-    const turned = this.phase !== message.phase;
-    this.phase = message.phase;
-    // The line is read out: every five seconds is enough.
-    if (!this.ending && (turned || performance.now() - this.told > 5000)) {
-      this.told = performance.now();
-      this.said.textContent = clean(
-        S.searching(this.phase, this.counts[this.phase], message.best, Number(this.form.shown("evals"))),
-      );
+  take(news) {
+    if (news.panel) this.panel = news.panel;
+    if (news.moving) this.moving = news.moving;
+    if (news.phase) this.progress(news);
+    if (news.report) {
+      this.report = news.report;
+      this.isOver = true; // it waits until its change has been taken
+      this.say(this.report.interrupted ? S.stopped(this.report) : S.tuned(this.report));
     }
-  };
+    if (news.untaken) this.say(news.untaken);
+    if (news.taken) this.edit(news.taken);
+  }
 
-  replace = async (names) => {
-    if (await confirm(S.replaceFile(names.join(", ")), S.replace)) this.job?.say({ take: true, replace: true });
-  };
+  progress(news) {
+    this.counts[news.phase] = news.count;
+    if (news.phase === "search") this.state = news;
+    const turned = this.phase !== news.phase;
+    this.phase = news.phase;
+    // The line is read out: every five seconds is enough.
+    if (this.isEnding || (!turned && performance.now() - this.heard < 5000)) return;
+    this.heard = performance.now();
+    this.say(S.searching(this.phase, this.counts[this.phase], news.best, Number(this.form.shown("evals"))));
+  }
 
-  edit = async ({ old, new: changed, written }) => {
+  keeping() {
+    return { take: true };
+  }
+
+  async edit({ old, new: changed, written }) {
     const done = await this.hand.change("merge", { old, new: changed });
-    this.said.textContent = clean(done ? S.taken(written) : S.notTaken);
-    this.show();
-  };
+    this.say(done ? S.taken(written) : S.notTaken);
+  }
 
-  show = () => {
-    this.start.disabled =
-      this.running || !this.facts || (this.facts.loop ? !this.facts.plants.length : !this.facts.samples.length);
-    this.stop.disabled = !this.running || this.ending;
-    this.form.lock(this.running);
+  show() {
+    super.show();
+    this.keep.disabled = !this.report?.changes.length || !this.task.job;
     this.counted.textContent = clean(
       this.state ? S.searchState(this.counts.search, this.state.best, this.state.seconds) : "",
     );
@@ -237,12 +173,12 @@ class TunePanes {
     this.curve.redraw();
     this.drawNumbers();
     this.drawReport();
-  };
+  }
 
   drawNumbers = () => {
     if (!this.moving.length) {
       this.rows = [];
-      this.right.body.replaceChildren(el("p", { class: "note", textContent: S.noSearch }));
+      this.numbers.replaceChildren(el("p", { class: "note", textContent: S.noSearch }));
       return;
     }
     if (this.rows.length !== Math.min(this.moving.length, MOST_ROWS) || this.rows[0].of !== this.moving) this.build();
@@ -250,7 +186,7 @@ class TunePanes {
       const at = this.state?.best_shares?.[i] ?? each.share;
       best.style.left = `${100 * at}%`;
       now.style.left = `${100 * (this.state?.shares?.[i] ?? each.share)}%`;
-      now.hidden = !this.running || this.phase !== "search";
+      now.hidden = this.isOver || this.phase !== "search";
       const shown = shortNumber(this.state?.values?.[i] ?? each.start);
       value.textContent = clean(shown);
       track.setAttribute(
@@ -278,69 +214,52 @@ class TunePanes {
       );
       return { of: this.moving, number: each, track, best, now, value };
     });
-    this.right.body.replaceChildren(list);
+    this.numbers.replaceChildren(list);
     if (this.moving.length > MOST_ROWS)
-      this.right.body.append(el("p", { class: "note", textContent: S.more(this.moving.length - MOST_ROWS) }));
+      this.numbers.append(el("p", { class: "note", textContent: S.more(this.moving.length - MOST_ROWS) }));
   };
 
   drawReport = () => {
-    this.takeIt.disabled = !this.report?.changes.length || !this.job;
     if (this.drawn === this.report && this.drawn !== null) return;
     this.drawn = this.report;
     if (!this.report) {
-      this.below.body.replaceChildren(el("p", { class: "note", textContent: this.running ? S.waiting : S.noReport }));
+      this.outcome.replaceChildren(el("p", { class: "note", textContent: !this.isOver ? S.waiting : S.noReport }));
       return;
     }
     const found = el("div", {}, this.table(), el("p", { textContent: this.report.claim }));
     for (const line of [...this.report.remarks, ...this.report.faults]) found.append(el("p", { textContent: line }));
     if (this.report.changes.length) found.append(this.difference());
     const changed = this.report.changes.length ? [el("div", { class: "listed" }, this.changes())] : [];
-    this.below.body.replaceChildren(el("div", { class: "two" }, found, ...changed));
+    this.outcome.replaceChildren(el("div", { class: "two" }, found, ...changed));
   };
 
   table = () => {
-    const columns = ["train", "unseen", "noisy"].filter((name) => this.report.rows.tuned[name]);
-    const loop = Object.values(this.report.rows).some((row) => row.train.chatter !== null);
+    const { rows } = this.report;
+    const columns = ["train", "unseen", "noisy"].filter((name) => rows.tuned[name]);
+    const loop = Object.values(rows).some((row) => row.train.chatter !== null);
     const last = columns[Math.min(1, columns.length - 1)];
-    const head = [
-      ...columns.map((name) => S.sets[name]),
-      ...(loop ? [S.rmsOf(S.sets[last]), S.chatterOf(S.sets[last])] : []),
-    ];
-    const body = Object.entries(this.report.rows).map(([name, row]) => {
-      const score = row[last] ?? row.train;
-      const cells = columns.map((each) =>
-        row[each] ? (row[each].diverged ? S.diverge(row[each].diverged) : this.shown(row[each].cost)) : "–",
-      );
-      if (loop) cells.push(this.shown(score.rms), this.shown(score.chatter));
-      return el(
-        "tr",
-        {},
-        el("th", { scope: "row", textContent: name }),
-        ...cells.map((text) => el("td", { textContent: text })),
-      );
+    const cost = (score) => (score ? (score.diverged ? S.diverge(score.diverged) : shown(score.cost)) : "–");
+    return tableOf({
+      class: "scores",
+      caption: S.costs(this.report),
+      head: [
+        "",
+        ...columns.map((name) => S.sets[name]),
+        ...(loop ? [S.rmsOf(S.sets[last]), S.chatterOf(S.sets[last])] : []),
+      ],
+      rows: Object.entries(rows).map(([name, row]) => {
+        const { rms, chatter } = row[last] ?? row.train;
+        return [name, ...columns.map((each) => cost(row[each])), ...(loop ? [shown(rms), shown(chatter)] : [])];
+      }),
     });
-    return el(
-      "table",
-      { class: "scores" },
-      el("caption", { textContent: S.costs(this.report) }),
-      el("thead", {}, el("tr", {}, el("td"), ...head.map((text) => el("th", { scope: "col", textContent: text })))),
-      el("tbody", {}, ...body),
-    );
   };
 
-  changes = () => {
-    const body = this.report.changes.map((each) =>
-      el(
-        "tr",
-        {},
-        el("th", { scope: "row", textContent: each.what }),
-        el("td", { textContent: each.old }),
-        el("td", { textContent: "→" }),
-        el("td", { textContent: each.new }),
-      ),
-    );
-    return el("table", { class: "changes" }, el("caption", { textContent: S.changes }), el("tbody", {}, ...body));
-  };
+  changes = () =>
+    tableOf({
+      class: "changes",
+      caption: S.changes,
+      rows: this.report.changes.map((each) => [each.what, each.old, "→", each.new]),
+    });
 
   difference = () => {
     const listing = this.report.diff

@@ -1,25 +1,24 @@
-// A view of one form: a request of Python, the work that it begins, and below what comes of it: lines as a command
-// prints them, pictures, files to load.
+// Views of long work: a form of a request of Python, the work that it begins, what is said meanwhile, and its end. What
+// comes of it is each view's own: lines as a command prints them with their pictures, tables that grow, a report.
 
 import { stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
-import { clean, el, pane } from "./draw.js";
+import { clean, el, pairsOf, pane, space } from "./draw.js";
 import { Form } from "./form.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
+import { Task } from "./task.js";
 
-/** What views differ in: their names, and what they say. */
 /**
- * @typedef {{ name: keyof Messages.Works, title: string, go: string, facts: keyof Messages.Works, ends: Record<string, string>,
- *   form: (facts: any) => string, fill: (form: Form, facts: any, boxes: Map<string, any>) => void, ready: (facts: any) => string,
- *   changed?: (form: Form, facts: any, name: string) => void, enough?: string, saves?: boolean,
- *   options?: Record<string, [string, string]> }} Kind
- *   `facts` is the work that tells the form; `fill` puts in what only the folder or the text knows; with `enough` the
- *   work may be ended and its best kept; with `saves` what came of it can be written into the folder; `options` are boxes to
- *   be checked beside the form, with their words.
+ * What views differ in.
+ *
+ * @typedef {{ name: keyof Messages.Works, title: string, go: string, facts: keyof Messages.Works, form: (facts: any) => string,
+ *   stop?: string, ends?: Record<string, string>, isEnough?: boolean }} Kind
+ *   `facts` is the work that tells the form, and `form` its name; `ends` is what is said when it is over; with `isEnough`
+ *   the work is ended by a word, and its best kept.
  */
 
-export class WorkPane {
+export class Work {
   /**
    * @param {Page.Store} store
    * @param {Page.Hand} hand
@@ -29,24 +28,27 @@ export class WorkPane {
     this.store = store;
     this.hand = hand;
     this.kind = kind;
-    this.job = null;
-    this.isOver = true; // whether nothing is computed: a job may wait to write what it has
-    this.stale = true; // whether the form is that of an older text
-    this.known = null; // which form is shown
-    this.facts = null;
+    this.task = new Task(hand, kind.name);
+    this.asking = new Task(hand, kind.facts);
+    this.isOver = true; // whether nothing is computed: work may wait to write what it has
+    this.isEnding = false; // a hand has said that it is enough
+    this.stale = true; // whether the facts are those of an older text or folder, or are not known
+    this.facts = null; // what may be asked for
+    this.form = new Form();
+    this.known = ""; // which form is shown
     const { section, body } = pane(kind.name, kind.title);
     section.classList.add("asked");
     this.section = section;
+    this.body = body;
     this.place = el("div");
-    this.start = el("button", { class: "main", textContent: kind.go, disabled: true, onclick: () => this.begin() });
-    this.stop = el("button", { textContent: kind.enough ?? S.stop, disabled: true, onclick: () => this.halt() });
+    this.start = el("button", { class: "main", textContent: kind.go, disabled: true, onclick: () => this.press() });
+    this.stop = el("button", { textContent: kind.stop ?? S.stop, disabled: true, onclick: () => this.halt() });
+    this.keep = null; // the button that keeps what came of it
+    this.actions = el("div", { class: "actions" }, this.start, this.stop);
     this.said = el("p", { class: "said", role: "status" });
-    this.results = el("div", { class: "verdicts" });
-    body.tabIndex = 0; // it scrolls
-    this.boxes = new Map();
-    const actions = el("div", { class: "actions" }, this.start, this.stop, ...this.choices(), ...this.saving());
-    body.append(this.place, actions, this.said, this.results);
-    store.on("view", this.ask);
+    this.told = this.said; // where it is said what may be asked for
+    body.append(this.place, this.actions, this.said);
+    store.on("view", () => this.ask());
     for (const name of ["text", "files"]) {
       store.on(name, () => {
         this.stale = true;
@@ -55,118 +57,151 @@ export class WorkPane {
     }
   }
 
-  /** Boxes to be checked beside the form. */
-  choices() {
-    return Object.entries(this.kind.options ?? {}).map(([name, [words, title]]) => {
-      const box = el("input", { type: "checkbox" });
-      this.boxes.set(name, box);
-      return el("label", { class: "check", title }, box, words);
-    });
-  }
-
-  /** The name of a file for what came of it, and the button that writes it. */
-  saving() {
-    if (!this.kind.saves) return [];
-    this.name = el("input", { type: "text", size: 18, "aria-label": S.nameOfFile });
-    this.save = el("button", {
-      textContent: S.save,
+  /** Have a name for what came of it, and a button that writes it. */
+  saving(name, words) {
+    this.name = el("input", { type: "text", value: name, size: 16, "aria-label": S.fileName });
+    this.keep = el("button", {
+      textContent: words,
       disabled: true,
-      onclick: () => this.job?.say({ save: this.name.value }),
+      onclick: () => this.task.say({ save: this.name.value }),
     });
-    return [el("span", { class: "space" }), this.name, this.save];
+    this.actions.append(space(), this.name, this.keep);
   }
 
-  /** Which form the text wants. */
-  ask = () => {
+  say(words) {
+    this.said.textContent = clean(words);
+  }
+
+  // --- what may be asked for ---
+
+  /** Ask for it, where the view is looked at; what is not answered is asked for again. */
+  ask() {
     if (this.store.view !== this.kind.name || !this.stale || !this.isOver) return;
     this.stale = false;
-    this.hand.start(this.kind.facts, {}, (news) => {
-      if (news.end === "failed") {
-        this.said.textContent = clean(news.message);
-        this.start.disabled = true;
-      }
-      if (news.end) return;
-      this.build(news);
-      if (!this.job) this.said.textContent = clean(this.kind.ready(news));
-      this.start.disabled = false;
+    this.asking.begin({}, (news) => {
+      if (news.end === "failed") this.refuse(news.message);
+      else if (!news.end) this.know(news);
     });
-  };
+  }
 
-  /** @param {any} facts */
-  build(facts) {
+  refuse(words) {
+    this.stale = true;
+    this.facts = null;
+    this.told.textContent = clean(words);
+    this.show();
+  }
+
+  know(facts) {
     this.facts = facts;
     const known = this.kind.form(facts);
     if (known !== this.known) {
       this.known = known;
       this.form = new Form({
-        changed: (name) => this.kind.changed?.(this.form, this.facts, name),
+        changed: (name) => this.changed(name),
         judge: (values) => this.hand.askNow("judge", { form: known, values }),
       });
       this.form.open(facts.form);
       this.place.replaceChildren(this.form.view);
     }
-    this.kind.fill(this.form, facts, this.boxes);
-  }
-
-  begin() {
-    this.job?.stop();
-    this.form.mark("");
-    this.results.replaceChildren();
-    this.said.textContent = S.working;
-    this.isOver = false;
-    const mine = (this.job = this.hand.start(this.kind.name, this.wanted(), (news) => {
-      if (this.job === mine) this.hear(news); // an older one may still speak
-    }));
+    this.fill(facts);
+    if (!this.task.job) this.told.textContent = clean(this.ready(facts));
     this.show();
   }
 
-  /** What is asked for. */
-  wanted() {
-    const checked = [...this.boxes].filter(([, box]) => box.checked).map(([name]) => [name, true]);
-    return { form: this.form.values(), ...Object.fromEntries(checked) };
+  /** Put in what only the folder or the text knows. */
+  fill(_facts) {}
+
+  /** A field of the form was changed. */
+  changed(_name) {}
+
+  /** What is said before anything is begun. */
+  ready(_facts) {
+    return "";
+  }
+
+  canStart() {
+    return Boolean(this.facts) && this.isOver;
+  }
+
+  // --- the work ---
+
+  press() {
+    this.begin();
+  }
+
+  begin(further = {}) {
+    this.form.mark("");
+    this.say(S.working);
+    this.isOver = this.isEnding = false;
+    this.task.begin({ form: this.form.values(), ...further }, (news) => this.hear(news));
+    this.show();
   }
 
   halt() {
-    if (!this.kind.enough) this.job?.stop();
-    else this.job?.say({ enough: true });
+    if (!this.kind.isEnough) return this.task.stop();
+    this.task.say({ enough: true });
+    this.isEnding = true;
+    this.say(S.stopping);
+    return this.show();
   }
 
-  hear = (news) => {
-    if (news.doing) this.said.textContent = clean(news.doing);
-    if (news.lines) this.add(news);
-    if (news.name) this.written(news.name);
-    if (news.saved) this.said.textContent = clean(S.savedAs(news.saved));
-    if (news.unsaved) this.said.textContent = clean(news.unsaved);
-    if (news.exists) this.replace(news.exists);
-    if (news.end) this.ended(news);
+  hear(news) {
+    if (news.end) this.isOver = true;
+    if (news.saved) this.say(S.isWritten(news.saved));
+    if (news.unsaved) this.say(news.unsaved);
+    if (news.exists) this.replace([news.exists].flat());
+    if (this.kind.ends?.[news.end]) this.say(this.kind.ends[news.end]);
+    this.take(news);
     this.show();
-    if (news.end) this.ask();
-  };
-
-  ended({ end, field = "", message = "" }) {
-    this.job = null;
-    this.isOver = true;
-    const isSaid = end === "failed" && this.form.mark(field, message);
-    this.said.textContent = clean(end === "failed" ? (isSaid ? "" : message) : this.kind.ends[end]);
+    if (news.end === "failed") this.say(this.form.mark(news.field ?? "", news.message) ? "" : news.message);
+    this.ask(); // the text may have changed meanwhile
   }
 
-  /** It waits, and can be written. */
-  written(name) {
-    this.isOver = true;
-    this.name.value = name;
-    this.said.textContent = clean(this.kind.ends.done);
+  /** Take what the work tells. */
+  take(_news) {}
+
+  async replace(names) {
+    if (await confirm(S.replaceFile(names.join(", ")), S.replace))
+      this.task.say({ ...this.keeping(names), replace: true });
+    this.keep.focus();
   }
 
-  async replace(existing) {
-    if (await confirm(S.replaceFile(existing), S.replace)) this.job?.say({ save: existing, replace: true });
-    this.save.focus();
+  /** What keeps what came of it. */
+  keeping([save]) {
+    return /** @type {any} */ ({ save });
   }
 
+  /** Show what a hand may do now. */
   show() {
-    this.start.disabled = !this.isOver;
-    this.stop.disabled = this.isOver;
-    if (this.save) this.save.disabled = !(this.isOver && this.job);
-    this.form?.lock(!this.isOver);
+    this.start.disabled = !this.canStart();
+    this.stop.disabled = this.isOver || this.isEnding;
+    if (this.keep) this.keep.disabled = !(this.isOver && this.task.job);
+    this.form.lock(!this.isOver);
+  }
+}
+
+/** A view whose results are lines, pictures and files to load, one below the other. */
+export class ResultWork extends Work {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   * @param {Kind} kind
+   */
+  constructor(store, hand, kind) {
+    super(store, hand, kind);
+    this.results = el("div", { class: "verdicts" });
+    this.body.tabIndex = 0; // it scrolls
+    this.body.append(this.results);
+  }
+
+  begin(further) {
+    this.results.replaceChildren();
+    super.begin(further);
+  }
+
+  take(news) {
+    if (news.doing) this.say(news.doing);
+    if (news.lines) this.add(news);
   }
 
   /** A result: its lines, its pictures below them, and what can be loaded. */
@@ -192,15 +227,13 @@ export class WorkPane {
  * @param {Form} form
  * @param {{ trajectories: string[], carries: boolean, reference: string } | undefined} plant
  * @param {Array<[string, string]>} first
+ * @param {string} [chosen] what it follows
  */
-export function showGrounds(form, plant, first = []) {
+export function showGrounds(form, plant, first = [], chosen = form.shown("trajectory")) {
   const moves = Boolean(plant?.trajectories.length);
   form.show(["trajectory"], moves);
   form.show(["payload"], moves && plant.carries);
   form.show(["reference", "duration"], Boolean(plant) && !moves);
-  form.choices("trajectory", [...first, ...(plant?.trajectories ?? []).map((each) => pairOf(each))]);
+  form.choices("trajectory", [...first, ...pairsOf(plant?.trajectories ?? [])], chosen);
   if (form.has("reference")) form.input("reference").placeholder = plant?.reference ?? "";
 }
-
-/** @returns {[string, string]} */
-export const pairOf = (word) => [word, word];

@@ -125,3 +125,62 @@ export function layoutOf(panel, width, height, rows) {
 export const ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36, row: 15, bar: 74 };
 
 const LEAST_WITH_BAR = 300;
+
+/**
+ * A table as it is drawn: the edges of its columns and rows, and the names of both axes; the name of a table of one row is
+ * empty.
+ *
+ * @typedef {{ x: number[], y: number[], names: [string, string] }} Grid
+ */
+
+const ONE_ROW = [0.1, 0.9]; // no whole number lies between them: the axis has no ticks
+
+/**
+ * The cells of two axes of levels.
+ *
+ * @param {{ name: string, levels: number[] }} across
+ * @param {{ name: string, levels: number[] } | null} down
+ * @param {boolean} areEdges whether levels lie between the cells, and not in their middles
+ * @returns {Grid}
+ */
+export function gridOf(across, down, areEdges = false) {
+  const edges = ({ levels }) => (areEdges ? levels : edgesOf(levels, levels.length));
+  return { x: edges(across), y: down ? edges(down) : ONE_ROW, names: [across.name, down?.name ?? ""] };
+}
+
+/**
+ * A table as a panel: cells whose colours are those of an axis of values.
+ *
+ * @param {Grid} grid
+ * @param {Array<number | null>} values row by row
+ * @param {Axis} value
+ * @param {Record<string, any>} looks what else is said of the cells
+ */
+export function cellsPanel({ x, y, names }, values, value, looks = {}) {
+  const across = { words: names[0], low: x[0], high: x.at(-1), logarithmic: false, whole: false };
+  const up = { words: names[1], low: y[0], high: y.at(-1), logarithmic: false, whole: !names[1] };
+  return { title: "", across, up, parts: [{ is: "cells", x, y, values, value, signed: true, ...looks }] };
+}
+
+/**
+ * The row and the column that lie under a pixel; null beside the plot.
+ *
+ * @param {Grid} grid
+ * @param {ReturnType<typeof layoutOf>} layout
+ */
+export function cellAt(grid, { inside, xAt, yAt }, x, y) {
+  if (x < inside.left || x > inside.right || y < inside.top || y > inside.bottom) return null;
+  const within = (edges, value) => edges.slice(1, -1).filter((edge) => edge <= value).length;
+  return [within(grid.y, yAt(y)), within(grid.x, xAt(x))];
+}
+
+/**
+ * A line around a cell, as a part of a panel.
+ *
+ * @param {Grid} grid
+ * @param {number[]} cell its row and its column
+ */
+export function outlineOf({ x, y }, [row, column]) {
+  const [x0, x1, y0, y1] = [x[column], x[column + 1], y[row], y[row + 1]];
+  return { is: "line", x: [x0, x1, x1, x0, x0], y: [y0, y0, y1, y1, y0], tone: "lit", width: 1.8, dash: "-" };
+}
