@@ -2,32 +2,43 @@
 
     python tools/mutants.py                    a sample of 300 of all packages, by a seed
     python tools/mutants.py --count 20 --only inference/point
+    python tools/mutants.py --record FILE      goes on where an interrupted run ended
     python tools/mutants.py --full             all of them (days)
 
-A mutant is one operator, comparison, number or name changed in one file of a copy of the
-source. The narrow tests of its package run against the copy; those that nobody notices are
-printed with the line, and are either missing tests or changes without a meaning.
+A mutant is one operator, comparison, number or name changed in one file of a copy of the source.
+The tests of its package (see `TESTS`) run without any mutant first, which tells what each of them
+calls. Then a mutant is tried by those that call its function: first by what noticed another one
+of the file, then by what calls little else. In the first round these are quick tests of its
+package, in the second quick ones of other packages that have run by then, in the third those that
+take long. What nobody notices is printed, and is either a missing test or a change without a
+meaning.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import os
+import hashlib
+import json
 import random
-import shutil
-import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-ROOT = Path(__file__).resolve().parents[1]
-PACKAGE = Path("src") / "fuzzyarm"
+from forked_tests import (
+    LONGEST,
+    PACKAGE,
+    ROOT,
+    SourceCopy,
+    TestRun,
+    TracedRun,
+    import_what_is_heavy,
+    name_of,
+)
 
 _DEFINITIONS = ["norms", "definitions", "facts"]
 _LOOKUP = ["table", "compiled_lookup", "lookup_definition"]
@@ -42,6 +53,20 @@ TESTS = {
     "plant/equations.py": ["tests/plant/test_equations.py", "tests/loop/test_any_plant.py"],
     "plant/own.py": [f"tests/loop/test_{name}.py" for name in _PLANTS],
     "plant/plain_python.py": ["tests/plant/test_own_mistakes.py", "tests/loop/test_any_plant.py"],
+    "cli/boards.py": ["tests/export/test_boards.py", "tests/cli"],
+    "cli/compare.py": ["tests/study/test_comparison.py", "tests/cli"],
+    "cli/compile.py": ["tests/cli", "tests/export", "tests/show/test_table_commands.py"],
+    "cli/convert.py": ["tests/cli", "tests/formats/test_convert.py", "tests/formats/test_trees.py"],
+    "cli/fit.py": ["tests/learning/test_fit.py", "tests/cli"],
+    "cli/grade.py": ["tests/grading", "tests/cli"],
+    "cli/learn.py": ["tests/learning/test_learn_command.py", "tests/cli"],
+    "cli/playground.py": ["tests/playground/test_folder.py", "tests/cli"],
+    "cli/prove": ["tests/cli", "tests/proof", "tests/closed_loop/test_claims_in_text.py"],
+    "cli/show.py": ["tests/show", "tests/cli"],
+    "cli/simulate.py": ["tests/cli", "tests/loop"],
+    "cli/study.py": ["tests/study", "tests/cli"],
+    "cli/tune.py": ["tests/tuning", "tests/cli"],
+    "cli/validate.py": ["tests/learning/test_validation.py", "tests/cli"],
     "loop/program.py": [f"tests/loop/test_{name}.py" for name in _PLANTS],
     "expression/sources.py": ["tests/controller/test_sources.py"],
     "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],
@@ -58,20 +83,24 @@ TESTS = {
     "formats/fml.py": ["tests/formats/test_fml.py"],
     "live/": _LIVE,
     "formats/": [f"tests/formats/test_{each}.py" for each in _FORMATS],
-    "model/": ["tests/language", "tests/inference"],
+    "model/": ["tests/language", "tests/inference", "tests/python"],
     "text/": ["tests/text", "tests/language", "tests/cli"],
     "translation/": ["tests/native", "tests/expression"],
     "native/": ["tests/native", "tests/project/test_kernels.py"],
     "controller/": ["tests/controller", "tests/loop"],
     "plant/": ["tests/plant", "tests/loop"],
     "loop/": ["tests/loop", "tests/controller"],
-    "control.py": ["tests/controller", "tests/export/test_exported_controllers.py"],
+    "control.py": ["tests/loop", "tests/controller"],
     "sklearn.py": ["tests/learning/test_sklearn.py"],
-    "dossier/": ["tests/dossier"],
     "api.py": ["tests/python", "tests/lsp"],
     "builder/": ["tests/python"],
     "notebook.py": ["tests/python"],
-    "show/": ["tests/show", "tests/cli"],
+    "requests/": [
+        "tests/requests", "tests/cli/test_json_schemas.py", "tests/cli/test_slips_of_users.py",
+        "tests/designer/test_designer_forms.py", "tests/tuning", "tests/learning", "tests/loop",
+    ],
+    "show/figures/": ["tests/show", "tests/study", "tests/tuning", "tests/learning"],
+    "show/": ["tests/show", "tests/cli", "tests/watch"],
     "shipped_files.py": ["tests/text", "tests/cli"],
     "extras.py": ["tests/project"],
     "picture.py": ["tests/show", "tests/plant"],
@@ -87,14 +116,16 @@ TESTS = {
         f"{package}/": [f"tests/{package}"]
         for package in (
             "cli", "closed_loop", "designer", "dossier", "export", "language", "learning", "lsp",
-            "playground", "proof", "requests", "study", "tuning", "watch",
+            "playground", "proof", "study", "tuning", "watch",
         )
     },
 }  # fmt: skip
 """The narrow tests of each file: of the first part here that its name begins with."""
 
-LONGEST = 400
-"""Seconds until the tests of a mutant are taken to hang, which somebody would notice."""
+PATIENCE = 25.0
+"""Seconds of tests, as long as they take without a mutant, by which it is tried in a round."""
+
+ROUNDS = ("quick tests of its package", "quick tests of others", "long tests of its package")
 
 _COMPARISONS: dict[type[ast.cmpop], tuple[str, tuple[str, ...]]] = {
     ast.Lt: ("<", ("<=", ">")),
@@ -130,18 +161,29 @@ class Mutant(NamedTuple):
     start: int
     end: int
     new: str
+    scope: int = 0
+    """The first line of its function, with decorators; 0 of a module."""
 
     def applied(self, source: bytes) -> bytes:
         """Return the source with the change."""
         return source[: self.start] + self.new.encode() + source[self.end :]
 
-    def shown(self, source: bytes) -> str:
-        """Return the line before and after, with its place."""
-        begin = source.rfind(b"\n", 0, self.start) + 1
-        stop = source.find(b"\n", self.end)
-        before = source[begin:stop].decode()
-        after = self.applied(source)[begin : stop + len(self.applied(source)) - len(source)]
-        return f"{self.file}:{self.line}\n  - {before.strip()}\n  + {after.decode().strip()}"
+
+def told(mutant: Mutant) -> tuple[str, str, str]:
+    """Return the place of a mutant, and its line before and after."""
+    source = (ROOT / mutant.file).read_bytes()
+    begin = source.rfind(b"\n", 0, mutant.start) + 1
+    stop = source.find(b"\n", mutant.end)
+    changed = mutant.applied(source)
+    before, after = source[begin:stop], changed[begin : stop + len(changed) - len(source)]
+    place = f"{mutant.file}:{mutant.line}:{mutant.start - begin + 1}"
+    return place, before.decode().strip(), after.decode().strip()
+
+
+def shown(mutant: Mutant) -> str:
+    """Return that in three lines."""
+    place, before, after = told(mutant)
+    return f"{place}\n  - {before}\n  + {after}"
 
 
 class _Finder(ast.NodeVisitor):
@@ -153,6 +195,7 @@ class _Finder(ast.NodeVisitor):
         for line in source.splitlines(keepends=True):
             self.starts.append(self.starts[-1] + len(line))
         self.found: list[Mutant] = []
+        self.scope = 0
 
     def _start(self, node: ast.expr) -> int:
         return self.starts[node.lineno - 1] + node.col_offset
@@ -172,7 +215,7 @@ class _Finder(ast.NodeVisitor):
             self._add(left.end_lineno or 0, low + at, low + at + len(old), new)
 
     def _add(self, line: int, start: int, end: int, new: str) -> None:
-        self.found.append(Mutant(self.file, line, start, end, new))
+        self.found.append(Mutant(self.file, line, start, end, new, self.scope))
 
     def visit_Compare(self, node: ast.Compare) -> None:
         sides = [node.left, *node.comparators]
@@ -223,8 +266,19 @@ class _Finder(ast.NodeVisitor):
             self.visit(node.value)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
-        for part in (*node.args.defaults, *node.body):
+        for part in node.args.defaults:
             self.visit(part)
+        first = min((node.lineno, *(mark.lineno for mark in node.decorator_list)))
+        self._inside(first, node.body)
+
+    def visit_Lambda(self, node: ast.Lambda) -> None:
+        self._inside(node.lineno, [node.body])
+
+    def _inside(self, scope: int, parts: Sequence[ast.AST]) -> None:
+        outside, self.scope = self.scope, scope
+        for part in parts:
+            self.visit(part)
+        self.scope = outside
 
     def visit_If(self, node: ast.If) -> None:
         if not (isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"):
@@ -258,65 +312,208 @@ def package_of(mutant: Mutant) -> str:
     return Path(mutant.file).relative_to(PACKAGE).parts[0]
 
 
-class Copy:
-    """A copy of the source in which one mutant lives at a time."""
+class Calls(NamedTuple):
+    """What a test calls: for each file the first lines of functions, 0 for the module itself."""
 
-    def __init__(self, home: Path) -> None:
-        self.home = home
-        shutil.copytree(ROOT / "src", home / "src", ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("rulebases", "examples", "docs"):  # which the package looks for beside it
-            (home / name).symlink_to(ROOT / name)
+    seconds: list[float]
+    lines: dict[str, set[int]]
 
-    def passes(self, tests: Sequence[str], marks: str) -> bool:
-        """Whether the tests pass against the copy; False where they fail or hang."""
-        environment = {
-            **os.environ,
-            "PYTHONPATH": str(self.home / "src"),
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        words = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-m", marks, *tests]
-        try:
-            done = subprocess.run(
-                words, cwd=ROOT, env=environment, capture_output=True, timeout=LONGEST, check=False
-            )
-        except subprocess.TimeoutExpired:
-            return False
-        return done.returncode in (0, 5)  # 5: none of them has these marks
+    def reaches(self, file: str, scope: int) -> bool:
+        """Whether it calls a function; of a module anything."""
+        lines = self.lines.get(file, set())
+        return scope in lines or (scope == 0 and bool(lines))
 
-    def survives(self, mutant: Mutant, marks: Sequence[str]) -> bool:
-        """Whether no test notices a mutant."""
-        target = self.home / mutant.file
-        source = (ROOT / mutant.file).read_bytes()
-        target.write_bytes(mutant.applied(source))
-        try:
-            return all(self.passes(tests_of(mutant.file), each) for each in marks)
-        finally:
-            target.write_bytes(source)
+    def share(self, file: str) -> float:
+        """Return which part of what it calls is in a file."""
+        return len(self.lines.get(file, ())) / max(1, sum(map(len, self.lines.values())))
 
 
-def look(chosen: Sequence[Mutant], jobs: int, marks: Sequence[str]) -> list[Mutant]:
-    """Try mutants, some at a time; print and return those that survive."""
-    survivors = []
+class Reach:
+    """What each test calls, of files of tests that have run without any mutant."""
+
+    def __init__(self, copy: SourceCopy, log: Log) -> None:
+        self.copy, self.log = copy, log
+        self.calls: dict[tuple[str, bool], dict[str, Calls]] = {}
+        self.broken: set[str] = set()
+        for line in log.lines:
+            self._keep(*line)
+
+    def trace(self, file: str, *, long: bool) -> None:
+        """Run a file of tests, unless it was."""
+        if (file, long) in self.calls:
+            return
+        run = TracedRun(self.copy.home / PACKAGE, long=long)
+        failed, rows = self.copy.run(run, [file], 10 * LONGEST)
+        if failed:
+            print(f"left out, since it fails without any mutant: {' '.join(failed)}", flush=True)
+        self._keep(file, long, rows, failed)
+        self.log.add([file, long, rows, failed])
+
+    def _keep(self, file: str, long: bool, rows: Sequence[Any], broken: Sequence[str]) -> None:
+        self.broken.update(broken)
+        tests = self.calls[file, long] = {}
+        for test, seconds, found in rows:
+            calls = tests.setdefault(name_of(test), Calls([], defaultdict(set)))
+            calls.seconds.append(seconds)
+            for source, lines in found.items():
+                calls.lines[source].update(lines)
+
+    def near(
+        self, mutant: Mutant, files: Sequence[str], *, long: bool, everything: bool
+    ) -> list[str]:
+        """Return tests that a mutant is tried by, the nearest first, as many as patience allows.
+
+        They call its function, or are in a file with one that does: what that one had computed
+        may have been kept for them. Or they are all tests of the files.
+        """
+        source = Path(mutant.file).relative_to(PACKAGE).as_posix()
+        order = []
+        for file in files:
+            tests = self.calls[file, long]
+            hits = {name for name, calls in tests.items() if calls.reaches(source, mutant.scope)}
+            if hits or everything:
+                for name, calls in tests.items():
+                    hit = name in hits or "" in hits
+                    order.append((not hit, -calls.share(source), name, sum(calls.seconds)))
+        chosen: list[str] = []
+        left = PATIENCE
+        for _, _, name, seconds in sorted(order):
+            if name and (not chosen or seconds <= left):
+                chosen.append(name)
+                left -= seconds
+        return chosen
+
+
+class Log:
+    """Lines of JSON in a file that an interrupted run has left, if it is of the same source."""
+
+    def __init__(self, file: Path | None) -> None:
+        self.file = file
+        self.lines: list[Any] = []
+        if file is not None and file.exists():
+            first, *self.lines = map(json.loads, file.read_text("utf-8").splitlines())
+            if first != digest_of_project():
+                sys.exit(f"{file} is of another source, or of other tests: remove it")
+        elif file is not None:
+            self.add(digest_of_project())
+
+    def add(self, line: Any) -> None:
+        """Write a line."""
+        if self.file is not None:
+            with self.file.open("a", encoding="utf-8") as lines:
+                print(json.dumps(line, ensure_ascii=False), file=lines)
+
+
+def digest_of_project() -> str:
+    """Return a digest of the source and of its tests."""
+    whole = hashlib.sha256()
+    for folder in ("src", "tests"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            whole.update(path.read_bytes())
+    return whole.hexdigest()
+
+
+class Record:
+    """What came of each mutant so far: what noticed it, or the rounds after which nothing had."""
+
+    def __init__(self, log: Log) -> None:
+        self.log = log
+        self.noticed: dict[str, str] = {}
+        self.rounds: Counter[str] = Counter()
+        self.noticing: dict[str, list[str]] = defaultdict(list)
+        for line in log.lines:
+            self._keep(*line)
+
+    def add(self, mutant: Mutant, number: int, by: str | None) -> None:
+        """Write what came of a round."""
+        line = (*told(mutant), number, by)
+        self._keep(*line)
+        self.log.add(line)
+
+    def _keep(self, place: str, before: str, after: str, number: int, by: str | None) -> None:
+        key = f"{place} {after}"
+        self.rounds[key] = number
+        if by:
+            self.noticed[key] = by
+            self.noticing[place.partition(":")[0]].insert(0, name_of(by))
+
+    def is_noticed(self, mutant: Mutant) -> bool:
+        """Whether a test noticed a mutant."""
+        return _key(mutant) in self.noticed
+
+    def is_open(self, mutant: Mutant, number: int) -> bool:
+        """Whether a round is still to come for a mutant."""
+        return not self.is_noticed(mutant) and self.rounds[_key(mutant)] < number
+
+
+def _key(mutant: Mutant) -> str:
+    place, _, after = told(mutant)
+    return f"{place} {after}"
+
+
+def attempt(
+    mutant: Mutant, number: int, copy: SourceCopy, reach: Reach, favourites: Sequence[str]
+) -> str | None:
+    """Try a mutant in a round; return what notices it."""
+    long, files = number == 3, files_of(tests_of(mutant.file))
+    if number == 2:
+        files = [file for file, slow in reach.calls if not slow and file not in files]
+    for file in files:
+        reach.trace(file, long=long)
+    try:
+        refusing = copy.change(mutant.file, mutant.applied((ROOT / mutant.file).read_bytes()))
+        if refusing:
+            return refusing
+        # What runs as machine code is in no trace.
+        everything = copy.machine_code.is_other and number != 2
+        tests = in_turn(reach.near(mutant, files, long=long, everything=everything), favourites)
+        if not tests:
+            return None
+        run = TestRun(tests, reach.broken, long=long)
+        failed = copy.run(run, list(dict.fromkeys(map(_file, tests))), 30 + 4 * PATIENCE).failed
+        return failed[0] if failed else None
+    finally:
+        copy.take_back(mutant.file)
+
+
+def in_turn(tests: Sequence[str], favourites: Sequence[str]) -> list[str]:
+    """Return tests with some of the favourites at the front, and the others file by file.
+
+    What a file prepares for its tests is then prepared once.
+    """
+    first = [name for name in dict.fromkeys(favourites) if name in tests][:3]
+    files = {file: rank for rank, file in enumerate(dict.fromkeys(map(_file, tests)))}
+    others = [name for name in tests if name not in first]
+    return [*first, *sorted(others, key=lambda name: files[_file(name)])]
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
+
+
+def files_of(tests: Sequence[str]) -> list[str]:
+    """Return the files of tests: themselves, or those of a folder."""
+    files: list[Path] = []
+    for path in map(ROOT.joinpath, tests):
+        files += sorted(path.glob("test_*.py")) if path.is_dir() else [path]
+    return [file.relative_to(ROOT).as_posix() for file in files]
+
+
+def look(chosen: Sequence[Mutant], rounds: int, record: Record, reach_log: Log) -> None:
+    """Try mutants in rounds; print those that survive one."""
+    import_what_is_heavy()
     with tempfile.TemporaryDirectory() as home:
-        copies = [Copy(Path(home) / str(k)) for k in range(jobs)]
-        for tests in {tuple(tests_of(mutant.file)) for mutant in chosen}:
-            if not all(copies[0].passes(tests, each) for each in marks):
-                sys.exit(f"without any mutant, {' '.join(tests)} must pass")
-
-        def tried(mutant: Mutant) -> tuple[Mutant, bool]:
-            copy = copies.pop()
-            try:
-                return mutant, copy.survives(mutant, marks)
-            finally:
-                copies.append(copy)
-
-        with ThreadPoolExecutor(jobs) as pool:
-            for number, (mutant, survived) in enumerate(pool.map(tried, chosen), 1):
-                if survived:
-                    survivors.append(mutant)
-                    source = (ROOT / mutant.file).read_bytes()
-                    print(f"[{number}/{len(chosen)}] {mutant.shown(source)}", flush=True)
-    return survivors
+        copy = SourceCopy(Path(home))
+        reach = Reach(copy, reach_log)
+        for number in range(1, rounds + 1):
+            left = [mutant for mutant in sorted(chosen) if record.is_open(mutant, number)]
+            for count, mutant in enumerate(left, 1):
+                by = attempt(mutant, number, copy, reach, record.noticing[mutant.file])
+                record.add(mutant, number, by)
+                if not by:
+                    print(
+                        f"[{ROUNDS[number - 1]}, {count}/{len(left)}] {shown(mutant)}", flush=True
+                    )
 
 
 def main() -> int:
@@ -328,8 +525,8 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--full", action="store_true", help="every mutant")
     parser.add_argument("--only", default="", metavar="PART", help="of the name of a file")
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--fast", action="store_true", help="without the tests marked slow")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="keep results, and go on")
+    parser.add_argument("--fast", action="store_true", help="without the tests that take long")
     parser.add_argument("--list", action="store_true", help="print the mutants, try none")
     arguments = parser.parse_args()
     mutants = list(all_mutants(arguments.only))
@@ -337,17 +534,19 @@ def main() -> int:
     chosen = random.Random(arguments.seed).sample(mutants, count)
     if arguments.list:
         for mutant in chosen:
-            print(mutant.shown((ROOT / mutant.file).read_bytes()))
+            print(shown(mutant))
         print(f"{len(mutants):,} mutants in all")
         return 0
     start = time.monotonic()
-    # What is fast notices most, and what is slow need not run then.
-    marks = ["not slow"] if arguments.fast else ["not slow", "slow"]
-    survivors = look(chosen, arguments.jobs, marks)
+    file = arguments.record
+    record = Record(Log(file))
+    reach_log = Log(file and file.with_name(f"{file.name}.reach"))
+    look(chosen, len(ROUNDS) - arguments.fast, record, reach_log)
+    survivors = Counter(package_of(each) for each in chosen if not record.is_noticed(each))
     for package, count in sorted(Counter(map(package_of, chosen)).items()):
-        print(f"{package:16} {count:4}, {sum(map(package.__eq__, map(package_of, survivors))):3}")
+        print(f"{package:16} {count:4}, {survivors[package]:3}")
     print(
-        f"{len(chosen)} mutants of {len(mutants):,}, {len(survivors)} unnoticed, "
+        f"{len(chosen)} mutants of {len(mutants):,}, {survivors.total()} unnoticed, "
         f"{time.monotonic() - start:.0f} s"
     )
     return 0
