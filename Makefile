@@ -24,7 +24,8 @@ help:
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed;"
 	@echo "            with BEFORE=TREE/.venv/bin/python beside another tree, in turns"
-	@echo "make mutants  change the source in 300 ways and see which a test notices"
+	@echo "make mutants  change the source in 300 ways and see which a test notices; goes on in"
+	@echo "            build/mutants where it was interrupted"
 	@echo "make fuzz   all random cases of the tests; then texts, tables, rule bases and proofs, 20,000 each,"
 	@echo "            and 12,000 commands: five hours"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
@@ -76,7 +77,8 @@ bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/$(if $(BEFORE),beside.py --before $(BEFORE),run_all.py)
 
 mutants: $(VENV)/.dev
-	$(BIN)/python tools/mutants.py --jobs 2
+	@mkdir -p build
+	$(BIN)/python tools/mutants.py --record build/mutants
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --dist worksteal --thorough

@@ -1,4 +1,4 @@
-"""The table of tests that ``tools/mutants.py`` goes by is whole and names what there is."""
+"""What `tools/mutants.py` goes by: the table of tests, the functions of mutants, its record."""
 
 import sys
 from types import CodeType
