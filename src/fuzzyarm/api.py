@@ -334,8 +334,8 @@ def export_file(
     else:
         request = ExportRequest(file=demand_path("export_file", file, "file"), **fields)
     out = demand_path("export_file", out, "out")
-    if known := request.given(("place", "board", "certificate")):
-        raise UsageError(f"{known.spelling} is an option of the command", hint="fuzzyarm compile")
+    if field := request.given(("place", "board", "certificate")):
+        raise UsageError(f"{field.spelling} is an option of the command", hint="fuzzyarm compile")
     controller, how = controller_if_any(request.file), making_of(request)
     exported: Exported | ExportedController
     if controller is not None:

@@ -128,9 +128,9 @@ def _defines(cls: Any, name: str) -> bool:
     return vars(cls).get(name) is not None
 
 
-def _with_defaults(cls: Any, own: Sequence[_Field], added: Mapping[str, Any]) -> Any:
+def _with_defaults(cls: Any, own_fields: Sequence[_Field], added: Mapping[str, Any]) -> Any:
     """Add to a class, which has the defaults of its fields as attributes."""
-    for field in own:
+    for field in own_fields:
         if isinstance(vars(cls).get(field.name), _Settings):
             delattr(cls, field.name)
         if "default" in field.settings:
@@ -140,13 +140,13 @@ def _with_defaults(cls: Any, own: Sequence[_Field], added: Mapping[str, Any]) ->
     return cls
 
 
-def _with_slots(cls: Any, own: Sequence[_Field], added: dict[str, Any]) -> Any:
+def _with_slots(cls: Any, own_fields: Sequence[_Field], added: dict[str, Any]) -> Any:
     """Return a class as another that has slots, which are there from the beginning or never."""
-    names = {field.name for field in own}
+    names = {field.name for field in own_fields}
     left_out = {"__dict__", "__weakref__", *names}
     space = {name: value for name, value in vars(cls).items() if name not in left_out}
     above = {name for base in cls.__mro__ for name in getattr(base, "__slots__", ())}
-    space["__slots__"] = tuple(field.name for field in own if field.name not in above)
+    space["__slots__"] = tuple(field.name for field in own_fields if field.name not in above)
     whole = type(cls)(cls.__name__, cls.__bases__, space | added)
     whole.__qualname__ = cls.__qualname__
     return whole

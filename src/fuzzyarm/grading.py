@@ -180,10 +180,10 @@ def _hidden_lines(path: Path) -> tuple[HiddenLine, ...]:
 
 
 def _demand_passing(model: Path, assignment: Assignment) -> None:
-    own = _graded(model, assignment.lines)
-    if own.fault:
-        raise GradingError(f"{model}: the answer cannot be read: {own.fault}")
-    for line, result in zip(assignment.lines, own.results, strict=True):
+    answer = _graded(model, assignment.lines)
+    if answer.fault:
+        raise GradingError(f"{model}: the answer cannot be read: {answer.fault}")
+    for line, result in zip(assignment.lines, answer.results, strict=True):
         if result.verdict != "passed":
             raise GradingError(
                 f"{model}: the answer itself does not pass '{line.text}': {result.says}"

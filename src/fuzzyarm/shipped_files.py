@@ -19,11 +19,11 @@ class NotShippedError(FuzzyarmError, FileNotFoundError):
         The name that was asked for.
     """
 
-    def __init__(self, name: str, known: list[str]) -> None:
-        hint, _ = near_hint(name, known)
+    def __init__(self, name: str, names: list[str]) -> None:
+        hint, _ = near_hint(name, names)
         super().__init__(
             f"no shipped rule base or table is called '{name}'",
-            hint=hint or f"there are {', '.join(known)}",
+            hint=hint or f"there are {', '.join(names)}",
         )
         self.name = name
 

@@ -83,13 +83,13 @@ class _FuzzyModel(BaseEstimator):
         self.fit_ = result
         return result
 
-    def _input_names(self, taken: tuple[str, ...]) -> tuple[str, ...]:
+    def _input_names(self, output_names: tuple[str, ...]) -> tuple[str, ...]:
         """Return names for the inputs; x0, x1 … where the samples have none."""
         names_in = getattr(self, "feature_names_in_", None)
         names = (
             [f"x{k}" for k in range(self.n_features_in_)] if names_in is None else list(names_in)
         )
-        return tuple(f"{name} (input)" if name in taken else str(name) for name in names)
+        return tuple(f"{name} (input)" if name in output_names else str(name) for name in names)
 
     def _outputs(self, X: Any, classes: tuple[str, ...]) -> Array:  # noqa: N803
         check_is_fitted(self)

@@ -336,7 +336,7 @@ def test_a_function_block_drives_the_same_bits(tmp_path, name, precision):
     real = "REAL" if precision == "float32" else "LREAL"
     block = Program(content, real).instance(exported.calls[0])
     steps, vectors = program.steps, program.tried.vectors
-    for row, expected in list(zip(vectors.given, vectors.expected, strict=True))[:40]:
+    for row, expected in list(zip(vectors.inputs, vectors.expected, strict=True))[:40]:
         names = [st_name(steps, port) for port in ports(steps)]
         block.run(**dict(zip(names, row, strict=True)))
         found = block.outputs()
@@ -348,7 +348,7 @@ def test_fixed_point_tables_in_a_function_block(tmp_path):
     exported = export_controller(program, tmp_path / "plc.st")
     block = Program(exported.files[0][1], "REAL").instance("plc")
     steps, vectors = program.steps, program.tried.vectors
-    for row, expected in zip(vectors.given, vectors.expected, strict=True):
+    for row, expected in zip(vectors.inputs, vectors.expected, strict=True):
         names = [st_name(steps, port) for port in ports(steps)]
         block.run(**dict(zip(names, row, strict=True)))
         assert [float(x) for x in block.outputs().values()] == expected

@@ -59,7 +59,7 @@ def test_every_source_drives_the_same_bits_in_structured_text(tmp_path, word, pr
     block = block.instance(exported.calls[0])
     steps, vectors = program.steps, program.tried.vectors
     names = [f"{port.sort}_{port.name}" for port in ports(steps)]
-    for row, drives in zip(vectors.given, vectors.expected, strict=True):
+    for row, drives in zip(vectors.inputs, vectors.expected, strict=True):
         block.run(**dict(zip(names, row, strict=True)))
         assert [float(value) for value in block.outputs().values()] == list(drives)
 

@@ -231,7 +231,7 @@ def test_c_is_the_floats(real, tmp_path):
     parts = ["#include <math.h>", helpers]
     for i, parameter in enumerate(EVERY):
         kind = parameter.values[0]
-        lines, result = printed(kind.expression, language, taken=kind.symbols)
+        lines, result = printed(kind.expression, language, reserved=kind.symbols)
         arguments = ", ".join(f"{real} {name}" for name in kind.symbols)
         body = "\n    ".join([*lines, f"return {result};"])
         parts.append(f"{real} kind{i}({arguments}) {{\n    {body}\n}}")
@@ -287,7 +287,7 @@ def test_structured_text_is_the_floats(kind):
         values = dict(zip(kind.symbols, point, strict=True))
         numbers = {name: value for name, value in values.items() if name not in rows}
         root = specialise(kind.expression, numbers)
-        body, result = statements(root, taken=rows)
+        body, result = statements(root, reserved=rows)
         assert set(variables(body)).isdisjoint(rows)
         text = [*STRUCTURED_TEXT.lines(body), f"return {STRUCTURED_TEXT.expression(result)}"]
         space = {

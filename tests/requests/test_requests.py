@@ -64,7 +64,7 @@ def one(known: RequestField) -> st.SearchStrategy[Any]:
     """Return values that a field takes, or each of several."""
     if known.choices:
         return st.sampled_from(known.choices)
-    low, high, is_open = known.said.limits
+    low, high, is_open = known.spec.limits
     if known.kind == "whole":
         least, most = (None if math.isinf(end) else int(end) for end in (low, high))
         return st.integers(-(2**40) if least is None else least, 2**40 if most is None else most)
@@ -117,11 +117,11 @@ def test_words_of_a_command_are_the_request_of_python(data):
     value = data.draw(values(known))
     if known.kind == "text" and not known.choices:
         value = [f"x{k}" for k in range(3)][: known.count or 2] if known.count is not None else "x1"
-    if not known.said.words.startswith("-") or value == []:
+    if not known.spec.words.startswith("-") or value == []:
         return
     items = list(value) if known.count is not None else [value]
     spoken = [item if isinstance(item, str) else repr(item) for item in items]
-    if len(spoken) > 1 and known.said.is_repeated:
+    if len(spoken) > 1 and known.spec.is_repeated:
         words = [part for word in spoken for part in (known.spelling, word)]
     else:
         words = [known.spelling, *spoken]

@@ -94,7 +94,7 @@ def test_a_pause_and_workers_change_nothing(given, cut, workers, torn):
             path.write_bytes(path.read_bytes()[:-7])
         journal = Journal(path, given, resume=True)
         again = searched(given, journal=journal, workers=workers)
-        known = Journal(path, given, resume=True).known
+        known = Journal(path, given, resume=True).replay
     assert repr(again.found.trials) == repr(whole.found.trials) == repr(known)
     assert (again.candidate, again.text) == (whole.candidate, whole.text)
 

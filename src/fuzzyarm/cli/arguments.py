@@ -42,7 +42,7 @@ def request_command(
         except RequestError as error:
             raise of_option(error, kind) from None
 
-    arguments = [argument_of(known) for known in fields_of(kind)]
+    arguments = [argument_of(field) for field in fields_of(kind)]
     groups = list(dict.fromkeys(argument.group for argument in arguments))
     arguments.sort(key=lambda argument: groups.index(argument.group))
     return Command(name, description, run_words, tuple(arguments))
@@ -51,57 +51,57 @@ def request_command(
 def request_of(kind: type[AnyRequest], words: argparse.Namespace) -> AnyRequest:
     """Return the request that parsed words are."""
     values = vars(words)
-    return kind(**{known.name: values[known.name] for known in fields_of(kind)})
+    return kind(**{field.name: values[field.name] for field in fields_of(kind)})
 
 
 def of_option(error: RequestError, kind: type[Request]) -> UsageError:
     """Return an error that names the option in place of the field."""
-    spelling = {known.json_name: known.spelling for known in fields_of(kind)}
-    own = error.called(spelling.get(error.field, error.field))
-    return UsageError(own.message, hint=own.hint)
+    spelling = {field.json_name: field.spelling for field in fields_of(kind)}
+    renamed = error.called(spelling.get(error.field, error.field))
+    return UsageError(renamed.message, hint=renamed.hint)
 
 
-def argument_of(known: RequestField) -> Argument:
+def argument_of(field: RequestField) -> Argument:
     """Return a field as an argument."""
-    first, *others = known.said.words.split()
+    first, *others = field.spec.words.split()
     names = [first, *(word for word in others if word.startswith("-"))]
     values = others[len(names) - 1 :]
-    options: dict[str, Any] = {"help": known.said.help}
+    options: dict[str, Any] = {"help": field.spec.help}
     if first.startswith("-"):
-        options |= {"dest": known.name, **_of_option(known)}
+        options |= {"dest": field.name, **_of_option(field)}
     else:
-        names = [known.name]
-        options |= _of_position(known)
-    if known.kind != "truth":
-        options["type"] = _reader(known)
-        if known.choices:
-            options["choices"] = known.choices
+        names = [field.name]
+        options |= _of_position(field)
+    if field.kind != "truth":
+        options["type"] = _reader(field)
+        if field.choices:
+            options["choices"] = field.choices
     if values:
         options["metavar"] = values[0] if len(values) == 1 else tuple(values)
-    return Argument(tuple(names), options, known.said.group, known.said.either)
+    return Argument(tuple(names), options, field.spec.group, field.spec.either)
 
 
-def _of_option(known: RequestField) -> dict[str, Any]:
+def _of_option(field: RequestField) -> dict[str, Any]:
     """Return the keywords of argparse for an option."""
-    if known.is_required:
+    if field.is_required:
         return {"required": True}
-    if known.kind == "truth":
-        action = argparse.BooleanOptionalAction if known.said.is_negatable else "store_true"
-        return {"action": action, "default": known.default}
-    if known.said.is_repeated:
+    if field.kind == "truth":
+        action = argparse.BooleanOptionalAction if field.spec.is_negatable else "store_true"
+        return {"action": action, "default": field.default}
+    if field.spec.is_repeated:
         return {"action": "append", "default": []}  # which argparse copies
-    count = {} if known.count is None else {"nargs": known.count or "+"}
-    return {"default": known.default, **count}
+    count = {} if field.count is None else {"nargs": field.count or "+"}
+    return {"default": field.default, **count}
 
 
-def _of_position(known: RequestField) -> dict[str, Any]:
+def _of_position(field: RequestField) -> dict[str, Any]:
     """Return the keywords of argparse for a positional argument."""
-    if known.count is not None:
+    if field.count is not None:
         return {"nargs": "*"}
-    return {} if known.is_required else {"nargs": "?", "default": known.default}
+    return {} if field.is_required else {"nargs": "?", "default": field.default}
 
 
-def _reader(known: RequestField) -> Callable[[str], Any]:
+def _reader(field: RequestField) -> Callable[[str], Any]:
     """Return what reads a word of the command line, and says what is wrong of another kind.
 
     What is out of range is told when the request is made: its exit status is another.
@@ -109,10 +109,10 @@ def _reader(known: RequestField) -> Callable[[str], Any]:
 
     def read(word: str) -> Any:
         try:
-            return known.item(word)
+            return field.item(word)
         except RequestError as error:
             if error.is_usage:
-                raise argparse.ArgumentTypeError(str(error.called(known.spelling))) from None
+                raise argparse.ArgumentTypeError(str(error.called(field.spelling))) from None
             return word
 
     return read

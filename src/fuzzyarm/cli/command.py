@@ -211,12 +211,14 @@ UsageError = errors.UsageError
 # --- Files ---
 
 
-def require_suffix(path: str, known: Iterable[str]) -> str:
+def require_suffix(path: str, suffixes: Iterable[str]) -> str:
     """Return the suffix of `path` in small letters; WordError if it is none of those known."""
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
-    if suffix not in known:
-        raise UsageError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
+    if suffix not in suffixes:
+        raise UsageError(
+            f"cannot tell the format of '{name}'", hint=f"known: {', '.join(suffixes)}"
+        )
     return suffix
 
 

@@ -184,25 +184,27 @@ def _convert_tree(arguments: argparse.Namespace, sources: Sequence[str], target:
 def _report_of_tree(
     arguments: argparse.Namespace,
     sources: Sequence[str],
-    found: Sequence[Diagnostic],
+    diagnostics: Sequence[Diagnostic],
     *,
     written: bool,
 ) -> None:
     """Say what was found in each file, then in how they are connected."""
     # Rules of a tree stand nowhere in the files: what is said of several of them is said once.
-    found = list(dict.fromkeys(replace(d, path=d.path or arguments.target) for d in found))
+    diagnostics = list(
+        dict.fromkeys(replace(d, path=d.path or arguments.target) for d in diagnostics)
+    )
     if arguments.json:
-        data = _as_json(arguments, Imported(None, (), "tree"), found, written=written)
+        data = _as_json(arguments, Imported(None, (), "tree"), diagnostics, written=written)
         print_json({**data, "sources": list(sources)}, 2)
     else:
         for source in (*sources, arguments.target):
-            findings = [finding for finding in found if finding.path == source]
+            findings = [finding for finding in diagnostics if finding.path == source]
             reported = [finding for finding in findings if finding.is_error or not arguments.quiet]
             _say_findings(reported, source, to_errors=not written)
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not (arguments.quiet or arguments.json):
-        say(f"{arguments.target}: written, {_summary(found)}")
+        say(f"{arguments.target}: written, {_summary(diagnostics)}")
 
 
 def _convert_table(arguments: argparse.Namespace, target: str) -> int:

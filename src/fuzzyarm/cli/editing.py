@@ -90,7 +90,7 @@ def _follow(
     console: Console,
     document: WatchedFile,
     arguments: argparse.Namespace,
-    seen: tuple[int, int, int] | None,
+    last_stamp: tuple[int, int, int] | None,
     read_key: ReadKey,
 ) -> None:
     from fuzzyarm.watch.keys import apply_key
@@ -100,15 +100,15 @@ def _follow(
             _draw(console, document, arguments, [])
         stamp = stamp_of(document.path)
         # An editor that replaces the file takes it away for a moment.
-        if stamp is None or stamp == seen:
+        if stamp is None or stamp == last_stamp:
             continue
-        seen = stamp
+        last_stamp = stamp
         try:
             from fuzzyarm.language import read_text
 
             text = read_text(document.path)
         except FileNotFoundError:
-            seen = None
+            last_stamp = None
             continue
         except (OSError, FuzzyarmError) as error:
             console.print(f"fuzzyarm: {error}", style="red")

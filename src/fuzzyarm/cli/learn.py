@@ -136,7 +136,7 @@ class _Watched:
     def __init__(self, request: LearnWords) -> None:
         from fuzzyarm.learning.training import Training
 
-        self.asked = request
+        self.request = request
         self.training = Training.of(request)
         self.name, self.trainee = self.training.name, self.training.trainee
         self.finished: list[Snapshot] = []
@@ -148,7 +148,7 @@ class _Watched:
 
     def run(self) -> None:
         """Train. Ctrl-C, or a plant that fails, ends it: what was learned until then stays."""
-        request = self.asked
+        request = self.request
         try:
             for snapshot in self._snapshots():
                 self._latest = snapshot
@@ -180,7 +180,7 @@ class _Watched:
         """Train, with a progress bar where a terminal shows it."""
         from fuzzyarm.loop.course import delay_notes
 
-        request, motion = self.asked, self.training.motion
+        request, motion = self.request, self.training.motion
         for note in delay_notes(self.training.options, motion.period):
             print_error(f"note: {note}")
         points = len(motion.time)
@@ -198,7 +198,7 @@ class _Watched:
 
         For a film often enough, and else so that Ctrl-C is heard and it is seen how far it is.
         """
-        request = self.asked
+        request = self.request
         if request.every:
             return request.every
         if not request.animate:
@@ -209,7 +209,7 @@ class _Watched:
 
     def draw(self) -> None:
         """Write the figure and the film that were asked for."""
-        request = self.asked
+        request = self.request
         if not (request.plot or request.animate):
             return
         from fuzzyarm.figure_files import save_figure
@@ -241,7 +241,7 @@ class _Watched:
 
         console = make_console()
         console.print(
-            f"pass {snapshot.passage} of {self.asked.passes}, {snapshot.time:.3f} s: "
+            f"pass {snapshot.passage} of {self.request.passes}, {snapshot.time:.3f} s: "
             f"RMS error {error_words(snapshot)} so far"
         )
         self._print_tables(console, snapshot.learned, with_visits=False)
@@ -256,7 +256,7 @@ class _Watched:
         for snapshot in self.finished:
             console.print(
                 f"pass {snapshot.passage}: RMS error {error_words(snapshot)}"
-                + (", learning off" if self.asked.freeze else "")
+                + (", learning off" if self.request.freeze else "")
             )
         if last.diverged is not None:
             console.print(
@@ -266,7 +266,7 @@ class _Watched:
         self._print_tables(console, last.learned, with_visits=True)
         if out:
             inputs = ", ".join((AXIS, *(axis.name for axis in last.learned.axes)))
-            single = self.asked.joint or len(self.trainee.axes) == 1
+            single = self.request.joint or len(self.trainee.axes) == 1
             both = "" if single else f", all axes in one table over {inputs}"
             console.print(f"{out}: written{both}", soft_wrap=True)
 
@@ -274,8 +274,8 @@ class _Watched:
         """Write the table of one joint, or one over both."""
         from fuzzyarm.table import write_table
 
-        provenance = self.training.provenance(last, dated=self.asked.date)
-        write_table(self.trainee.table(last.learned, provenance, self.asked.joint), path)
+        provenance = self.training.provenance(last, dated=self.request.date)
+        write_table(self.trainee.table(last.learned, provenance, self.request.joint), path)
 
     def data(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the state of a training as JSON data."""

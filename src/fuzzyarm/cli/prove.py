@@ -157,14 +157,14 @@ def _single(request: ProveWords) -> int:
     return 0 if all(bounds.complete for bounds in results.values()) else EXIT_UNDECIDED
 
 
-def _print_single(found: dict[str, Bounds]) -> None:
-    data = {key: _single_data(key, bounds) for key, bounds in found.items()}
+def _print_single(bounds_by_key: dict[str, Bounds]) -> None:
+    data = {key: _single_data(key, bounds) for key, bounds in bounds_by_key.items()}
     for key in ("worst", "range"):
         if key in data:
             print_json(data[key], 2)
             return
-    low = min(bounds.low for bounds in found.values())
-    high = max(bounds.high for bounds in found.values())
+    low = min(bounds.low for bounds in bounds_by_key.values())
+    high = max(bounds.high for bounds in bounds_by_key.values())
     print_json({"low": low, "high": high, "inputs": data}, 2)
 
 

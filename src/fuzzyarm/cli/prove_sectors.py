@@ -150,8 +150,8 @@ def print_drives(
         for drive_proof, axes in grouped_drives(proofs):
             say(*drive_lines(path, drive_proof, axes, sectors_only=request.sector))
         if request.plot is not None:
-            drawn = any(proof.sectors for proof in proofs)
-            say(f"{request.plot}: drawn from {path}" if drawn else "no sector to draw")
+            has_sectors = any(proof.sectors for proof in proofs)
+            say(f"{request.plot}: drawn from {path}" if has_sectors else "no sector to draw")
     return [_drive_data(proof) for proof in proofs]
 
 

@@ -326,7 +326,7 @@ def _write_csv(results: list[Run], path: str) -> None:
     several = len(results) > 1
     for index, result in enumerate(results):
         # One file has the same columns for all runs.
-        columns = _csv_columns(result, held=any(run.every > 1 for run in results))
+        columns = _csv_columns(result, constant_set_points=any(run.every > 1 for run in results))
         if not index:
             heads = [*["controller"] * several, *columns]
             lines.append(csv_line(heads))
@@ -336,10 +336,10 @@ def _write_csv(results: list[Run], path: str) -> None:
     write_atomically(path, "".join(lines))
 
 
-def _csv_columns(result: Run, *, held: bool) -> dict[str, Any]:
+def _csv_columns(result: Run, *, constant_set_points: bool) -> dict[str, Any]:
     """Return the columns of a file by their heads, which have the units.
 
-    Where set points are `held` for several control periods, one is earlier than its sample.
+    `constant_set_points`: they last several control periods, so one is earlier than its sample.
     """
     units = {
         **{f"{label} wanted": result.output_units[label] for label in result.wanted},
@@ -347,7 +347,7 @@ def _csv_columns(result: Run, *, held: bool) -> dict[str, Any]:
         **result.drive_units,
     }
     times = {"time [s]": result.time}
-    if held:
+    if constant_set_points:
         times["set point time [s]"] = result.set_point_time
     return times | {f"{name} [{units[name]}]": column for name, column in result.columns().items()}
 

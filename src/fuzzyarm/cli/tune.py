@@ -228,13 +228,15 @@ class _Progress:
     ) -> None:
         self.evals, self.say, self.every = evals, say, every
         self.pace = Pace(evals, seconds)
-        self.told = time.monotonic()
+        self.last_report = time.monotonic()
 
     def search(self, result: Found) -> None:
         """Hear of the search."""
-        known = self.pace.rate(len(result.trials)) is not None
+        has_rate = self.pace.rate(len(result.trials)) is not None
         if self._is_time():
-            left = [f"{duration_words(self.pace.left(len(result.trials)))} left"] if known else []
+            left = (
+                [f"{duration_words(self.pace.left(len(result.trials)))} left"] if has_rate else []
+            )
             self.say(result, ", ".join([*self._state(result), *left]))
 
     def linear(self, result: Found) -> None:
@@ -250,9 +252,9 @@ class _Progress:
 
     def _is_time(self) -> bool:
         now = time.monotonic()
-        if now - self.told < self.every:
+        if now - self.last_report < self.every:
             return False
-        self.told = now
+        self.last_report = now
         return True
 
     def _state(self, result: Found) -> Iterator[str]:
@@ -268,7 +270,7 @@ class _Progress:
 def _shown(evals: int, seconds: float) -> Iterator[_Progress]:
     """Show trials, the best cost and its curve on stderr; give what is told of the searches."""
     if not sys.stderr.isatty():
-        yield _Progress(evals, lambda _found, state: print_error(state), TOLD_EVERY, seconds)
+        yield _Progress(evals, lambda _result, state: print_error(state), TOLD_EVERY, seconds)
         return
     from rich.console import Console
     from rich.live import Live

@@ -209,8 +209,8 @@ def _of_controller(
 ) -> LoopVerdict:
     """Judge a claim about the loop of a controller."""
     plant = keywords.get("plant")
-    own = find_plant(plant) if plant is not None else None
-    name = "" if own is None else plant if isinstance(plant, str) else own.name
+    loop_plant = find_plant(plant) if plant is not None else None
+    name = "" if loop_plant is None else plant if isinstance(plant, str) else loop_plant.name
     if isinstance(statement, LoopClaim):
         claim = statement
     elif isinstance(statement, str) and (name or _may_be_a_claim(statement)):
@@ -220,7 +220,7 @@ def _of_controller(
     if name and isinstance(plant, str):
         claim = replace(claim, plant=name)
     own_words = {name: keywords[name] for name in OF_LOOPS if name in keywords}
-    return prove_loop(thing, claim, plant=own, **own_words)
+    return prove_loop(thing, claim, plant=loop_plant, **own_words)
 
 
 def _may_be_a_claim(statement: str) -> bool:

@@ -324,14 +324,14 @@ class PiecesOfRules:
     """The pieces of the rule bases of a loop, cut once."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[int, str], RulePieces] = {}
+        self._pieces_by_output: dict[tuple[int, str], RulePieces] = {}
 
     def __call__(self, sheet: RuleBase, output: str) -> RulePieces:
         """Return those of an output."""
         key = id(sheet), output
-        if key not in self._known:
-            self._known[key] = RulePieces(sheet, output)
-        return self._known[key]
+        if key not in self._pieces_by_output:
+            self._pieces_by_output[key] = RulePieces(sheet, output)
+        return self._pieces_by_output[key]
 
 
 class Unchecked(LinearSignals):

@@ -363,7 +363,7 @@ class _Derivation:
 
     def _demand_other_memory_is_still(self, after: Mapping[str, LinearSignal]) -> None:
         """Refuse memory that is not a row of P, is read, and does not stay as it begins."""
-        for key in self.walk.read - set(self.memory):
+        for key in self.walk.states_read - set(self.memory):
             line, start = after[key], exactly(self.walk.states[key])
             if line.parts or line.rest != start:
                 raise LoopProofError(f"'{key}' is remembered, and moves")

@@ -40,13 +40,13 @@ class Conclusions:
     def __init__(self, stop: Stop) -> None:
         self.stop = stop
         self.is_exact = True
-        self._known: dict[object, object] = {}
+        self._cache: dict[object, object] = {}
 
     def _prover(self, sheet: RuleBase, output: str) -> Prover:
         key = "prover", id(sheet), output
-        if key not in self._known:
-            self._known[key] = Prover(sheet, output)
-        prover = self._known[key]
+        if key not in self._cache:
+            self._cache[key] = Prover(sheet, output)
+        prover = self._cache[key]
         assert isinstance(prover, Prover)
         prover.stop = self.stop
         if prover.model is None:
@@ -186,9 +186,9 @@ class Conclusions:
     ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
         """Return the sector along the linear law: weights, least and greatest gain; or None."""
         key = "sector", id(prover), tuple(region.items())
-        if key not in self._known:
-            self._known[key] = self._new_sector(prover, region, names)
-        return self._known[key]  # type: ignore[return-value]
+        if key not in self._cache:
+            self._cache[key] = self._new_sector(prover, region, names)
+        return self._cache[key]  # type: ignore[return-value]
 
     def _new_sector(
         self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
@@ -224,12 +224,12 @@ class Conclusions:
 
     def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
         """Return proved ends, kept under a key; a prover whose time runs out has none."""
-        if key not in self._known:
+        if key not in self._cache:
             bounds = prove()
             if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
                 raise LoopProofError("time ran out before a rule base was bounded")
-            self._known[key] = Fraction(bounds.low), Fraction(bounds.high)
-        return self._known[key]  # type: ignore[return-value]
+            self._cache[key] = Fraction(bounds.low), Fraction(bounds.high)
+        return self._cache[key]  # type: ignore[return-value]
 
     def resting_table(
         self, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]

@@ -435,7 +435,7 @@ class Flow:
         return stacked(read(self.rates, values))
 
     def _box(
-        self, start: Intervals, held: Mapping[str, Forms], time: float, length: float
+        self, start: Intervals, inputs: Mapping[str, Forms], time: float, length: float
     ) -> Intervals:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
         span = Intervals.between(np.zeros(start.shape), np.full(start.shape, length))
@@ -443,11 +443,11 @@ class Flow:
         # image, and the image of that holds them as well and is tighter.
         box, grown = start, 1.05
         for _ in range(14):
-            image = start + self.rates_over(Forms.of(box), held, times).bounds * span
+            image = start + self.rates_over(Forms.of(box), inputs, times).bounds * span
             if not np.isfinite(image.size).all():
                 break
             if np.all((box.low < image.low) & (image.high < box.high)):
-                again = start + self.rates_over(Forms.of(image), held, times).bounds * span
+                again = start + self.rates_over(Forms.of(image), inputs, times).bounds * span
                 return again.meet(image)
             reach = image.hull(start)
             extra = (grown - 1.0) * (reach.high - reach.low) + 1e-12 * (1.0 + reach.size)
@@ -460,14 +460,14 @@ class Flow:
         self,
         start: Forms,
         constants: Mapping[str, Forms],
-        held: Mapping[str, Forms],
+        inputs: Mapping[str, Forms],
         box: Intervals,
         time: float,
         length: float,
         order: int,
     ) -> Step:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
-        over = self._series(Forms.of(box), held, times, order + 1, None)
+        over = self._series(Forms.of(box), inputs, times, order + 1, None)
         last = stacked([over.buffer(_state(i))[order + 1] for i in range(len(self.states))])
         series = self._series(start, constants, Intervals.at(time), order, over)
         power = Intervals.at(1.0)
@@ -524,13 +524,13 @@ class Flow:
         self,
         start: Forms,
         constants: Mapping[str, Forms],
-        held: Mapping[str, Forms],
+        inputs: Mapping[str, Forms],
         box: Intervals,
         time: float,
         length: float,
     ) -> Step:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
-        rates = self.rates_over(Forms.of(box), held, times).bounds
+        rates = self.rates_over(Forms.of(box), inputs, times).bounds
         span = Intervals.between(np.zeros(box.shape), np.full(box.shape, length))
         # x(h) = x₀ + ∫ f, and a mean of f over the step lies in any convex set that holds f.
         on_the_way = start + Forms.of(rates * span)

@@ -301,9 +301,9 @@ class Follower:
             undone if self.goal is None else undone | ~arrived,
         )
 
-    def _driven(self, held: Mapping[str, Forms]) -> Intervals:
+    def _driven(self, inputs: Mapping[str, Forms]) -> Intervals:
         """Return where the inputs are: within the limits of their actuators."""
-        bounds = stacked([held[name] for name in self.inputs]).bounds
+        bounds = stacked([inputs[name] for name in self.inputs]).bounds
         ports = self.problem.site.interface.inputs.values()
         low = np.array([port.low for port in ports])[:, None]
         high = np.array([port.high for port in ports])[:, None]

@@ -108,9 +108,9 @@ def require_sensible(request: ProveRequest) -> None:
 
 def _mode(request: ProveRequest) -> str:
     modes = ("sector", "stable", "claim", "duration", "range", "slope", "table")
-    known = request.given(modes)
-    assert known is not None
-    return known.spelling
+    field = request.given(modes)
+    assert field is not None
+    return field.spelling
 
 
 def bounds_one(request: ProveRequest) -> bool:
@@ -339,8 +339,8 @@ def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
         if value is not None:
             parts[word] = value
     for word, value in parts.items():  # each alone first: so a mistake has the name of its option
-        said = f"{dashes}{word} '{getattr(request, _PARTS[word])}'"
-        read_claim(f"stable {word} {value}", plant, said)
+        source = f"{dashes}{word} '{getattr(request, _PARTS[word])}'"
+        read_claim(f"stable {word} {value}", plant, source)
     return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
 
 

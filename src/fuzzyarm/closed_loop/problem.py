@@ -316,7 +316,7 @@ class ControlPeriod(Generic[T]):
         """
         self._before, self._after = memory, dict[str, T]()
         self._first = first
-        self._seen = self._sensed(outputs)
+        self._measurements = self._sensed(outputs)
         self._signals: dict[tuple[str, str], T] = {}
         self._drives: dict[Address, T] = {}
         index = 0
@@ -400,7 +400,9 @@ class ControlPeriod(Generic[T]):
             )
         return measurements
 
-    def _sensor(self, address: Address, sensor: Sensor, value: T, seen: Mapping[Address, T]) -> T:
+    def _sensor(
+        self, address: Address, sensor: Sensor, value: T, measurements: Mapping[Address, T]
+    ) -> T:
         """Return what a sensor makes of an output: rate, steps, delay, in this order."""
         algebra, period = self.algebra, self.problem.period
         label = ".".join(address)
@@ -408,9 +410,9 @@ class ControlPeriod(Generic[T]):
             of = self.problem.site.interface.outputs[address].rate_of
             if not of:
                 raise LoopProofError(f"'{label}' is not the rate of another output")
-            if (address[0], of) not in seen:  # it would be that of the last period
+            if (address[0], of) not in measurements:  # it would be that of the last period
                 raise LoopProofError(f"'{label}' stands before the output whose rate it is")
-            source = seen[address[0], of]
+            source = measurements[address[0], of]
             before, slope = (
                 self._state(f"{label} sensed before"),
                 self._state(f"{label} sensed slope"),
@@ -532,7 +534,7 @@ class ControlPeriod(Generic[T]):
         if "reference" in kind.ports:
             reference = self.algebra.number(set_point[site.find(self.model, "reference", key)])
         if "measured" in kind.ports:
-            measured = self._seen[site.find(self.model, "measured", key)]
+            measured = self._measurements[site.find(self.model, "measured", key)]
         if len(kind.ports) == 1:
             return reference if "reference" in kind.ports else measured
         weight = source.option("weight")

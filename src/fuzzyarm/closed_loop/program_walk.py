@@ -56,7 +56,7 @@ class ProgramWalk:
         What the loop remembers, by symbol, and what it is before the first period.
     begun : set of str
         Those that begin as what is first seen, whatever stands in `states`.
-    read : set of str
+    states_read : set of str
         Those that the last walk has read, as the period before had left them.
     """
 
@@ -79,7 +79,7 @@ class ProgramWalk:
         for address, actuator in problem.site.interface.inputs.items():
             if actuator.slew < math.inf:
                 self.states[f"driven:{'.'.join(address)}"] = actuator.idle
-        self.read: set[str] = set()
+        self.states_read: set[str] = set()
 
     def _collect(self, label: str, sensor: Sensor) -> None:
         if sensor.resolution or sensor.noise:
@@ -123,7 +123,7 @@ class ProgramWalk:
         states : dict
             For the next period.
         """
-        self.read = set()
+        self.states_read = set()
         self._numbers, self._first = numbers, first
         self._before = {
             name: states.get(name, numbers.number(start)) for name, start in self.states.items()
@@ -170,7 +170,7 @@ class ProgramWalk:
 
     def _state(self, name: str) -> Any:
         if name not in self._after:
-            self.read.add(name)
+            self.states_read.add(name)
             return self._before[name]
         return self._after[name]
 
@@ -243,18 +243,18 @@ class ProgramWalk:
             measurements[address] = value
         return measurements
 
-    def _rate(self, address: Address, constant: float, seen: Mapping[Address, Any]) -> Any:
+    def _rate(self, address: Address, constant: float, measurements: Mapping[Address, Any]) -> Any:
         """Return the filtered difference that a sensor gives for a rate."""
         numbers, h = self._numbers, self.problem.period
         label = ".".join(address)
         of = (address[0], self.problem.site.interface.outputs[address].rate_of)
-        if of not in seen:
+        if of not in measurements:
             raise LoopProofError(f"'{label}' has no output before it whose rate it is")
         before, slope = self._state(f"before:{label}"), self._state(f"slope:{label}")
-        self._after[f"before:{label}"] = seen[of]
+        self._after[f"before:{label}"] = measurements[of]
         value = numbers.number(0.0)
         if not self._first:
-            way = numbers.apply("subtract", [seen[of], before])
+            way = numbers.apply("subtract", [measurements[of], before])
             steep = numbers.apply("divide", [way, numbers.number(h)])
             gap = numbers.apply("subtract", [steep, slope])
             share = numbers.apply("divide", [numbers.number(h), numbers.number(constant + h)])

@@ -62,10 +62,10 @@ def proposals(
     stop: Stop,
     *,
     continuous: bool,
-    wanted: tuple[float, float] | None,
+    target: tuple[float, float] | None,
 ) -> Iterator[Proposal | str]:
     """Yield proposals, and in words why an attempt came to nothing."""
-    search = _Search(maker, claim, stop, continuous, wanted)
+    search = _Search(maker, claim, stop, continuous, target)
     yield from search.affine() if maker.plant.is_affine else search.boxes()
 
 
@@ -76,16 +76,16 @@ class _Search:
         claim: LoopClaim,
         stop: Stop,
         continuous: bool,
-        wanted: tuple[float, float] | None,
+        target: tuple[float, float] | None,
     ) -> None:
         self.maker, self.claim, self.stop = maker, claim, stop
-        self.continuous, self.wanted = continuous, wanted
+        self.continuous, self.target = continuous, target
         self.grips = (Fraction(1),) if maker.fixed else (WHOLE,)
 
     @property
     def _starts(self) -> bool:
         """Whether the region has to hold a start."""
-        return bool(self.claim.start or self.wanted)
+        return bool(self.claim.start or self.target)
 
     def _form(self, choice: Assumptions) -> Form | str:
         try:
@@ -103,7 +103,7 @@ class _Search:
         if beyond:
             yield beyond
             return
-        if self.wanted is None:
+        if self.target is None:
             solution = candidate(form, include=include)
             yield self._proposal(choice, form, solution)
             return
@@ -124,10 +124,10 @@ class _Search:
             yield self._proposal(choice, form, candidate(form, include=include, rate=rate))
 
     def _output_rows(self, form: Form) -> list[tuple[tuple[Fraction, ...], Fraction]] | str:
-        assert self.wanted is not None
+        assert self.target is not None
         port = self.maker.problem.site.interface.port(self.claim.output)
         signal = form.outputs[port]
-        low, high = (Fraction(x) - signal.constant for x in self.wanted)
+        low, high = (Fraction(x) - signal.constant for x in self.target)
         if not low < 0 < high:
             return f"{self.claim.output} rests at {float(signal.constant):.6g}, outside"
         limit = min(-low, high)

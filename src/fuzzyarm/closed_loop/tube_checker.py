@@ -120,34 +120,34 @@ class TubeLoop:
         start = {name: Slope(exactly(span.low), {}) for name, span in problem.start.items()}
         self.memory = list(self.walk.states)
         self._controlled(start, [self.numbers.number(x) for x in self.walk.states.values()])
-        self.memory = [name for name in self.walk.states if name in self.walk.read]
+        self.memory = [name for name in self.walk.states if name in self.walk.states_read]
 
     @property
     def size(self) -> int:
         """How many states and memories."""
         return len(self.problem.states) + len(self.memory)
 
-    def period(self, own: TubeSet, *, first: bool) -> Period:
+    def period(self, tube: TubeSet, *, first: bool) -> Period:
         """Return what comes of a set in a period."""
         count = len(self.problem.states)
         # Points of the set are c + W⁻¹ e with |e| ≤ 1: e are the coordinates of all slopes below.
-        turn = _inverse(own.rows)
+        turn = _inverse(tube.rows)
         names = [f"e{k}" for k in range(self.size)]
         whole = []
-        for centre, row in zip(own.centre, turn, strict=True):
+        for centre, row in zip(tube.centre, turn, strict=True):
             half = sum((abs(x) for x in row), Fraction(0))
             span = _rounded(RationalInterval(centre - half, centre + half))
             along = {name: exactly(x) for name, x in zip(names, row, strict=True) if x}
             whole.append(Slope(span, along))
         # The mean value theorem needs the period twice: F at the centre, its slopes over the set.
-        at = [Slope(exactly(x), {}) for x in own.centre]
+        at = [Slope(exactly(x), {}) for x in tube.centre]
         states = dict(zip(self.problem.states, whole[:count], strict=True))
         drives, after = self._controlled(states, whole[count:], first=first)
         # What a walk reads depends on the branches it takes, so both walks are asked.
-        names_read = set(self.walk.read)
+        names_read = set(self.walk.states_read)
         middle = dict(zip(self.problem.states, at[:count], strict=True))
         centre_drives, memory_lines = self._controlled(middle, at[count:], first=first)
-        if not (names_read | self.walk.read) <= set(self.memory):
+        if not (names_read | self.walk.states_read) <= set(self.memory):
             raise LoopProofError("the program reads a value that is not in the certificate")
         moving = self._around(states, drives)
         plant_spread = self._plant_spread(moving, [*whole[:count], *drives.values()], names)
@@ -349,10 +349,10 @@ def leads_into(step: Period, after: TubeSet) -> bool:
     return True
 
 
-def _is_inside(centre: Sequence[Fraction], half: Sequence[Fraction], own: TubeSet) -> bool:
+def _is_inside(centre: Sequence[Fraction], half: Sequence[Fraction], tube: TubeSet) -> bool:
     """Tell whether a box is in a set."""
-    for row in own.rows:
-        away = [x * (a - b) for x, a, b in zip(row, centre, own.centre, strict=True)]
+    for row in tube.rows:
+        away = [x * (a - b) for x, a, b in zip(row, centre, tube.centre, strict=True)]
         size = abs(sum(away, Fraction(0)))
         size += sum((abs(x) * r for x, r in zip(row, half, strict=True)), Fraction(0))
         if size > 1:

@@ -328,7 +328,7 @@ class _Case:
         reason = "no quadratic function was found that falls"
         good: list[Proposal] = []
         verdict: LoopVerdict | None = None
-        for proposal in proposals(maker, claim, stop, continuous=self.continuous, wanted=bounds):
+        for proposal in proposals(maker, claim, stop, continuous=self.continuous, target=bounds):
             self.attempts += 1
             self.stop.say(self.attempts)
             if isinstance(proposal, str):
@@ -347,7 +347,7 @@ class _Case:
                     return verdict
         if not claim.output:
             # The search has seen its own form of the loop; the largest that the checker accepts.
-            for proposal in sorted(good, key=lambda made: -made.size)[:MOST_CHECKED]:
+            for proposal in sorted(good, key=lambda candidate: -candidate.size)[:MOST_CHECKED]:
                 verdict, against = self._judged(maker, claim, proposal)
                 reason = against or reason
                 if verdict is not None:
@@ -461,8 +461,10 @@ def check_certificate(
     now = fingerprints_of(text)
     for name, fingerprint in certificate.fingerprints.items():
         if name not in now:
-            own = Path(certificate.controller).name
-            raise CertificateError(f"this certificate is of {own}, not of {Path(text.path).name}")
+            expected_name = Path(certificate.controller).name
+            raise CertificateError(
+                f"this certificate is of {expected_name}, not of {Path(text.path).name}"
+            )
         if now[name] != fingerprint:
             raise CertificateError(f"{name} is not the file that was proved")
     statement = claim_text(certificate.claim)

@@ -148,26 +148,26 @@ class Forms:
 
     # ── symbols ──────────────────────────────────────────────────────────────────────
 
-    def with_symbols(self, count: int, own: Sequence[int] | None = None) -> Forms:
+    def with_symbols(self, count: int, symbols: Sequence[int] | None = None) -> Forms:
         """Return the same forms over more symbols.
 
         Parameters
         ----------
         count : int
             How many symbols there are.
-        own : sequence of int, optional
+        symbols : sequence of int, optional
             Of each form along the first axis (or of the only one), the symbol that its rest
             becomes. No other form may be over that symbol.
         """
         parts = np.zeros((count, *self.shape))
         parts[: len(self.parts)] = self.parts
-        if own is None:
+        if symbols is None:
             return Forms(self.centre, parts, self.rest, self._spread)
         if self.centre.ndim == 1:
-            (symbol,) = own
+            (symbol,) = symbols
             parts[symbol] += self.rest
         else:
-            for row, symbol in enumerate(own):
+            for row, symbol in enumerate(symbols):
                 parts[symbol, row] += self.rest[row]
         return Forms(self.centre, parts, np.zeros_like(self.rest))
 

@@ -128,7 +128,7 @@ def doubts_of(
     diagnostics += _unknown_of_claims(text)
     diagnostics += _limits_before_factors(text.model, reaches, site)
     if site is not None:
-        diagnostics += _missing_ports(text.model, site, given=plant is not None)
+        diagnostics += _missing_ports(text.model, site, plant_is_named=plant is not None)
         if all(use.name in text.sheets for use in text.model.uses):
             diagnostics += _limits(text.model, reaches, site)
     # Axes that share their lines share their findings.
@@ -268,10 +268,10 @@ def _unlike_units(
 
 def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
     """Yield a scaled signal that is not of the dimension which its input has."""
-    unit, taken = up.reach.unit, up.taken
-    ratio = product(unit, taken, -1)
-    if unit and taken is not None and up.reach.scaled and ratio and dimension(ratio):
-        what = unit_text(taken) if taken else "a plain number"
+    unit, sheet_unit = up.reach.unit, up.sheet_unit
+    ratio = product(unit, sheet_unit, -1)
+    if unit and sheet_unit is not None and up.reach.scaled and ratio and dimension(ratio):
+        what = unit_text(sheet_unit) if sheet_unit else "a plain number"
         yield Diagnostic(
             "unlike-units",
             f"{up.signal} is in {unit_text(unit)}, {up.sheet} takes {what}",
@@ -302,9 +302,11 @@ def _port(model: ControllerModel, site: Site | None, address: Address) -> Port |
 # --- Ports ---
 
 
-def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterator[Diagnostic]:
+def _missing_ports(
+    model: ControllerModel, site: Site, *, plant_is_named: bool
+) -> Iterator[Diagnostic]:
     """Yield what a controller asks for and the plant does not have."""
-    severity = Severity.ERROR if given else Severity.WARNING
+    severity = Severity.ERROR if plant_is_named else Severity.WARNING
     axes_there = _axes_on(site, model)
     reported: set[tuple[Span, str]] = set()
     for kind in KINDS:
@@ -320,10 +322,14 @@ def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterat
                 if key in reported:
                     continue
                 reported.add(key)
-                hint = error.hint if given else f"{error.hint}; for another plant: --plant FILE.py"
+                hint = (
+                    error.hint
+                    if plant_is_named
+                    else f"{error.hint}; for another plant: --plant FILE.py"
+                )
                 message = str(error.args[0])
                 yield Diagnostic("unknown-port", message, key[0], severity, hint=hint)
-    if given and (why := lacking(site)):
+    if plant_is_named and (why := lacking(site)):
         for partner in model.partners:
             message = f"the partner '{partner.name}' ({partner.law}) {why}"
             yield Diagnostic("arm-only", message, partner.span)

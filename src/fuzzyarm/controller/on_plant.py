@@ -135,9 +135,9 @@ class Site:
             hint = f"it has {', '.join(self.interface.axes)}"
             raise SourceError(f"the {self.name} has no axis '{axis}'", hint=hint)
         names = [name for home, name in ports if home == axis]
-        taken = {name for _, name in ports_of(model, kind)}
+        used_ports = {name for _, name in ports_of(model, kind)}
         # Where no name is like it, a port that the controller does not ask for already.
-        free = [name for name in names if name not in taken] or names
+        free = [name for name in names if name not in used_ports] or names
         what = "drive" if kind == "drive" else f"{kind} value"
         hint, likely = f"it has {', '.join(names)}", near(named, free)
         # A name that is the plant's needs no joining: it was joined to something else.
@@ -491,10 +491,10 @@ def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
     for part in controller.parts():
         law = text_law_of(part)
         if law is not None:
-            own = _limits_of_text(part.gains, law.text.model, site)
+            limits_of_drives = _limits_of_text(part.gains, law.text.model, site)
         else:
-            own = dict.fromkeys(driven_plainly(site), UNLIMITED)
-        for port, limits in own.items():
+            limits_of_drives = dict.fromkeys(driven_plainly(site), UNLIMITED)
+        for port, limits in limits_of_drives.items():
             total[port] = _added(total[port], limits) if port in total else limits
     return total
 

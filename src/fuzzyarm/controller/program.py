@@ -164,7 +164,7 @@ class ControllerCode:
             self.code[first : first + count],
             self.code[first + count : first + 2 * count],
         )
-        return {cell for cell, held in zip(cells, holds, strict=True) if held}
+        return {cell for cell, is_hold in zip(cells, holds, strict=True) if is_hold}
 
 
 def write_down(
@@ -234,12 +234,12 @@ class _Writer:
         self.parts_size = 0
         self.part_fields: list[int] = []  # where in the lists a cell of a part stands
         self.numbers: dict[float, int] = {}
-        self.known: dict[tuple[str, str], int] = {}  # signals of the axes
+        self.signal_cells: dict[tuple[str, str], int] = {}  # signals of the axes
         self.gains: dict[str, tuple[int, ...]] = {}
         self.tables: dict[tuple[str, int], Place] = {}
         self.grids: dict[str, tuple[int, list[Axis]]] = {}
         self.learned: dict[tuple[str, str], Place] = {}
-        self.asked: dict[int, tuple[str, RuleBase]] = {}
+        self.inferences: dict[int, tuple[str, RuleBase]] = {}
         self.blocks: dict[int, KernelRuleBlock] = {}  # of the rule bases, by their identity
         self.looked_up: dict[int, tuple[str, LookupTable]] = {}
         self.updates: dict[int, SourceKind] = {}
@@ -275,11 +275,11 @@ class _Writer:
         return ControllerCode(
             code,
             cells,
-            dict(self.known),
+            dict(self.signal_cells),
             dict(self.learned),
             tuple(self.rings),
             self.gains,
-            self.asked,
+            self.inferences,
             self.looked_up,
             self.updates,
         )
@@ -344,7 +344,7 @@ class _Writer:
             self.lists += block.links
             self.lists[links - 2], self.lists[links - 1] = links, links + len(block.links)
             for axis, cell in zip(self.model.axis_names, self.wiring.partners, strict=False):
-                self.known[axis, name] = self._do(to.COPY, self._cell(0.0), cell)
+                self.signal_cells[axis, name] = self._do(to.COPY, self._cell(0.0), cell)
 
     def _operand(self, value: str | float) -> int:
         """Return the cell of a number, a signal or a gain."""
@@ -352,7 +352,7 @@ class _Writer:
             return self._number(float(value))
         if value in self.gains:
             return self.gains[value][self.index]
-        return self.known[self.axis, value]
+        return self.signal_cells[self.axis, value]
 
     # --- Lines ---
 
@@ -378,7 +378,7 @@ class _Writer:
             self._store(line.names[0], self._factors(value, product.factors))
 
     def _store(self, name: str, cell: int) -> None:
-        into = self.known.setdefault((self.axis, name), self._cell(0.0))
+        into = self.signal_cells.setdefault((self.axis, name), self._cell(0.0))
         self._move(into, cell, rounded=True)
 
     def _factors(self, cell: int, factors: Sequence[Factor]) -> int:
@@ -449,7 +449,7 @@ class _Writer:
         of = (self.axis, source.name)
         ports = source.record.ports
         if not ports:
-            return self.known[of]
+            return self.signal_cells[of]
         values = {"reference": self.wiring.references, "measured": self.wiring.measured}
         if len(ports) == 1:
             return values[ports[0]][of]
@@ -480,7 +480,7 @@ class _Writer:
     def _write_zoom(self, line: Zoom) -> None:
         self._do(to.ZOOM, self.scratch, 0, len(line.signals))
         numbers = [self._operand(line.by), self._operand(line.inside), int(line.wait)]
-        self._list(2, [*numbers, *(self.known[self.axis, name] for name in line.signals)])
+        self._list(2, [*numbers, *(self.signal_cells[self.axis, name] for name in line.signals)])
 
     def _write_drive(self, line: Drive, first: set[int]) -> None:
         cell = self._sum(line.products)
@@ -523,7 +523,7 @@ class _Writer:
         holds = [output.no_rule == "hold" for output in rulebase.outputs]
         # Nothing is there to hold before a rule has fired.
         results = [self._cell(math.nan if holds_output else 0.0) for holds_output in holds]
-        self.asked[results[0]] = (source.name, rulebase)
+        self.inferences[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
         self._do(to.INFER, self.scratch, 0, address)
         at = len(self.lists)
@@ -554,11 +554,11 @@ class _Writer:
             if variable.name == AXIS and AXIS not in names:
                 cells.append(self._number(self.index + 1.0))
             else:
-                cells.append(self.known[self.axis, next(waiting)])
+                cells.append(self.signal_cells[self.axis, next(waiting)])
         return cells
 
     def _look_up(self, source: Source) -> int:
-        inputs = tuple(self.known[self.axis, name] for name in source.inputs)
+        inputs = tuple(self.signal_cells[self.axis, name] for name in source.inputs)
         place = self._place(source.name)
         grid, axes = self.grids[source.name]
         cell = self.cell_signal.get((source.name, self.index))
@@ -584,7 +584,7 @@ class _Writer:
         ring = self._cell(0.0, *[-1.0] * line.delay)
         self.rings.append((ring, ring + 1 + line.delay))
         visits = self._cell(*[0.0] * place.count)
-        inputs = tuple(self.known[self.axis, name] for name in line.inputs)
+        inputs = tuple(self.signal_cells[self.axis, name] for name in line.inputs)
         cell = self._do(to.LEARN, self._cell(0.0), 0)
         tables = [grid, judge_grid, judge.values, int(alike)]
         numbers = [self._operand(line.rate), self._operand(line.bound)]

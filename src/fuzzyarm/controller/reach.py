@@ -81,7 +81,7 @@ class LookUp:
         Their names.
     universe : Interval
         What the rule base or the table tells apart.
-    taken : dict or None
+    sheet_unit : dict or None
         The unit that the input has by its description; None where that says none.
     line : Signal or Learn
         Where.
@@ -92,7 +92,7 @@ class LookUp:
     signal: str
     reach: Reach
     universe: Interval
-    taken: Unit | None
+    sheet_unit: Unit | None
     line: Signal | Learn
 
 
@@ -152,7 +152,7 @@ def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
             for line in axes.lines:
                 walk.line(axes, line)
             walk.index += 1
-    return walk.found
+    return walk.reaches
 
 
 def combine(operation: str, a: Interval, b: Interval) -> Interval:
@@ -193,7 +193,7 @@ class _LineWalk:
     def __init__(self, text: ControllerText, site: Site | None) -> None:
         self.text = text
         self.site = site
-        self.found = Reaches()
+        self.reaches = Reaches()
         self.gains = {gain.name: gain for gain in text.model.gains}
         self.axis = ""
         self.index = 0
@@ -210,14 +210,14 @@ class _LineWalk:
                 inside = overlap(reach.at, window)
                 large = combine("multiply", inside, self._number(line.by))
                 whole = hull(reach.at, large) if inside.low <= inside.high else reach.at
-                self.found.signals[self.axis, name] = replace(reach, at=whole)
+                self.reaches.signals[self.axis, name] = replace(reach, at=whole)
         elif isinstance(line, Learn):
             self._look_up(axes, line, line.judge, line.inputs)
         else:
             reach = self._sum(line.products, line.span)
             if line.within is not None:
                 reach = replace(reach, at=_clipped(reach.at, Interval(*line.within)))
-            self.found.drives.setdefault((self.axis, line.port), []).append((line, reach))
+            self.reaches.drives.setdefault((self.axis, line.port), []).append((line, reach))
 
     def _signal(self, axes: Axes, line: Signal) -> None:
         if line.source is None:
@@ -228,11 +228,11 @@ class _LineWalk:
             if of.record.of == "call":
                 self._look_up(axes, line, of.name, of.inputs)
             else:
-                self.found.sources[self.axis, of] = values[0]
+                self.reaches.sources[self.axis, of] = values[0]
             factors = line.products[0].factors if line.products else ()
             reaches = [self._times(value, factors, line.span) for value in values]
         for name, reach in zip(line.names, reaches, strict=False):
-            self.found.signals[self.axis, name] = reach
+            self.reaches.signals[self.axis, name] = reach
 
     # --- Numbers, products, sums ---
 
@@ -247,7 +247,7 @@ class _LineWalk:
 
     def _named(self, name: str) -> Reach:
         """Return where a signal, a gain or a partner is."""
-        reach = self.found.signals.get((self.axis, name))
+        reach = self.reaches.signals.get((self.axis, name))
         if reach is not None:
             return reach
         gain = self.gains.get(name)
@@ -273,7 +273,7 @@ class _LineWalk:
                 pace = largest(combine(word, symmetric(other.pace), reach.at))
             if isinstance(factor.value, str) and reach.unit is not None and other.unit is not None:
                 brought = product({}, other.unit, power) or {}
-                self.found.meetings.append(Meeting(factor.value, reach.unit, brought, span))
+                self.reaches.meetings.append(Meeting(factor.value, reach.unit, brought, span))
             unit = product(reach.unit, other.unit, power)
             origins = reach.origins | other.origins
             tight = reach.tight and other.tight
@@ -331,7 +331,9 @@ class _LineWalk:
             if unit is not None and reach.unit is not None:
                 before, brought = of_difference(reach.unit), product({}, of_difference(unit), -1)
                 words = f"the {word} of {of.kind}"
-                self.found.meetings.append(Meeting(value, before or {}, brought or {}, span, words))
+                self.reaches.meetings.append(
+                    Meeting(value, before or {}, brought or {}, span, words)
+                )
 
     def _updated(self, of: Source, reach: Reach) -> Reach:
         """Return where a source is that is taken of something."""
@@ -437,13 +439,17 @@ class _LineWalk:
         ]
         if len(names) != len(inputs):
             return
-        for signal, own, universe in zip(inputs, names, _universes(sheet, names), strict=True):
+        for signal, input_name, universe in zip(
+            inputs, names, _universes(sheet, names), strict=True
+        ):
             if math.isfinite(width(universe)) and width(universe) > 0.0:
                 reach = self._named(signal)
-                taken = None
+                sheet_unit = None
                 if isinstance(sheet, RuleBase):
-                    taken = described_unit(sheet.variable(own).description)
-                self.found.look_ups.append(LookUp(axes, name, signal, reach, universe, taken, line))
+                    sheet_unit = described_unit(sheet.variable(input_name).description)
+                self.reaches.look_ups.append(
+                    LookUp(axes, name, signal, reach, universe, sheet_unit, line)
+                )
 
 
 def _own(of: Source) -> frozenset[str]:

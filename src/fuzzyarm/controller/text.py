@@ -270,24 +270,24 @@ def zeros_like(table: LookupTable) -> LookupTable:
 
 def by_name(name: str, sheet: Sheet) -> Change:
     """Return what asks a rule base or a table in another's place for its inputs by name."""
-    wanted = tuple(input_name for input_name in input_names(sheet) if input_name != AXIS)
+    inputs = tuple(input_name for input_name in input_names(sheet) if input_name != AXIS)
 
     def change(model: ControllerModel) -> ControllerModel:
         def asked(axes: Axes, line: Line) -> Line:
             if isinstance(line, Learn) and name in (line.table, line.judge):
-                return replace(line, inputs=wanted) if name == line.table else line
+                return replace(line, inputs=inputs) if name == line.table else line
             if not isinstance(line, Signal) or line.source is None or line.source.name != name:
                 return line
             signals = [other for other in axes.lines if isinstance(other, Signal)]
             lines = [signal for other in signals for signal in other.names]
-            for signal in wanted:
+            for signal in inputs:
                 if signal not in lines:
                     names = ", ".join(dict.fromkeys(line.source.inputs))
                     raise SourceError(
                         f"'{name}' is asked for '{signal}', which the controller does not have",
                         hint=f"its inputs may be called {names}, {AXIS}",
                     )
-            return replace(line, source=replace(line.source, inputs=wanted))
+            return replace(line, source=replace(line.source, inputs=inputs))
 
         axes = tuple(
             replace(axis, lines=tuple(asked(axis, line) for line in axis.lines))

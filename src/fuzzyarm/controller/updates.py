@@ -57,10 +57,10 @@ def _source(kind: SourceKind, name: str) -> str:
     """Return the text of an update; all is computed before anything is filled in."""
     body = [f"{symbol} = arguments[{index}]" for index, symbol in enumerate(kind.symbols)]
     results = [VALUE, *(f"next_{state.name}" for state in kind.states)]
-    taken = {*kind.symbols, *results, "arguments", "into"}
+    names = {*kind.symbols, *results, "arguments", "into"}
     for into, root in zip(results, (kind.expression, *kind.nexts), strict=True):
-        parts, result = statements(root, taken=taken)
-        taken |= set(variables(parts))
+        parts, result = statements(root, reserved=names)
+        names |= set(variables(parts))
         body += PYTHON.lines(setting(into, parts, result))
     body += (f"into[{index}] = {result}" for index, result in enumerate(results))
     return "\n".join([f"def {name}(arguments, into):", *(f"    {line}" for line in body)]) + "\n"

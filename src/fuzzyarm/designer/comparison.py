@@ -132,10 +132,10 @@ def _slice(
     y = axes.y if axes.y in rest else rest[0] if rest else ""
     at: dict[str, Array] = {}
     for name, (low, high) in ranges.items():
-        wanted = axes.at.get(name)
-        value = 0.5 * (low + high) if wanted is None else wanted
+        chosen_value = axes.at.get(name)
+        value = 0.5 * (low + high) if chosen_value is None else chosen_value
         at[name] = np.array(min(max(value, low), high))
-    held = {name: float(value) for name, value in at.items() if name not in (x, y)}
+    constants = {name: float(value) for name, value in at.items() if name not in (x, y)}
     xs = np.linspace(*ranges[x], ACROSS)
     ys = np.linspace(*ranges[y], ACROSS) if y else np.zeros(1)
     at[x] = xs[None, :]
@@ -147,7 +147,7 @@ def _slice(
     return {
         "x": x,
         "y": y,
-        "held": held,
+        "held": constants,
         "worst": where,
         **_pictures(files, output, {x: xs, **({y: ys} if y else {})}, values, where),
     }
@@ -162,8 +162,8 @@ def _pictures(
 ) -> dict[str, Any]:
     """Return the surfaces of two files as panels, and their difference as another."""
     at = where["at"] if where else {}
-    known = [x for surface in values for x in surface.ravel().tolist() if math.isfinite(x)]
-    low, high = min(known, default=0.0), max(known, default=1.0)
+    finite_values = [x for surface in values for x in surface.ravel().tolist() if math.isfinite(x)]
+    low, high = min(finite_values, default=0.0), max(finite_values, default=1.0)
     ends = f"{number_words(low, 4)} … {number_words(high, 4)}"
     axis = Axis(output, "", *((low, high) if low < high else (low - 1.0, high + 1.0)))
     difference = values[1] - values[0]

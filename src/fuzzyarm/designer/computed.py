@@ -69,8 +69,8 @@ def _tell_surface(
     output = _at(model.outputs, request.output, "output")
     across = min(MOST_ACROSS, max(2, request.across))
     run = compiled(model)
-    held = {variable.name: value for variable, value in zip(model.inputs, point, strict=True)}
-    columns = {**held, x.name: np.linspace(*_ends(x, request.ends[0]), across)}
+    constants = {variable.name: value for variable, value in zip(model.inputs, point, strict=True)}
+    columns = {**constants, x.name: np.linspace(*_ends(x, request.ends[0]), across)}
     rows = [None] if x is y else np.linspace(*_ends(y, request.ends[1]), across)
     z: list[float | None] = []
     for row in rows:

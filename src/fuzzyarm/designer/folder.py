@@ -101,7 +101,7 @@ class Workspace:
             paths = [path for path in self.folder.iterdir() if path.suffix.lower() in suffixes]
         except OSError:  # it does not exist yet, or may not be read: `trouble` says so
             return []
-        return sorted(each.name for each in paths if self._is_own(each))
+        return sorted(path.name for path in paths if self._is_own(path))
 
     def _is_own(self, path: Path) -> bool:
         """Whether something is a file of the folder; what may not be looked at is not."""
@@ -186,8 +186,8 @@ class Workspace:
     def revived(self, name: str, text: str) -> SharedText:
         """Return the text of a window whose file has gone while the server was not there."""
         path = self.folder / demand_name(name)
-        known = name == self.only if self.only is not None else path.suffix.lower() in SUFFIXES
-        if not known or path.is_symlink() or path.exists():
+        is_allowed = name == self.only if self.only is not None else path.suffix.lower() in SUFFIXES
+        if not is_allowed or path.is_symlink() or path.exists():
             raise OutsideError(f"'{printable(name)}' is not a file of this folder")
         self._open[name] = SharedText(path, text)
         return self._open[name]
@@ -255,15 +255,15 @@ class Workspace:
     def findings(self, name: str) -> dict[str, Any]:
         """Return how many findings a file has; what was found last, where it has not changed."""
         shared = self._open.get(name)
-        known = shared.text if shared else stamp_of(self._path(name))
-        if name in self._checked and self._checked[name][0] == known:
+        stamp = shared.text if shared else stamp_of(self._path(name))
+        if name in self._checked and self._checked[name][0] == stamp:
             return self._checked[name][1]
         try:
             review = self.session(name).review()
             verdict = {"summary": review.summary, "sound": not review.failed}
         except (FuzzyarmError, OSError) as error:
             verdict = {"summary": in_words(error), "sound": False}
-        self._checked[name] = known, verdict
+        self._checked[name] = stamp, verdict
         return verdict
 
     # --- What a hand does ---
@@ -335,9 +335,9 @@ class Workspace:
     def put(self, name: str, text: str) -> dict[str, Any]:
         """Write what was dropped under a free name near to `name`."""
         self._demand_folder()
-        taken = self._taken()
+        names = self._taken()
         path, number = Path(name), 1
-        while name.casefold() in taken:
+        while name.casefold() in names:
             number += 1
             name = f"{path.stem}-{number}{path.suffix}"
         return self._written(name, text)

@@ -97,14 +97,14 @@ class RequestForm(Generic[AnyRequest]):
         FieldError
             If a field does not take its value.
         """
-        own = {name: values[name] for name in (*self.first, *self.more) if name in values}
+        fields = {name: values[name] for name in (*self.first, *self.more) if name in values}
         for name in SIGNALS:
-            if name in own:
-                value: Any = own[name] or ()
+            if name in fields:
+                value: Any = fields[name] or ()
                 words = value.split() if isinstance(value, str) else value
                 with at_field(name):
-                    own[name] = tuple(signal_of(folder, word) for word in words)
-        return form_of(self.kind, **own, **others)
+                    fields[name] = tuple(signal_of(folder, word) for word in words)
+        return form_of(self.kind, **fields, **others)
 
 
 AROUND = (
@@ -202,8 +202,10 @@ def judged(form: str, values: FormValues, folder: Path) -> dict[str, Any]:
     if form not in FORMS:
         raise MessageError("is not a form", "form")
     try:
-        known = FORMS[form]
-        known.request(values, folder, **({known.open: "x.frb"} if known.open else {}))
+        form_record = FORMS[form]
+        form_record.request(
+            values, folder, **({form_record.open: "x.frb"} if form_record.open else {})
+        )
     except FieldError as error:
         return {"field": error.field, "message": str(error)}
     return {}

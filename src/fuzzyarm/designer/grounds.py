@@ -69,15 +69,15 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     from fuzzyarm.plant.plant import interface_of
 
     likeliest = site_by_axes(model)
-    found = []
-    for name, plant in plants.known.items():
+    plants_of_model = []
+    for name, plant in plants.by_name.items():
         interface = interface_of(plant)
         label = interface.label(next(iter(interface.outputs)))
         fits = set(model.axis_names) <= set(interface.axes)
-        found.append({"name": name, "fits": fits, **followable(name, plant, label)})
+        plants_of_model.append({"name": name, "fits": fits, **followable(name, plant, label)})
     is_likeliest = likeliest.name if likeliest is not None else ""
-    found.sort(key=lambda entry: (not entry["fits"], entry["name"] != is_likeliest))
-    return found
+    plants_of_model.sort(key=lambda entry: (not entry["fits"], entry["name"] != is_likeliest))
+    return plants_of_model
 
 
 def plant_named(word: str, model: ControllerModel, plants: Plants) -> Plant:

@@ -64,19 +64,19 @@ class Downloads:
     """Files that a page may load, each under a key of its own; the oldest go."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, tuple[str, bytes]] = OrderedDict()
+        self._files: OrderedDict[str, tuple[str, bytes]] = OrderedDict()
 
     def offer(self, name: str, content: bytes) -> str:
         """Keep a file; return its address below the page."""
         key = secrets.token_urlsafe(12)
-        self._kept[key] = name, content
-        while len(self._kept) > MOST_KEPT or sum(map(_size, self._kept.values())) > LARGEST_KEPT:
-            self._kept.popitem(last=False)
+        self._files[key] = name, content
+        while len(self._files) > MOST_KEPT or sum(map(_size, self._files.values())) > LARGEST_KEPT:
+            self._files.popitem(last=False)
         return f"download/{key}/{quote(name)}"
 
     def find(self, key: str) -> tuple[str, bytes] | None:
         """Return the name and the content of a file that is kept."""
-        return self._kept.get(key)
+        return self._files.get(key)
 
 
 def _size(download: tuple[str, bytes]) -> int:
@@ -121,7 +121,7 @@ class WindowJob:
         self._downloads = downloads or Downloads()
         self._tell = tell
         self._loop = asyncio.get_running_loop()
-        self._said: Mailbox[dict[str, Any]] = Mailbox()
+        self._messages: Mailbox[dict[str, Any]] = Mailbox()
         self.stopped = False
         self._paced = 0.0  # when the last paced word was told
 
@@ -159,7 +159,7 @@ class WindowJob:
 
     def hear(self, message: dict[str, Any]) -> None:
         """Take what a hand does."""
-        self._said.put(message)
+        self._messages.put(message)
 
     def stop(self) -> None:
         """Have the work end at its next word."""
@@ -185,7 +185,7 @@ class WindowJob:
         """
         words: list[Word] = []
         # It waits for the first word only.
-        while (message := self._said.take(0.0 if words else wait)) is not None:
+        while (message := self._messages.take(0.0 if words else wait)) is not None:
             words.append(read_record(kind, message))
         return words
 
@@ -193,7 +193,7 @@ class WindowJob:
         """Wait for what the page says next; as `heard`."""
         while True:
             self.check()
-            message = self._said.take(LOOK_EVERY)
+            message = self._messages.take(LOOK_EVERY)
             if message is not None:
                 return read_record(kind, message)
 

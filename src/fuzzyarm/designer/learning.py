@@ -67,16 +67,16 @@ def learnable(session: Session, request: BareMessage, job: WindowJob) -> None:
         return model is not None and any(isinstance(line, Learn) for _, line in model.lines())
 
     trainees = []
-    own = controller_model(session)
-    if own is not None and teaches(own):
-        trainees.append({"name": "", "plants": fitting(own)})
+    open_model = controller_model(session)
+    if open_model is not None and teaches(open_model):
+        trainees.append({"name": "", "plants": fitting(open_model)})
     for entry in TEXTS:
         model = parse(read_text(entry.file())).controller
         if model is not None and teaches(model):
             trainees.append({"name": entry.name, "plants": fitting(model)})
     job.tell({
         "texts": trainees,
-        "own": teaches(own),
+        "own": teaches(open_model),
         "tables": job.folder.listed(".lut"),
         "form": LEARN.fields(passes=DEFAULT_PASSES),
     })  # fmt: skip

@@ -277,7 +277,7 @@ class OpenFiles:
         """Tell the windows which file has another name now, or none, and go on with its check."""
         moved = [(old, new) for old, new in [answer.get("renamed", ("", ""))] if old]
         moved += [(answer["deleted"], "")] if "deleted" in answer else []
-        told = []
+        messages_sent = []
         for old, new in moved:
             check = self._checks.pop(old, None)
             if check is not None:
@@ -288,8 +288,8 @@ class OpenFiles:
             for window in self._on(old):
                 window.files = (window.files - {old}) | ({new} if new else set())
                 news: Moved = {"is": "moved", "file": old, "to": new}
-                told.append(window.tell(news))
-        await asyncio.gather(*told)
+                messages_sent.append(window.tell(news))
+        await asyncio.gather(*messages_sent)
         for _, new in moved:
             shared = self.workspace.opened(new)
             if shared is not None:

@@ -52,7 +52,7 @@ def provable(session: Session, request: BareMessage, job: WindowJob) -> None:
         "loop": is_loop,
         "lines": lines,
         "outputs": outputs,
-        "plants": list(job.plants.known) if is_loop else [],
+        "plants": list(job.plants.by_name) if is_loop else [],
         "tables": [] if is_loop else [*TABLE_MODES, *job.folder.listed(".lut")],
         "form": _form(is_loop=is_loop).fields(budget=BUDGET),
     })  # fmt: skip
@@ -166,12 +166,12 @@ class _LoopProof:
         wants_certificate: bool,
     ) -> None:
         self.text, self.job = text, job
-        self.asked = request
+        self.request = request
         self.wants_certificate = wants_certificate
 
     def run(self) -> None:
         """Judge, and tell."""
-        request = self.asked
+        request = self.request
         if request.sector:
             self._sectors()
         elif request.duration is not None and request.claim is None:
@@ -187,7 +187,7 @@ class _LoopProof:
         """Return what is claimed: by the form, or by the lines of the text."""
         from fuzzyarm.closed_loop.orders import claim_of, wants_loop
 
-        request = self.asked
+        request = self.request
         with at_field("claim" if request.claim is not None else "stable"):
             if wants_loop(request):
                 return [claim_of(self._with_plant(), dashes="")]
@@ -199,12 +199,12 @@ class _LoopProof:
 
     def _with_plant(self) -> ProveRequest:
         """Return the request on the plant that it names, or that the controller has the axes of."""
-        if self.asked.claim is not None or self.asked.plant:
-            return self.asked
-        return self.asked.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
+        if self.request.claim is not None or self.request.plant:
+            return self.request
+        return self.request.replaced(plant=plants_for(self.text.model, self.job.plants)[0]["name"])
 
     def _require_plant(self, name: str) -> None:
-        if name not in self.job.plants.known:
+        if name not in self.job.plants.by_name:
             raise FieldError(f"there is no plant '{name}' here", field="plant")
 
     # --- Verdicts ---
@@ -212,7 +212,7 @@ class _LoopProof:
     def _judge(self, claim: LoopClaim, name: str) -> None:
         from fuzzyarm.closed_loop.orders import loops_of
 
-        (verdict,) = loops_of(self.asked, self.text, (claim,), _told(self.job))
+        (verdict,) = loops_of(self.request, self.text, (claim,), _told(self.job))
         lines, files = _verdict_lines(verdict), {}
         if self.wants_certificate and verdict.proved:
             try:
@@ -231,7 +231,7 @@ class _LoopProof:
         self.job.progress("making the certificate")
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "certificate.json"
-            certify(self.asked, self.text, verdict, str(path), BUDGET)
+            certify(self.request, self.text, verdict, str(path), BUDGET)
             return path.read_bytes()
 
     # --- What is bounded ---
@@ -256,11 +256,11 @@ class _LoopProof:
         from fuzzyarm.show.proofs import drive_lines, grouped_drives
         from fuzzyarm.show.sector import controller_sectors, sector_chart
 
-        name, plant = self.asked.plant, None
+        name, plant = self.request.plant, None
         if name:
             self._require_plant(name)
             plant = self.job.plants.new(name)
-        proofs = drives_of(self.asked.replaced(plant=name or None), self.text, _told(self.job))
+        proofs = drives_of(self.request.replaced(plant=name or None), self.text, _told(self.job))
         for proof, drives in grouped_drives(proofs):
             lines = drive_lines(self.text.model.name, proof, drives, sectors_only=False)
             pictures = controller_sectors(self.text, [proof], plant)

@@ -171,7 +171,7 @@ class LiveRun:
         What may be run.
     session : Session
         The text when it was started.
-    asked : RunWork
+    request : RunWork
         What is to be run, in the words of ``fuzzyarm simulate``.
     job : WindowJob
         The connection with the page.
@@ -179,7 +179,7 @@ class LiveRun:
 
     def __init__(self, plants: Plants, session: Session, request: RunWork, job: WindowJob) -> None:
         self.plants, self.path, self.job = plants, session.path, job
-        self.asked = request
+        self.request = request
         self.text = session.text
         self.gains: dict[str, list[float]] = {}  # moved by hand, and not in the text (yet)
         self.speed = _speed(request.speed)
@@ -196,7 +196,7 @@ class LiveRun:
         self.used = self._used()
         self._forget_written()
         self.until: int | None = None  # the set point to stand at
-        words = RUN.request(self.asked.form, Path(self.path).parent)
+        words = RUN.request(self.request.form, Path(self.path).parent)
         name = words.plant or ""
         check_words(words, self.plants.new(name))
         plant = driven(words, self.plants.new(name))
@@ -205,14 +205,14 @@ class LiveRun:
         self.loop = ClosedLoop(chosen, motion, PLAIN, options, connections(words))
         self.run: OpenRun = self.loop.open(loaded=True)
         self.plant, self.motion = self.loop.course.plant, motion
-        self.drawn = is_drawn(self.plant)
+        self.has_drawing = is_drawn(self.plant)
         self.sent = 0
         self.told_over = self.reached = self.told_reached = False
         self.measured, self.measuring = -math.inf, 0.0
         # Samples in a second of the loop: what is probable, until it is known.
         self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
         self.behind = -math.inf
-        self.told: tuple[Any, ...] = ()
+        self.last_state: tuple[Any, ...] = ()
         self.is_timed = words.duration is not None
         self._tell_ready(name)
         self.run.advance(1)  # so that there is something to be seen
@@ -231,7 +231,7 @@ class LiveRun:
         site = site_of(plant, connections(words))
         model = text_of(self.controller, site).model
         period = model.period * model.every
-        word = words.duration or self.asked.until
+        word = words.duration or self.request.until
         if word:
             with at_field("duration"):
                 seconds = seconds_of(word)
@@ -326,7 +326,7 @@ class LiveRun:
             self.run.advance(self.run.next + max(1, min(word.step, 10_000)))
         if word.restart:
             if word.asked is not None:
-                self.asked = word.asked
+                self.request = word.asked
             self._try_again(before)
 
     def _pull(self, x: float, y: float) -> None:
@@ -403,13 +403,13 @@ class LiveRun:
     def _gains(self) -> list[dict[str, Any]]:
         text = source_of(self.controller)
         tunes = {model.name: model.tune for model in text.model.gains}
-        own = {own_gain.name for own_gain in self._own_gains()}
+        own_names = {own_gain.name for own_gain in self._own_gains()}
         return [
             {
                 "name": name,
                 "values": self.gains.get(name, list(gain.value)),
                 "unit": "" if gain.unit == "1" else gain.unit,
-                "written": name in own,
+                "written": name in own_names,
                 **_range(gain, tunes.get(name)),
             }
             for name, gain in self.controller.gains.items()
@@ -438,7 +438,7 @@ class LiveRun:
                 "news": "ready",
                 "controller": self.controller.name,
                 "plant": name,
-                "drawn": self.drawn,
+                "drawn": self.has_drawing,
                 "window": window,
                 "duration": whole if ends else None,
                 "period": period,
@@ -459,7 +459,7 @@ class LiveRun:
 
     def _window(self, period: float) -> float:
         """Return how much of a run without an end stays in view, s."""
-        word = self.asked.window
+        word = self.request.window
         if not word:
             return self.plant.duration or 1000 * period
         with at_field("duration"):
@@ -479,9 +479,9 @@ class LiveRun:
             news = {"news": "samples", **state, **self._curves(rows[first:], first)}
             self.sent = len(rows)
             self.job.tell({**news, "drawing": self._drawing()})
-        elif tuple(state.values()) != self.told:
+        elif tuple(state.values()) != self.last_state:
             self.job.tell({"news": "samples", **state, "t": [], "low": []})
-        self.told = tuple(state.values())
+        self.last_state = tuple(state.values())
         self._measure()
         if self.reached and not self.told_reached:
             self.told_reached = True
@@ -495,12 +495,12 @@ class LiveRun:
 
     def _drawing(self) -> dict[str, Any] | None:
         """Return the drawing of the plant; one that fails is not asked for again."""
-        if not self.drawn:
+        if not self.has_drawing:
             return None
         try:
             drawing = drawing_of(self.plant, self._scene())
         except PlantError as error:
-            self.drawn = False
+            self.has_drawing = False
             self.job.tell({"news": "note", "text": str(error)})
             return None
         return None if drawing is None else drawing_data(drawing)
@@ -533,12 +533,12 @@ class LiveRun:
             return
         if self.run.next == getattr(self, "_measured_at", None):
             return
-        found = self.loop.answer(self.run).metrics
+        metrics_now = self.loop.answer(self.run).metrics
         self.measured, self._measured_at = now, self.run.next
         self.measuring = time.perf_counter() - now
         metrics = {
             name: {k: None if v is None else short(v, 5) for k, v in value.as_dict().items()}
-            for name, value in found.items()
+            for name, value in metrics_now.items()
         }
         self.job.tell({"news": "metrics", "metrics": metrics})
 

@@ -165,7 +165,7 @@ def _term(
 
 def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> SceneShape:
     kind = SHAPES[shape.kind]
-    drawn: SceneShape = {
+    shape_data: SceneShape = {
         "kind": shape.kind,
         "parameters": list(map(_number, shape.parameters)),
         "names": list(kind.parameters),
@@ -177,17 +177,17 @@ def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> Scen
         "handles": [],
     }
     if not kind.fuzzy:
-        return drawn
-    drawn["centre"] = centre(shape, variable.low, variable.high)
-    drawn["curve"] = _curve(functions.curve(shape, ()))
+        return shape_data
+    shape_data["centre"] = centre(shape, variable.low, variable.high)
+    shape_data["curve"] = _curve(functions.curve(shape, ()))
     if shape.kind == "points":
-        drawn["handles"] = list(range(0, len(shape.parameters), 2))
+        shape_data["handles"] = list(range(0, len(shape.parameters), 2))
     elif shape.kind != "formula":
         names = enumerate(zip(kind.parameters, shape.parameters, strict=True))
-        drawn["handles"] = [
+        shape_data["handles"] = [
             i for i, (name, value) in names if name not in WIDTHS and math.isfinite(value)
         ]
-    return drawn
+    return shape_data
 
 
 def _curve(function: Any) -> SceneCurve:
@@ -262,7 +262,9 @@ def _rules(
                 "readings": list(plan.readings[number]),
                 "concludes": concluded.get(plan.readings[number][0], []),
                 "concludesLower": [
-                    each for index in plan.readings[number][1:] for each in concluded.get(index, [])
+                    block
+                    for index in plan.readings[number][1:]
+                    for block in concluded.get(index, [])
                 ],
             }
         )
@@ -293,14 +295,14 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
     usual = {"and": norms.conjunction, "or": norms.disjunction, "implication": norms.implication}
     methods = [_method(key, written.get(("", key), value)) for key, value in usual.items()]
     for key in ("aggregation", "defuzzifier"):
-        own = [each for each in rulebase.outputs if (each.name, key) in written]
-        others = [each for each in rulebase.outputs if each not in own]
-        # Outputs without their own line share one row, told by the first of them.
-        for output in [*others[:1], *own]:
-            target = output.name if output in own else ""
+        with_line = [output for output in rulebase.outputs if (output.name, key) in written]
+        others = [output for output in rulebase.outputs if output not in with_line]
+        # Outputs without their own line share one row, which shows the first of them.
+        for output in [*others[:1], *with_line]:
+            target = output.name if output in with_line else ""
             methods.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))
     settings = [text_of(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
-    return [*methods, *(Method(block=each) for each in settings)]
+    return [*methods, *(Method(block=setting) for setting in settings)]
 
 
 def _value(setting: SettingNode) -> str:

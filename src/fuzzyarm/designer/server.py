@@ -124,10 +124,10 @@ class Designer(OpenFiles):
         return Response(page, media_type="text/html; charset=utf-8", headers=headers)
 
     async def _asset(self, request: Request) -> Response:
-        found = asset(request.path_params["name"])
-        if found is None:
+        asset_file = asset(request.path_params["name"])
+        if asset_file is None:
             return PlainTextResponse("not found", 404)
-        content, kind = found
+        content, kind = asset_file
         return Response(content, media_type=kind)
 
     async def _download(self, request: Request) -> Response:
@@ -203,9 +203,11 @@ class Designer(OpenFiles):
 
 def _bound(listening: socket.socket, port: int | None, token: str) -> None:
     """Bind to a port; by default to the one of the token, so that open pages find back."""
-    own = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(OWN_PORTS)
+    usual_port = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(
+        OWN_PORTS
+    )
     try:
-        listening.bind(("127.0.0.1", own if port is None else port))
+        listening.bind(("127.0.0.1", usual_port if port is None else port))
     except OSError as error:
         if port is not None:
             raise ServerPortError(f"port {port} cannot be used: {error.strerror}") from None
@@ -244,18 +246,18 @@ def serve(
     import uvicorn
 
     workspace = Workspace(path)
-    known = None
+    plant_catalogue = None
     if plants:
         from fuzzyarm.designer.stage import Plants
 
-        known = Plants(tuple(plants))
+        plant_catalogue = Plants(tuple(plants))
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         _bound(listening, port, token)
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
-            Designer(workspace, token, known, farewell).app(),
+            Designer(workspace, token, plant_catalogue, farewell).app(),
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,

@@ -177,10 +177,10 @@ class SharedText:
 
     def since(self, version: int) -> list[dict[str, Any]] | None:
         """Return the changes from a version on; None where they are not known any more."""
-        known = self.version - len(self.updates)
-        if not known <= version <= self.version:
+        oldest = self.version - len(self.updates)
+        if not oldest <= version <= self.version:
             return None
-        return self.updates[version - known :]
+        return self.updates[version - oldest :]
 
     def forget(self) -> None:
         """Drop the oldest changes."""

@@ -26,7 +26,7 @@ class Plants:
 
     Parameters
     ----------
-    own : sequence of str
+    files : sequence of str
         Names and files as on the command line; a Python file is executed.
 
     Raises
@@ -35,14 +35,14 @@ class Plants:
         If there is no such plant, or it is not complete.
     """
 
-    def __init__(self, own: tuple[str, ...] = ()) -> None:
-        self.own = own
-        self.known: dict[str, Plant] = {name: make() for name, make in PLANTS.items()}
-        self.known |= {name: find_plant(name) for name in own}
+    def __init__(self, files: tuple[str, ...] = ()) -> None:
+        self.files = files
+        self.by_name: dict[str, Plant] = {name: make() for name, make in PLANTS.items()}
+        self.by_name |= {name: find_plant(name) for name in files}
 
     def new(self, name: str) -> Plant:
         """Make a plant anew; PlantError if it was not named when the designer was started."""
-        if name not in self.known:
+        if name not in self.by_name:
             hint = "fuzzyarm designer FILE --plant PLANT adds one"
             raise PlantError(f"this designer runs no plant '{name}'", name=name, hint=hint)
         return find_plant(name)
@@ -56,7 +56,7 @@ class Plants:
                 "duration": plant.duration,
                 **_fit(controller, name, plant),
             }
-            for name, plant in self.known.items()
+            for name, plant in self.by_name.items()
         ]
 
 
@@ -83,12 +83,12 @@ def followable(name: str, plant: Plant, port: str) -> dict[str, Any]:
         ``trajectories`` by name; ``shown``, the one that takes the least time to look at;
         ``carries``, whether there is a load; ``reference``, empty where there are trajectories.
     """
-    known = list(plant.trajectories)
+    trajectories = list(plant.trajectories)
     return {
-        "trajectories": known,
-        "shown": shortest_trajectory(plant) if known else "",
+        "trajectories": trajectories,
+        "shown": shortest_trajectory(plant) if trajectories else "",
         "carries": carries(plant),
-        "reference": "" if known else step_of(name, port),
+        "reference": "" if trajectories else step_of(name, port),
     }
 
 
@@ -130,7 +130,7 @@ def loads_of(plant: Plant, scene: PlantScene, interface: Interface, x: float, y:
     """
     if not (math.isfinite(x) and math.isfinite(y)):
         return {}
-    x, y = (min(1.0, max(-1.0, each)) for each in (x, y))
+    x, y = (min(1.0, max(-1.0, coordinate)) for coordinate in (x, y))
     if plant.name == "arm":
         return _pull_arm(plant, scene, x, y)
     pulled = PULLS.get(plant.name)

@@ -209,9 +209,9 @@ def error_map(
     y = axes.y or (names[-2] if len(names) > 1 else x)
     if x not in names or y not in names or (x == y and len(names) > 1):
         x, y = names[-1], names[-2] if len(names) > 1 else names[-1]
-    held = {axis.name: _held(axis, axes.at.get(axis.name)) for axis in table.axes}
+    constants = {axis.name: _held(axis, axes.at.get(axis.name)) for axis in table.axes}
     xs, ys = (np.linspace(*table.axis(name).ends, ACROSS) for name in (x, y))
-    mesh = {**{name: np.array(value) for name, value in held.items()}, x: xs[None, :]}
+    mesh = {**{name: np.array(value) for name, value in constants.items()}, x: xs[None, :]}
     if x != y:
         mesh[y] = ys[:, None]
     points = [mesh[name] for name in names]
@@ -221,7 +221,7 @@ def error_map(
         "x": x,
         "y": y if x != y else "",
         "names": names,
-        "held": {name: value for name, value in held.items() if name not in (x, y)},
+        "held": {name: value for name, value in constants.items() if name not in (x, y)},
         "panel": panel_data(
             plane_panel(
                 {x: xs, y: ys},

@@ -114,8 +114,8 @@ class PageOrder(NamedTuple):
 
     path: str
     text: str
-    asked: TuneRequest
-    own: tuple[str, ...]
+    request: TuneRequest
+    plants: tuple[str, ...]
     """Plants that were named on the command line."""
 
 
@@ -146,7 +146,7 @@ def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
         raise GroundsError(f"there must be at most {MOST_SCENARIOS} scenarios here, not {most}")
     with at_field("time"):
         longest(request)
-    return PageOrder(session.path, session.text, request, job.plants.own)
+    return PageOrder(session.path, session.text, request, job.plants.files)
 
 
 def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
@@ -233,7 +233,7 @@ def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, repl
     """Write rule bases of other files beside the text, and tell the text that has the numbers."""
     from fuzzyarm.tuning.text import with_files
 
-    own, *others = files
+    first_file, *others = files
     stem = Path(session.path).stem
     names = {sheet["name"]: f"{stem}-{sheet['name']}.frb" for sheet in others if sheet["changed"]}
     try:
@@ -250,7 +250,7 @@ def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, repl
         job.check()
         job.tell({"untaken": str(error)})
         return
-    new = with_files(own["new"], names) if names else own["new"]
+    new = with_files(first_file["new"], names) if names else first_file["new"]
     job.tell({"taken": {"old": session.text, "new": new, "written": list(names.values())}})
 
 
@@ -298,7 +298,7 @@ def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]
     from fuzzyarm.tuning.tune import keywords_of
 
     subject = subject_of(order.path, order.text)
-    request, stage = order.asked, None
+    request, stage = order.request, None
     samples: dict[str, Samples] = {}
     if isinstance(subject, ControllerText):
         stage = _stage(order, subject)
@@ -316,8 +316,8 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
     from fuzzyarm.loop.words import driven
     from fuzzyarm.tuning.orders import stage_asked
 
-    request = order.asked
-    plant = plant_named(request.plant or "", text.model, Plants(order.own))
+    request = order.request
+    plant = plant_named(request.plant or "", text.model, Plants(order.plants))
     request = request_on(plant, request, ranges="vary")
     return stage_asked(request, text, driven(request, plant))
 
@@ -340,7 +340,7 @@ def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[
     from fuzzyarm.tuning.tune import read_tuning
 
     subject, keywords = prepared(order)
-    moving = order.asked.tune
+    moving = order.request.tune
     teller = Teller(pipe, Design(subject, read_tuning(moving) if moving else None), enough)
     keywords.update({"watch": teller.search, "watch_linear": teller.linear, "text": order.text})
     keywords["take"] = lambda tuned: pipe.send({"kept": _reported(tuned)})
@@ -377,9 +377,10 @@ class Teller:
         self.pipe, self.design, self.enough = pipe, design, enough
         self.begin = time.monotonic()
         self.last = 0.0
-        self.drawn = self.drawing = 0.0  # when the costs were drawn, and how long that took, s
-        self.told = {"search": 0, "linear": 0}
-        self.found: dict[str, tuple[Found, float]] = {}
+        # When the costs were last drawn, and how long that took, s.
+        self.last_drawing = self.drawing = 0.0
+        self.trials_shown = {"search": 0, "linear": 0}
+        self.results: dict[str, tuple[Found, float]] = {}
         """By phase, and when it was heard of."""
         pipe.send({"moving": [
             {"name": parameter.name, "low": parameter.low, "high": parameter.high,
@@ -397,8 +398,8 @@ class Teller:
 
     def rest(self) -> None:
         """Say what has not been said."""
-        for phase, (result, when) in self.found.items():
-            if self.told[phase] < len(result.trials):
+        for phase, (result, when) in self.results.items():
+            if self.trials_shown[phase] < len(result.trials):
                 self._say(phase, result, when - self.begin)
 
     def end(self) -> None:
@@ -409,18 +410,18 @@ class Teller:
     def _picture(self, *, is_last: bool = False) -> dict[str, Any]:
         """Return the picture of the costs, where it is time for one: it takes all trials."""
         begin = time.monotonic()
-        if not is_last and begin - self.drawn < 20.0 * self.drawing:
+        if not is_last and begin - self.last_drawing < 20.0 * self.drawing:
             return {}
-        searches = {NAMES[phase]: result for phase, (result, _) in self.found.items()}
+        searches = {NAMES[phase]: result for phase, (result, _) in self.results.items()}
         panel = cost_panel(searches)
         parts = [_thinned(part) if isinstance(part, Dots) else part for part in panel.parts]
         data = panel_data(replace(panel, parts=parts, title=""))
-        self.drawn, self.drawing = begin, time.monotonic() - begin
+        self.last_drawing, self.drawing = begin, time.monotonic() - begin
         return {"panel": data}
 
     def _hear(self, phase: str, result: Found) -> None:
         now = time.monotonic()
-        self.found[phase] = result, now
+        self.results[phase] = result, now
         if now - self.last >= TELL_EVERY:
             self.last = now
             self.rest()
@@ -429,7 +430,7 @@ class Teller:
 
     def _say(self, phase: str, result: Found, seconds: float) -> None:
         trials = result.trials
-        self.told[phase] = len(trials)
+        self.trials_shown[phase] = len(trials)
         news: dict[str, Any] = {
             "phase": phase,
             "count": len(trials),

@@ -144,7 +144,7 @@ def _periods(exported: ExportedController, stem: str) -> tuple[list[Case], str]:
     lines.append(f"    {prefix}_init(&s);")
     arguments = ", ".join(["&s", *(f"&{sort}" for sort in structs)])
     cases: list[Case] = []
-    for row, expected in zip(vectors.given, vectors.expected, strict=True):
+    for row, expected in zip(vectors.inputs, vectors.expected, strict=True):
         for port, x in zip(inputs, row, strict=True):
             text = "NAN" if math.isnan(x) else c_number(x, kind)
             lines.append(f"    {port.sort}.{_member(steps, port)} = {text};")

@@ -133,7 +133,7 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Boa
         load=[f"{name} = given[k][{k}];" for k, name in enumerate(names)],
         call=f"result = {_function(library.prototypes[0])}({', '.join(names)});",
         count=len(rows),
-        held=(len(names) + 1) * np.dtype(first.kind).itemsize,
+        arrays=(len(names) + 1) * np.dtype(first.kind).itemsize,
         self_test=library.self_test,
     )
     words = f"{', '.join(r.output.name for r in routines)} of {_listed(first)}"
@@ -147,7 +147,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
     steps, trial_run = program.steps, program.tried
     library, writer = controller_library(steps, stem, stem, trial_run.vectors, program.head())
     kind = C_TYPES[steps.precision.outside]
-    rows = [list(row) or [0.0] for row in trial_run.vectors.given][:_SKETCH_CALLS]
+    rows = [list(row) or [0.0] for row in trial_run.vectors.inputs][:_SKETCH_CALLS]
     sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
     types = {"reference": "reference", "measured": "measured", "drive": "drives"}
     declarations = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
@@ -164,7 +164,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
         load=[f"{_member(writer, port)} = given[k][{k}];" for k, port in enumerate(variables)],
         call=f"{stem}_step({arguments});",
         count=len(rows),
-        held=0,
+        arrays=0,
         self_test=library.self_test,
     )
     model = program.text.model
@@ -289,11 +289,11 @@ def _controller_sketch(
 
 
 def _opening(
-    stem: str, words: str, setup: Sequence[str] = (), held: Sequence[str] = ()
+    stem: str, words: str, setup: Sequence[str] = (), state_lines: Sequence[str] = ()
 ) -> Iterator[str]:
     yield f"// {plain(words)} Made by fuzzyarm; change it at will, in a copy."
     yield f"#include <{stem}.h>"
-    yield from ["", *held, *([""] if held else [])]
+    yield from ["", *state_lines, *([""] if state_lines else [])]
     yield from ["void setup()", "{", "    Serial.begin(115200);"]
     yield from [f"    {line}" for line in setup]
     yield "}"
@@ -318,7 +318,7 @@ def _self_test_sketch(part: _BoardPart) -> list[str]:
 
 
 def _sketch_names() -> Names:
-    return Names(taken=set(_IN_SKETCH), refused=ARDUINO_MACROS)
+    return Names(reserved=set(_IN_SKETCH), refused=ARDUINO_MACROS)
 
 
 def _outputs(routines: Sequence[Routine]) -> str:

@@ -42,7 +42,7 @@ class MeasuredStep:
         The statement that is measured.
     count : int
         How many calls there are.
-    held : int
+    arrays : int
         Bytes of variables of the program around the library: no part of what it takes.
     self_test : str
         The function that tests the library.
@@ -54,7 +54,7 @@ class MeasuredStep:
     load: Sequence[str]
     call: str
     count: int
-    held: int
+    arrays: int
     self_test: str
 
 
@@ -128,7 +128,7 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredSte
             _say(["avr-gcc", *target, flag, *sources], folder)
         without, calling = _sizes("nothing", folder), _sizes("calling", folder)
         code, data, bss = (a - b for a, b in zip(calling, without, strict=True))
-        flash, static = code + data, data + bss - call.held
+        flash, static = code + data, data + bss - call.arrays
         what = "code, tables and arithmetic"
         fits = flash <= board.flash and static < board.ram
         if not has_simulator() or not fits:

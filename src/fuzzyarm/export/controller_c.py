@@ -53,7 +53,7 @@ POINTERS = {"reference": "reference", "measured": "measured", "drive": "drive"}
 class TestSequence:
     """A sequence of periods for the self-test: ports, row by row, and the drives."""
 
-    given: Sequence[Sequence[float]]
+    inputs: Sequence[Sequence[float]]
     expected: Sequence[Sequence[float]]
     tolerance: float
 
@@ -87,7 +87,7 @@ class CController:
             C_TYPES[kind] for kind in (self.steps.precision.outside, self.steps.precision.wide)
         )
         self.language = c_numbers(self.writer, self.steps.precision.wide)
-        self.locals = Names(taken={"s", "reference", "measured", "drive", "last"})
+        self.locals = Names(reserved={"s", "reference", "measured", "drive", "last"})
         self.axes = self._axis_members()
         self.types = list(self._types())
         for name, routine in self.steps.routines.items():
@@ -573,7 +573,7 @@ class CController:
         sorts = [sort for sort in POINTERS if self.steps.of_sort(sort)]
         count = len(vectors.expected)
         lines: list[str] = []
-        arrays = {"given": vectors.given, "expected": vectors.expected}
+        arrays = {"given": vectors.inputs, "expected": vectors.expected}
         for name, rows in arrays.items():
             width = max(1, len(rows[0]))
             literals = [_literal(x, kind) for row in rows for x in (row or [0.0])]

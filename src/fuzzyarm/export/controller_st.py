@@ -217,13 +217,13 @@ class _Controller:
             self.result[key] = (block.inputs, block.output)
         return self.instances[key]
 
-    def _call(self, key: str, given: Sequence[str]) -> tuple[str, str]:
+    def _call(self, key: str, arguments: Sequence[str]) -> tuple[str, str]:
         """Return the statement that calls a block, and its result."""
         instance = self._instance(key)
         inputs, output = self.result[key]
-        pairs = zip(inputs, given, strict=True)
-        arguments = ", ".join(f"{name} := {value}" for name, value in pairs)
-        return f"{instance}({arguments});", f"{instance}.{output}"
+        pairs = zip(inputs, arguments, strict=True)
+        passed = ", ".join(f"{name} := {value}" for name, value in pairs)
+        return f"{instance}({passed});", f"{instance}.{output}"
 
     # --- Statements ---
 
@@ -259,7 +259,7 @@ class _Controller:
 
     def _parts(self, value: Node) -> tuple[tuple[Statement, ...], Node]:
         """Return the statements that set parts of a value; a choice is not an expression here."""
-        body, result = statements(value, prefix="part_", taken=self.parts)
+        body, result = statements(value, prefix="part_", reserved=self.parts)
         self.parts |= set(variables(body))
         return body, result
 

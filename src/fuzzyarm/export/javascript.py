@@ -64,15 +64,15 @@ class Functions:
 
     def __init__(self) -> None:
         self.described: list[dict[str, Any]] = []
-        self._known: dict[str, int] = {}
+        self._numbers: dict[str, int] = {}
 
     def _number(self, described: dict[str, Any]) -> int:
         key = json.dumps(described, sort_keys=True)
-        if key not in self._known:
+        if key not in self._numbers:
             # The numbers in front are norms that the kernel does by itself.
-            self._known[key] = len(block.BY_ITSELF) + len(self.described)
+            self._numbers[key] = len(block.BY_ITSELF) + len(self.described)
             self.described.append(described)
-        return self._known[key]
+        return self._numbers[key]
 
     def norm(self, norm: Norm, sort: str) -> int:
         """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
@@ -263,7 +263,7 @@ def _shape_row(name: str) -> str:
     root = replace(kind.expression, _plain_names(kind, "x"))
     count = len(kind.symbols) - 1
     heads = [f"    const p{i} = numbers[{i}];" for i in range(count)]
-    lines, result = printed(root, JAVASCRIPT, taken=("x", "i", *(f"p{i}" for i in range(count))))
+    lines, result = printed(root, JAVASCRIPT, reserved=("x", "i", *(f"p{i}" for i in range(count))))
     loop_body = [
         f"      {line}" for line in ("const x = x_row[i];", *lines, f"into[i] = {result};")
     ]
@@ -282,7 +282,7 @@ def _function(kind: Kind, second: str) -> str:
     firsts = ["a", second] if second else ["a"]
     root = replace(kind.expression, _plain_names(kind, *firsts))
     numbers = [f"p{i}" for i in range(len(kind.symbols) - len(firsts))]
-    lines, result = printed(root, JAVASCRIPT, taken=(*firsts, *numbers))
+    lines, result = printed(root, JAVASCRIPT, reserved=(*firsts, *numbers))
     arguments = ", ".join([*firsts, *numbers])
     if not lines:
         return f"({arguments}) => {result}"

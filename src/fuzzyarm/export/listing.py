@@ -129,8 +129,8 @@ class Listing:
             for statement in inner:
                 assert isinstance(statement, Assign)
                 self.reads |= self._symbols(statement.value)
-        self._taken = {
-            *program.given,
+        self._reserved = {
+            *program.symbols,
             *(name for variable in program.variables for name in _sets(variable)),
         }
         self.body: list[Statement | Loop | Walked] = []
@@ -142,7 +142,7 @@ class Listing:
                 self.body.append(replace(step, body=inner))
             else:
                 self.body += self._spread_out(step)
-        body, self.result = spread("result", result, self._taken)
+        body, self.result = spread("result", result, self._reserved)
         self.body += body
 
     # ── parts to variables ───────────────────────────────────────────────────────────
@@ -188,15 +188,15 @@ class Listing:
         self,
         root: Node,
         calls: Mapping[Node, Call],
-        known: Mapping[Node, Node],
-        own: Mapping[Node, Node],
+        earlier: Mapping[Node, Node],
+        local: Mapping[Node, Node],
     ) -> Node:
         nodes: dict[Node, Node] = {}
         waiting = [(root, False)]
         while waiting:
             node, ready = waiting.pop()
-            if node in own or node in known:
-                nodes[node] = own[node] if node in own else known[node]
+            if node in local or node in earlier:
+                nodes[node] = local[node] if node in local else earlier[node]
                 continue
             call = calls.get(node)
             parts = children(node) if call is None else (call.argument,)
@@ -225,16 +225,16 @@ class Listing:
         """Have the parts of a walk stand in variables where they take more than one statement."""
         parts = []
         for part in statement.parts:
-            body, value = spread(statement.walk.total, part, self._taken)
-            self._taken |= set(variables(body))
+            body, value = spread(statement.walk.total, part, self._reserved)
+            self._reserved |= set(variables(body))
             self.body += body
             parts.append(value)
         return replace(statement, parts=tuple(parts))
 
     def _spread_out(self, statement: Statement) -> tuple[Statement, ...]:
         assert isinstance(statement, Assign)
-        body, value = spread(statement.name, statement.value, self._taken)
-        self._taken |= set(variables(body))
+        body, value = spread(statement.name, statement.value, self._reserved)
+        self._reserved |= set(variables(body))
         return setting(statement.name, body, value, statement.remark)
 
     # ── cost ─────────────────────────────────────────────────────────────────────────
@@ -286,13 +286,13 @@ class Listing:
         language = c_numbers(writer, real)
         for name, (call, argument) in self.calls.items():
             if name in self.reads:
-                function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
+                function = writer.helper(call.stem, _function(call, language, C_TYPES[real]))
                 language.rename[name] = f"{function}({language.expression(argument)})"
         for step in self.body:
             if isinstance(step, Loop):
                 for name, column in step.sums.columns.items():
                     literals = [language.number(value) for value in column]
-                    array = writer.constant(real, literals, step.sums.wanted[name])
+                    array = writer.constant(real, literals, step.sums.stems[name])
                     language.rename[element(step.sums, name)] = f"{array}[{step.sums.index}]"
         walks = {
             step.walk: walk_in_c(step.walk, writer, f"{step.walk.output}_{WALKED}")
@@ -368,11 +368,11 @@ def element(sums: SampleSums, column: str) -> str:
     return f"{column} of {sums.area}"
 
 
-def spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
+def spread(name: str, root: Node, reserved: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
     """Return statements that set the shared parts of an expression, and what it then is."""
     if not _needs_variables(root):
         return (), root
-    return statements(root, prefix=f"{name}_", taken=taken)
+    return statements(root, prefix=f"{name}_", reserved=reserved)
 
 
 def _needs_variables(root: Node) -> bool:
@@ -390,7 +390,7 @@ def _needs_variables(root: Node) -> bool:
 
 def function_body(call: Call) -> list[Statement]:
     """Return the statements of a function; the last one sets no variable: it is the result."""
-    body, result = statements(call.body, prefix="x", taken=("h",))
+    body, result = statements(call.body, prefix="x", reserved=("h",))
     return [*body, Assign("", result)]
 
 

@@ -91,7 +91,7 @@ class PythonModule:
     names: Names = field(default_factory=lambda: Names("python", refused=RESERVED))
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
-    known: dict[object, str] = field(default_factory=dict)
+    names_by_key: dict[object, str] = field(default_factory=dict)
 
     def number(self, value: float) -> str:
         """Return the text of a float: whole numbers are plain, others constants with a name."""
@@ -103,25 +103,27 @@ class PythonModule:
         if value < 0.0:
             return f"-{self.number(-value)}"
         key = ("number", value)
-        if key not in self.known:
-            self.known[key] = f"K{sum(name.startswith('K') for name in self.known.values())}"
+        if key not in self.names_by_key:
+            self.names_by_key[key] = (
+                f"K{sum(name.startswith('K') for name in self.names_by_key.values())}"
+            )
             # Both have to be floats themselves before they are divided.
             exact = under < 2**1000 and over < 2**1000
             text = f"{over} / {under}" if exact else repr(value)
-            self.constants.append(f"{self.known[key]} = {text}  # {value!r}")
-        return self.known[key]
+            self.constants.append(f"{self.names_by_key[key]} = {text}  # {value!r}")
+        return self.names_by_key[key]
 
     def array(self, numbers: Any, kind: Kind, stem: str) -> str:
         """Return the name of an array, which no variable has; equal ones are shared."""
         data = np.asarray(numbers).astype(np.dtype(kind).newbyteorder("<")).tobytes()
         key = ("array", kind, data)
-        if key not in self.known:
-            name = self.known[key] = f"_{self.names.new(stem)}"
+        if key not in self.names_by_key:
+            name = self.names_by_key[key] = f"_{self.names.new(stem)}"
             letter = _LETTERS[np.dtype(kind).name]
             parts = [data[i : i + 24] for i in range(0, len(data), 24)]
             lines = "".join(f"\n    {_bytes(part)}" for part in parts)
             self.constants.append(f'{name} = array("{letter}", ({lines}\n))')
-        return self.known[key]
+        return self.names_by_key[key]
 
     def helper(self, text: str) -> str:
         """Write a function into the module, once; return its name."""
@@ -245,7 +247,7 @@ def _rules(routine: DirectRoutine, module: PythonModule, parameters: Sequence[st
     """Return the statements that infer an output."""
     listing, language = routine.listing, module.language()
     lines = []
-    for symbol, parameter in zip(routine.program.given, parameters, strict=True):
+    for symbol, parameter in zip(routine.program.symbols, parameters, strict=True):
         language.rename[symbol] = f"{symbol}_"
         if symbol in listing.reads:
             lines.append(f"{symbol}_ = float({parameter})")
@@ -270,7 +272,7 @@ def _one(statement: Statement, language: Language) -> list[str]:
 def _loop(loop: Loop, module: PythonModule, language: Language) -> list[str]:
     sums = loop.sums
     for name, column in sums.columns.items():
-        array = module.array(column, np.float64, sums.wanted[name])
+        array = module.array(column, np.float64, sums.stems[name])
         language.rename[element(sums, name)] = f"{array}[{sums.index}]"
     inner = [line for part in loop.body for line in _one(part, language)]
     return [
@@ -288,9 +290,9 @@ def _function(call: Call, module: PythonModule) -> str:
     lines = [*language.lines(body), f"return {language.expression(last.value)}"]
     text = "\n".join([*(f"    {line}" for line in lines), ""])
     key = ("function", text)
-    if key not in module.known:
-        module.known[key] = f"_{module.names.new(call.wanted)}"
-    return f"def {module.known[key]}(h):\n{text}"
+    if key not in module.names_by_key:
+        module.names_by_key[key] = f"_{module.names.new(call.stem)}"
+    return f"def {module.names_by_key[key]}(h):\n{text}"
 
 
 # --- Tables ---

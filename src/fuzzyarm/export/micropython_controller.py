@@ -70,7 +70,7 @@ def python_controller(program: ControllerProgram, name: str) -> tuple[str, tuple
     ]
     vectors = program.tried.vectors
     test = controller.test(
-        vectors.given, vectors.expected, vectors.tolerance, program.tried.largest
+        vectors.inputs, vectors.expected, vectors.tolerance, program.tried.largest
     )
     return module_text(words, controller.module, [*controller.functions, body], test), calls
 

@@ -68,13 +68,13 @@ class Names:
     def __init__(
         self,
         language: str = "c",
-        taken: set[str] | None = None,
+        reserved: set[str] | None = None,
         refused: re.Pattern[str] | None = None,
     ) -> None:
         self._refused = refused
         self._folds = language == "st"
         self._reserved = ST_RESERVED if self._folds else C_RESERVED
-        self._taken = {self._key(name) for name in taken or ()}
+        self._used = {self._key(name) for name in reserved or ()}
 
     def _key(self, name: str) -> str:
         return name.lower() if self._folds else name
@@ -86,15 +86,15 @@ class Names:
         if refused or self._key(base) in self._reserved:
             base = f"{base}_x"
         name, number = base, 1
-        while self._key(name) in self._taken:
+        while self._key(name) in self._used:
             number += 1
             name = f"{base}_{number}"
-        self._taken.add(self._key(name))
+        self._used.add(self._key(name))
         return name
 
     def inner(self) -> Names:
         """Return the names of a scope inside this one."""
-        return Names("st" if self._folds else "c", set(self._taken), self._refused)
+        return Names("st" if self._folds else "c", set(self._used), self._refused)
 
 
 def identifier(text: str) -> str:

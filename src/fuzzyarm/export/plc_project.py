@@ -119,7 +119,7 @@ class _BlockTest:
     """A block, and what it has to give, call by call."""
 
     block: str
-    given: Sequence[Sequence[float]]
+    inputs: Sequence[Sequence[float]]
     expected: Sequence[Sequence[float]]
     tolerance: float
     kind: Kind
@@ -146,7 +146,7 @@ def controller_project(program: ControllerProgram, prefix: str) -> Project:
     """Return a project with a controller as a function block."""
     text, block = controller_st(program, prefix)
     vectors, kind = program.tried.vectors, program.steps.precision.outside
-    trial = _BlockTest(block, vectors.given, vectors.expected, vectors.tolerance, kind)
+    trial = _BlockTest(block, vectors.inputs, vectors.expected, vectors.tolerance, kind)
     return _project(text, prefix, [trial])
 
 
@@ -206,13 +206,13 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
         if not trial.expected:
             continue
         unit = units[trial.block]
-        inputs = unit.ports("VAR_INPUT")[: len(trial.given[0])]
+        inputs = unit.ports("VAR_INPUT")[: len(trial.inputs[0])]
         drives = unit.ports("VAR_OUTPUT")[: len(trial.expected[0])]
         block, points = f"tested_{number}", f"points_{number}"
         width = len(inputs) + len(drives)
         rows = [
             x
-            for pair in zip(trial.given, trial.expected, strict=True)
+            for pair in zip(trial.inputs, trial.expected, strict=True)
             for x in (*pair[0], *pair[1])
         ]
         literals = [st_number(x, trial.kind) for x in rows]

@@ -90,7 +90,7 @@ _LONGEST = 16
 class Call:
     """A part of a program that C computes by its own function."""
 
-    wanted: str  # the name of the function, if it is free
+    stem: str  # the name of the function, if it is free
     body: Node  # what it computes, of the symbol ``h``
     argument: Node  # what stands for ``h``
 
@@ -99,7 +99,7 @@ class Call:
 class OutputProgram:
     """The arithmetic of one output."""
 
-    given: tuple[str, ...]  # the symbols that stand for the arguments
+    symbols: tuple[str, ...]  # the symbols that stand for the arguments
     result: Node  # the output, of these symbols and of the sums over samples
     # The parts of `result` that stand in variables, in order. A name that comes again belongs to
     # a part that grows out of the one before: a sum, a greatest value. It is read as a variable
@@ -129,7 +129,7 @@ class OutputProgram:
         return tuple(postorder(*roots, *steps, self.result))
 
     def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
-        """Return the output at arguments by :attr:`given`, every operation rounded to `real`."""
+        """Return the output at arguments by :attr:`symbols`, every operation rounded to `real`."""
         columns = dict(values)
         for variable in self.variables:
             if isinstance(variable, SampleSums | DefuzzifierWalk):
@@ -180,7 +180,7 @@ class _Builder:
             i: rule for rule, rule_numbers in enumerate(self.plan.readings) for i in rule_numbers
         }
         self.target = target
-        self.names = Names(taken=set(parameters))
+        self.names = Names(reserved=set(parameters))
         self.variables: list[Assign | SampleSums | DefuzzifierWalk] = []
         # Of each output that is walked: the strength of each of its contributions.
         self.walked: dict[str, dict[int, Node]] = {}
@@ -292,7 +292,7 @@ class _Builder:
                 self.fired[name].append((member, strength, remark))
                 return
             if output.closed is not None:
-                parts = list(clipped(output.closed.own[member], strength, self.call))
+                parts = list(clipped(output.closed.set_layers[member], strength, self.call))
             else:
                 parts = [scaled(output, member, strength)]
             if name not in self.sums:
@@ -349,13 +349,13 @@ class _Builder:
 
     # ── conclusions ──────────────────────────────────────────────────────────────────
 
-    def _conclude(self, output: OutputPlan, held: Node) -> Node:
+    def _conclude(self, output: OutputPlan, last_value: Node) -> Node:
         """Return the value of the target; the value of another output is put by for rules."""
         model = output.output
         self.variables += [Assign(*height) for height in self.heights[model.name].values()]
         total, value = self._total_and_value(output)
         value = _into_range(model, self.fresh(value, "value"), guard_nan=False)
-        silent = self._silent(model, held)
+        silent = self._silent(model, last_value)
         is_nan = isinstance(silent, Constant) and math.isnan(silent.value)
         if model.name != self.target and is_nan:
             self.guards.append(total)
@@ -365,7 +365,7 @@ class _Builder:
             self.values[model.name] = self.fresh(result, model.name)
         return result
 
-    def _silent(self, model: Output, held: Node) -> Node:
+    def _silent(self, model: Output, last_value: Node) -> Node:
         """Return the value of an output for which no rule fires."""
         if isinstance(model.no_rule, float | int):
             return constant(model.no_rule)
@@ -374,7 +374,7 @@ class _Builder:
         if model.name != self.target:
             what = f"'{model.name}' holds its value, and other rules read it"
             raise refuse(what, model.span, "write  no-rule 0")
-        return held
+        return last_value
 
     def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
         """Return what is above 0 where a rule fires, and the value that holds there."""

@@ -100,12 +100,12 @@ class _KernelCall:
         self.function = function
         self.names = vars(inspect.getmodule(function))
         self.cells = cells
-        self.known: dict[str, Any] = {}
+        self.values: dict[str, Any] = {}
 
     def run(self, arguments: list[Any]) -> Any:
         source = _source(self.function)
         names = [argument.arg for argument in source.args.args]
-        self.known = dict(zip(names, arguments, strict=True))
+        self.values = dict(zip(names, arguments, strict=True))
         *body, last = source.body
         self.statements(body)
         if isinstance(last, ast.Return) and last.value is not None:
@@ -143,7 +143,7 @@ class _KernelCall:
 
     def assign(self, target: ast.expr, value: Any) -> None:
         if isinstance(target, ast.Name):
-            self.known[target.id] = value
+            self.values[target.id] = value
         elif isinstance(target, ast.Tuple):
             for part, item in zip(target.elts, value, strict=True):
                 self.assign(part, item)
@@ -157,14 +157,14 @@ class _KernelCall:
         if not isinstance(condition, Node):
             self.statements(node.body if condition else node.orelse)
             return
-        names, stores = dict(self.known), dict(self.cells.written)
+        names, stores = dict(self.values), dict(self.cells.written)
         self.statements(node.body)
-        then_names, then_written = self.known, self.cells.written
-        self.known, self.cells.written = dict(names), dict(stores)
+        then_names, then_written = self.values, self.cells.written
+        self.values, self.cells.written = dict(names), dict(stores)
         self.statements(node.orelse)
         # What one branch alone sets is not read afterwards in a kernel.
-        for name in then_names.keys() & self.known.keys():
-            self.known[name] = _choice(condition, then_names[name], self.known[name])
+        for name in then_names.keys() & self.values.keys():
+            self.values[name] = _choice(condition, then_names[name], self.values[name])
         for index in {**then_written, **self.cells.written}:
             before = stores[index] if index in stores else self.cells.cells.load(index)
             then = then_written.get(index, before)
@@ -180,7 +180,7 @@ class _KernelCall:
         return reader(self, node)
 
     def name(self, node: ast.Name) -> Any:
-        return self.known[node.id] if node.id in self.known else self.names[node.id]
+        return self.values[node.id] if node.id in self.values else self.names[node.id]
 
     def binary(self, node: ast.BinOp) -> Any:
         return _BINARY[type(node.op)](self.value(node.left), self.value(node.right))
@@ -206,11 +206,11 @@ class _KernelCall:
         value = self.value(node.operand)
         return -value if isinstance(node.op, ast.USub) else not value
 
-    def joined(self, each: ast.BoolOp) -> Any:
+    def joined(self, operation: ast.BoolOp) -> Any:
         """Join conditions, as far as the known ones do not decide."""
-        conjunction = isinstance(each.op, ast.And)
+        conjunction = isinstance(operation.op, ast.And)
         node: Node | None = None
-        for part in each.values:
+        for part in operation.values:
             value = self.value(part)
             if isinstance(value, Node):
                 connective = "both" if conjunction else "either"
@@ -236,7 +236,7 @@ class _KernelCall:
         return _KernelCall(self.names[name], self.cells).run(arguments)
 
     _READERS: ClassVar[dict[type, Callable[..., Any]]] = {
-        ast.Constant: lambda _, each: each.value,
+        ast.Constant: lambda _, constant: constant.value,
         ast.Name: name,
         ast.BinOp: binary,
         ast.UnaryOp: unary,

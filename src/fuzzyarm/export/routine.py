@@ -42,7 +42,7 @@ class CWriter:
     helpers: list[str] = field(default_factory=list)
     flash: int = 0
     refused: re.Pattern[str] | None = None  # names that are macros where the file is included
-    _known: dict[object, str] = field(default_factory=dict)
+    _names_by_key: dict[object, str] = field(default_factory=dict)
 
     def scope(self) -> Names:
         """Return the names of parameters, or of the members of a type."""
@@ -51,16 +51,16 @@ class CWriter:
     def constant(self, kind: Kind, literals: Sequence[str], stem: str, columns: int = 0) -> str:
         """Return the name of a constant array with these literals; equal ones are shared."""
         key = ("constant", kind, tuple(literals))
-        if key not in self._known:
+        if key not in self._names_by_key:
             name = self.names.new(f"{self.prefix}_{stem}")
-            self._known[key] = name
+            self._names_by_key[key] = name
             self.flash += np.dtype(kind).itemsize * len(literals)
             body = "\n".join(number_lines(literals, columns))
             self.constants.append(
                 f"static const {self.in_flash}{C_TYPES[kind]} {name}[{len(literals)}]"
                 f" = {{\n{body}\n}};\n"
             )
-        return self._known[key]
+        return self._names_by_key[key]
 
     def assembled(self, functions: Sequence[str]) -> str:
         """Return constants, helpers and functions; what one function reads alone stands in it."""
@@ -90,14 +90,14 @@ class CWriter:
         self, sort: str, stem: str, template: str, words: dict[str, str], keyword: str
     ) -> str:
         key = (sort, template, tuple(sorted(words.items())))
-        if key not in self._known:
+        if key not in self._names_by_key:
             name = self.names.new(f"{self.prefix}_{stem}")
-            self._known[key] = name
+            self._names_by_key[key] = name
             names = words | {"NAME": name}
             template = template.replace("IN_FLASH ", self.in_flash)
             text = re.sub(r"\b[A-Z_]+\b", lambda match: names.get(match[0], match[0]), template)
             self.helpers.append(f"{keyword}{text}")
-        return self._known[key]
+        return self._names_by_key[key]
 
 
 ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)

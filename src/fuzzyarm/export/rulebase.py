@@ -123,7 +123,7 @@ class DirectRoutine:
             stretch = slice(start, start + step)
             values = {
                 name: (column[stretch] if len(column) > 1 else column).astype(inside)
-                for name, column in zip(self.program.given, columns, strict=True)
+                for name, column in zip(self.program.symbols, columns, strict=True)
             }
             with np.errstate(over="ignore"):
                 result[stretch] = self.program.over_arrays(values, inside)
@@ -144,7 +144,7 @@ class DirectRoutine:
         outer, inner, _ = (C_TYPES[kind] for kind in self.precision)
         cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
         lines = []
-        for symbol, parameter in zip(self.program.given, parameters, strict=True):
+        for symbol, parameter in zip(self.program.symbols, parameters, strict=True):
             if symbol in self.listing.reads:
                 lines.append(f"const {inner} {symbol} = {cast}{parameter};")
             else:
@@ -158,7 +158,7 @@ class DirectRoutine:
             f"{sort} of math.h" if sort == "functions" else sort: count
             for sort, count in self.listing.operations().items()
         }
-        names = {*self.listing.variables, *self.program.given}
+        names = {*self.listing.variables, *self.program.symbols}
         size = np.dtype(self.precision.inside).itemsize
         room = sum(walk.room for walk in self.program.walks)
         return CallCost(tuple(sorted(counted.items())), size * (len(names) + room))

@@ -207,7 +207,7 @@ def clipped_union(plan: OutputPlan, heights: Heights, call: Call) -> Iterator[tu
     form = plan.closed
     assert form is not None
     for member, height in heights.items():
-        for part in clipped(form.own[member], height, call):
+        for part in clipped(form.set_layers[member], height, call):
             yield 1, part
     for member, others, layers in form.overlaps:
         above = [heights[other] for other in others if other in heights]

@@ -308,14 +308,14 @@ class _Walk:
         options: RoutineOptions,
     ) -> None:
         self.text, self.program, self.options = text, program, options
-        self.made = Steps(text.model, types)
+        self.result = Steps(text.model, types)
         self.code = program.code
         self.symbols: dict[int, str] = {PERIOD: "period"}
         self.unseen: set[str] = set()  # states that are NaN before the first period
         self.locals = 0
         self.stored: list[tuple[int, Node, bool]] = []
         self.scratch: dict[int, str] = {}  # of cells without a name, the local that has the value
-        self.asked: dict[tuple[int, str], str] = {}
+        self.routine_names: dict[tuple[int, str], str] = {}
         self.names = Names()
         self.state_names = Names()
         for sort, cells in (
@@ -335,15 +335,15 @@ class _Walk:
             begin = 1 + at.INSTRUCTION * number
             self._instruction(begin, *self.code[begin : begin + at.INSTRUCTION])
         # Drives of one port add up in the arithmetic of the run; the sum is rounded once.
-        for variable in self.made.of_sort("drive"):
+        for variable in self.result.of_sort("drive"):
             value = symbol(self.scratch[self.drives[variable.symbol]])
-            self.made.steps.append(Set(variable.symbol, value, rounded=True))
-        return self.made
+            self.result.steps.append(Set(variable.symbol, value, rounded=True))
+        return self.result
 
     # --- Names ---
 
     def _variable(self, cell: int, variable: StepVariable) -> str:
-        self.made.variables[variable.symbol] = variable
+        self.result.variables[variable.symbol] = variable
         self.symbols[cell] = variable.symbol
         return variable.symbol
 
@@ -375,7 +375,7 @@ class _Walk:
             into = self.code[other + 1]
             if into in self.signals:
                 return self.signals[into]
-            variable = self.made.variables.get(self.symbols.get(into, ""))
+            variable = self.result.variables.get(self.symbols.get(into, ""))
             if variable is not None:
                 return variable.axis, variable.name
         raise AssertionError("the result of an instruction is not used")
@@ -392,7 +392,7 @@ class _Walk:
         if index in self.scratch:
             return symbol(self.scratch[index])
         if index == LAST_PERIOD:
-            self.made.needs_last = True
+            self.result.needs_last = True
             return symbol(LAST)
         if index == PERIOD:
             return self.text.model.period
@@ -404,7 +404,7 @@ class _Walk:
         """Return the condition that a value is not a number, or nothing yet."""
         nan: Node = ~op.equal(value, value)
         if isinstance(value, Symbol) and value.name in self.unseen:
-            self.made.needs_first = True
+            self.result.needs_first = True
             return symbol(FIRST) | nan
         return nan
 
@@ -419,10 +419,10 @@ class _Walk:
 
     def rounded(self, value: Any) -> Any:
         """Give a value that is rounded its own variable."""
-        if not self.made.single or self.made.precision.wide is np.float32:
+        if not self.result.single or self.result.precision.wide is np.float32:
             return value
         name = self._local()
-        self.made.steps.append(Set(name, as_node(value), rounded=True))
+        self.result.steps.append(Set(name, as_node(value), rounded=True))
         return symbol(name)
 
     def _flush(self) -> None:
@@ -431,14 +431,14 @@ class _Walk:
         values = [value for _, value, _ in writes]
         while (node := _shared(values)) is not None:
             name = self._local()
-            self.made.steps.append(Set(name, node))
+            self.result.steps.append(Set(name, node))
             values = [substituted(value, node, symbol(name)) for value in values]
         set_before: set[str] = set()
         ready = []
         for (cell, _, rounded), value in zip(writes, values, strict=True):
             if not set_before.isdisjoint(symbols(value)):
                 name = self._local()
-                self.made.steps.append(Set(name, value))
+                self.result.steps.append(Set(name, value))
                 value = symbol(name)  # noqa: PLW2901
             ready.append((cell, value, rounded))
             set_before.add(self.symbols.get(cell, ""))
@@ -454,13 +454,13 @@ class _Walk:
             self.scratch[cell] = value.name
             return
         if target is None or target in self.drives:
-            variable = self.made.variables.get(target or "")
+            variable = self.result.variables.get(target or "")
             hint = f"{variable.axis}_{variable.name}" if variable is not None else ""
             target = self.scratch[cell] = self._local(hint)
-        elif not rounded and self.made.variables[target].sort == "signal":
+        elif not rounded and self.result.variables[target].sort == "signal":
             # What `zoom` writes is not rounded: it is kept as it is.
-            self.made.variables[target] = self.made.variables[target]._replace(wide=True)
-        self.made.steps.append(Set(target, value, rounded))
+            self.result.variables[target] = self.result.variables[target]._replace(wide=True)
+        self.result.steps.append(Set(target, value, rounded))
 
     # --- Instructions ---
 
@@ -523,7 +523,7 @@ class _Walk:
         for state in self.unseen & set(symbols(root)):
             nan = unseen(symbol(state))
             node = substituted(root, nan, symbol(FIRST) | nan)
-            self.made.needs_first |= node is not root
+            self.result.needs_first |= node is not root
             root = node
         return root
 
@@ -538,14 +538,14 @@ class _Walk:
         value = self.load(cell)
         if not isinstance(value, Node):
             name = self._local()
-            self.made.steps.append(Set(name, as_node(value)))
+            self.result.steps.append(Set(name, as_node(value)))
             return name
         assert isinstance(value, Symbol)
         return value.name
 
     def _inner(self) -> str:
         """Return the precision of functions within the controller."""
-        return "float32" if self.made.precision.wide is np.float32 else "float64"
+        return "float32" if self.result.precision.wide is np.float32 else "float64"
 
     def _ask(self, begin: int) -> None:
         count, results = self.code[begin + at.COUNT_INPUTS], self.code[begin + at.COUNT_RESULTS]
@@ -554,7 +554,7 @@ class _Walk:
         inputs = tuple(self._input(cell) for cell in cells[:count])
         for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
             key = (id(rulebase), output.name)
-            if key not in self.asked:
+            if key not in self.routine_names:
                 try:
                     routine = direct_routine(rulebase, output.name, self._inner())
                 except ExportError as error:
@@ -568,30 +568,30 @@ class _Walk:
                         span=output.span,
                         path=self._file_of(name, rulebase),
                     )
-                self.asked[key] = self._routine(f"{name}_{output.name}", routine)
-                self.made.sheets[self.asked[key]] = rulebase, output.name
+                self.routine_names[key] = self._routine(f"{name}_{output.name}", routine)
+                self.result.sheets[self.routine_names[key]] = rulebase, output.name
             self.scratch[cell] = self._local()
-            self.made.steps.append(Ask(self.scratch[cell], self.asked[key], inputs))
+            self.result.steps.append(Ask(self.scratch[cell], self.routine_names[key], inputs))
 
     def _routine(self, stem: str, routine: Routine) -> str:
         name = self.names.new(stem)
-        self.made.routines[name] = routine
+        self.result.routines[name] = routine
         return name
 
     def _looked_up(self, what: int, a: int, b: int) -> Node:
         """Return the symbol of what a table says."""
         target = self._local()
         if what == at.LOOK_UP_CELL:
-            self.made.steps.append(Pick(target, self._learned(b), self.scratch[a]))
+            self.result.steps.append(Pick(target, self._learned(b), self.scratch[a]))
             return symbol(target)
         values = self.code[a + VALUES]
         name, table = self.program.tables[values]
         inputs = tuple(self._input(cell) for cell in self._inputs_of(a + INPUTS, b))
         if any(place.values == values for place in self.program.learned.values()):
             cell = self._found(b, table, name, inputs)
-            self.made.steps.append(Pick(target, self._learned(values), cell))
+            self.result.steps.append(Pick(target, self._learned(values), cell))
         else:
-            self.made.steps.append(Ask(target, self._table(values, inputs), inputs))
+            self.result.steps.append(Ask(target, self._table(values, inputs), inputs))
         return symbol(target)
 
     def _inputs_of(self, begin: int, grid: int) -> list[int]:
@@ -611,25 +611,25 @@ class _Walk:
                 path=self.text.path,
             )
         # Signals in single precision find their cell among thresholds in single precision.
-        signals = [self.made.variables.get(variable) for variable in inputs]
+        signals = [self.result.variables.get(variable) for variable in inputs]
         narrow = all(signal is not None and not signal.wide for signal in signals)
         core = self._core(table, narrow=narrow)
-        for routine_name, routine in self.made.routines.items():
+        for routine_name, routine in self.result.routines.items():
             if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
                 return routine_name
         routine_key = self._routine(name, TableRoutine(core))
-        self.made.sheets[routine_key] = table
+        self.result.sheets[routine_key] = table
         return routine_key
 
     def _core(self, table: LookupTable, *, narrow: bool) -> FloatTable | FixedTable:
         if self.options.q is not None:
             return fixed_table(table, self.options.q)
-        if self.made.single and self.made.precision.wide is np.float64:
+        if self.result.single and self.result.precision.wide is np.float64:
             # The kernel holds values in the precision of signals and computes in double.
             single = np.asarray(table.values, np.float32).astype(np.float64)
             table = with_values(table, values=single)
         precision = self._inner()
-        if table.default_mode != "linear" and self.made.single and narrow:
+        if table.default_mode != "linear" and self.result.single and narrow:
             precision = "float32"
         return float_table(table, None, precision)
 
@@ -642,13 +642,13 @@ class _Walk:
     def _found(self, begin: int, table: LookupTable, name: str, inputs: tuple[str, ...]) -> str:
         """Add the step that finds a cell; return the local with its number."""
         grid = self._grid(begin, table)
-        keys = {other: key for key, other in self.made.grids.items()}
+        keys = {other: key for key, other in self.result.grids.items()}
         if grid not in keys:
             keys[grid] = self.names.new(f"{name}_cell")
-            self.made.grids[keys[grid]] = grid
-            self.made.grid_tables[keys[grid]] = table
+            self.result.grids[keys[grid]] = grid
+            self.result.grid_tables[keys[grid]] = table
         target = self._local()
-        self.made.steps.append(Find(target, keys[grid], inputs))
+        self.result.steps.append(Find(target, keys[grid], inputs))
         return target
 
     def _grid(self, begin: int, table: LookupTable) -> Grid:
@@ -676,7 +676,7 @@ class _Walk:
         (key,) = (k for k, place in self.program.learned.items() if place.values == values)
         name = f"{key[0]}:{key[1]}"
         place = self.program.learned[key]
-        if name in self.made.learned:
+        if name in self.result.learned:
             raise ExportError(
                 f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported",
                 hint="leave one of them out, or give each its own table",
@@ -693,7 +693,7 @@ class _Walk:
             )
         start = self.program.cells[values : values + place.count]
         delay = entries[at.DELAY]
-        self.made.learned[name] = LearningTable(*key, tuple(map(float, start)), delay)
+        self.result.learned[name] = LearningTable(*key, tuple(map(float, start)), delay)
         table, judge = self.program.tables[values][1], self.program.tables[entries[at.JUDGE]]
         cells = self._inputs_of(begin + at.LEARN_INPUTS, entries[at.GRID])
         inputs = tuple(self._input(cell) for cell in cells)
@@ -702,7 +702,7 @@ class _Walk:
             judged = self._found(entries[at.JUDGE_GRID], judge[1], judge[0], inputs)
         judge_name = self._judge(*judge)
         rate, bound = (as_node(self.load(entries[field])) for field in (at.GAIN, at.BOUND))
-        self.made.steps.append(Teach(name, cell, judge_name, judged, rate, bound))
+        self.result.steps.append(Teach(name, cell, judge_name, judged, rate, bound))
         self.scratch[into] = cell
 
     def _file_of(self, name: str, rulebase: RuleBase) -> str:
@@ -726,11 +726,11 @@ class _Walk:
 
     def _judge(self, name: str, table: LookupTable) -> str:
         """Return what a performance table is called; axes share one."""
-        for judge, other in self.made.judges.items():
+        for judge, other in self.result.judges.items():
             if np.array_equal(other.values, table.values):
                 return judge
         judge_name = self.names.new(name)
-        self.made.judges[judge_name] = table
+        self.result.judges[judge_name] = table
         return judge_name
 
 

@@ -307,8 +307,8 @@ class RulesBlock:
         self.constants: list[str] = []
         self.variables: dict[str, str] = {}
         self.functions: list[str] = []
-        self.known: dict[str, str] = {}  # functions by their text
-        self.taken: set[str] = set()  # variables that hold parts of expressions
+        self.function_names: dict[str, str] = {}  # functions by their text
+        self.part_names: set[str] = set()  # variables that hold parts of expressions
 
     def text(self) -> str:
         """Return the block, after the functions that it calls."""
@@ -346,7 +346,7 @@ class RulesBlock:
     def _statements(self) -> list[str]:
         listing, same = self.routine.listing, self.outer == self.inner
         lines = [f"{self.fired} := TRUE;"]
-        for symbol, parameter in zip(self.routine.program.given, self.inputs, strict=True):
+        for symbol, parameter in zip(self.routine.program.symbols, self.inputs, strict=True):
             if symbol in listing.reads:
                 text = parameter if same else f"{self.outer}_TO_{self.inner}({parameter})"
                 lines.append(f"{self._declared(symbol)} := {text};")
@@ -380,8 +380,8 @@ class RulesBlock:
         if isinstance(statement.value, Constant) and math.isnan(statement.value.value):
             zero = self.language.number(0.0)
             return [f"{self._declared(statement.name)} := {zero};", f"{self.fired} := FALSE;"]
-        body, value = statements(statement.value, prefix="part_", taken=self.taken)
-        self.taken |= set(variables(body))
+        body, value = statements(statement.value, prefix="part_", reserved=self.part_names)
+        self.part_names |= set(variables(body))
         if body:  # choices, which the language has no expression for
             parts = setting(statement.name, body, value, statement.remark)
             return [line for part in parts for line in self._lines_of(part)]
@@ -406,9 +406,9 @@ class RulesBlock:
         lines = [*language.lines(inner)]
         assert isinstance(last, Assign)
         text = "\n".join([*lines, language.expression(last.value)])
-        if text not in self.known:
-            name = self.file_names.new(f"{self.name}_{call.wanted}")
-            self.known[text] = name
+        if text not in self.function_names:
+            name = self.file_names.new(f"{self.name}_{call.stem}")
+            self.function_names[text] = name
             declarations = [
                 "VAR",
                 *(f"    {local} : {self.inner};" for local in local_names),
@@ -426,7 +426,7 @@ class RulesBlock:
                 "END_FUNCTION",
                 "",
             ]
-        return self.known[text]
+        return self.function_names[text]
 
     def _walk(self, statement: Walked) -> list[str]:
         """Return the call of the functions of a walk; its tables are variables of the block."""
@@ -446,8 +446,8 @@ class RulesBlock:
         self.variables[flag] = "BOOL"
         lines = []
         for index, part in enumerate(statement.parts):
-            body_of_part, value = statements(part, prefix="part_", taken=self.taken)
-            self.taken |= set(variables(body_of_part))
+            body_of_part, value = statements(part, prefix="part_", reserved=self.part_names)
+            self.part_names |= set(variables(body_of_part))
             lines += [line for inner in body_of_part for line in self._lines_of(inner)]
             lines.append(f"{arrays['room']}[{index}] := {self._expression(value)};")
         total, result = self._declared(walk.total), self._declared(walk.value)
@@ -459,7 +459,7 @@ class RulesBlock:
         self.variables[index] = "DINT"
         for name, column in sums.columns.items():
             literals = [st_number(value, self.kind) for value in rounded(column, self.kind, name)]
-            array = self.names.new(sums.wanted[name])
+            array = self.names.new(sums.stems[name])
             head = f"    {array} : ARRAY [0..{len(literals) - 1}] OF {self.inner} := ["
             body = number_lines(literals, indent="        ")
             self.constants.append("\n".join([head, *body, "    ];"]))

@@ -186,7 +186,7 @@ class _CTable(TableCode):
         return [f"return {self._values()}[{index or '0u'}];"]
 
     def _interpolate(self) -> list[str]:
-        names = Names(taken=set(self.parameters))
+        names = Names(reserved=set(self.parameters))
         lines: list[str] = []
         shares: list[str] = []
         terms: list[str] = []

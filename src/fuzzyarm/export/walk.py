@@ -56,15 +56,15 @@ class Listed:
     def __init__(self) -> None:
         self.norms: dict[int, Callable[..., None]] = {}
         self.curves: dict[int, Callable[..., None]] = {}
-        self._known: dict[object, int] = {}
+        self._kinds: dict[object, int] = {}
 
     def _number(
         self, key: object, kind: dict[int, Callable[..., None]], make: Callable[[], Any]
     ) -> int:
-        if key not in self._known:
-            self._known[key] = len(at.BY_ITSELF) + len(self._known)
-            kind[self._known[key]] = make()
-        return self._known[key]
+        if key not in self._kinds:
+            self._kinds[key] = len(at.BY_ITSELF) + len(self._kinds)
+            kind[self._kinds[key]] = make()
+        return self._kinds[key]
 
     def norm(self, norm: Norm, sort: str) -> int:
         """See :class:`fuzzyarm.inference.row_functions.Addresses`."""

@@ -105,7 +105,7 @@ class _InC(Translation):
     """The functions of one walk; small helpers are shared by all of a file."""
 
     def __init__(self, walk: DefuzzifierWalk, writer: CWriter, name: str) -> None:
-        self.walk, self.writer, self.wanted = walk, writer, name
+        self.walk, self.writer, self.stem = walk, writer, name
         # Between two @ stands a helper: `finish` writes those that are needed.
         extremes = {
             (extreme, type_): (f"@{extreme.__name__} {self._scalar(type_)}@({{}})", type_)
@@ -144,7 +144,7 @@ class _InC(Translation):
 
     def name(self, name: str) -> str:
         """Return a name that the file does not have yet."""
-        return self.writer.names.new(f"{self.writer.prefix}_{self.wanted}_{name.strip('_')}")
+        return self.writer.names.new(f"{self.writer.prefix}_{self.stem}_{name.strip('_')}")
 
     def type_name(self, type_: Type) -> str:
         """Return the name of a type, which is defined where it is met first."""

@@ -113,7 +113,7 @@ class _InST(Translation):
 
     def __init__(self, walk: DefuzzifierWalk, names: Names, name: str) -> None:
         super().__init__(_TARGET)
-        self.walk, self.names, self.wanted = walk, names, name
+        self.walk, self.names, self.stem = walk, names, name
         self.dispatchers: dict[tuple[Type, ...], str] = {}
         layout = walk.layout
         self.sizes = {
@@ -127,7 +127,7 @@ class _InST(Translation):
 
     def name(self, name: str) -> str:
         """Return a name that the file does not have yet."""
-        return self.names.new(f"{self.wanted}_{name}")
+        return self.names.new(f"{self.stem}_{name}")
 
     def type_name(self, type_: Type) -> str:
         """Return the name of a type of numbers."""
@@ -175,7 +175,7 @@ class _STFunction(_Function):
             before = dict(self.types), self._returns
             self._temporaries = 0
             self.before: list[str] = []
-            self.own: dict[str, str] = {"done": "BOOL"}
+            self.locals: dict[str, str] = {"done": "BOOL"}
             body = [line for statement in self.source.body for line in self.statement(statement)]
         parts = enumerate(self._parts())
         results = [f"    part_{i} : {self.whole.type_name(part)};" for i, part in parts]
@@ -184,7 +184,7 @@ class _STFunction(_Function):
         inputs = [line for name in self.parameters for line in self._declared(name)]
         local = {n: t for n, t in self.types.items() if n not in self.parameters}
         lines = [line for name in local for line in self._declared(name)]
-        lines += [f"    {name} : {st_type};" for name, st_type in self.own.items()]
+        lines += [f"    {name} : {st_type};" for name, st_type in self.locals.items()]
         end = [f"{self.name} := TRUE;"] if kind == "BOOL" and self.returned is not TRUTH else []
         self.text = "\n".join([
             f"FUNCTION {self.name} : {kind}", *self.whole.memories(), *results, "END_VAR",
@@ -269,10 +269,10 @@ class _STFunction(_Function):
         """Return the statement that gives a value a name."""
         if isinstance(value.type, Array):
             at, length = value.text.split(_SPLIT)
-            self.own |= {f"{name}_at": "DINT", f"{name}_n": "DINT"}
+            self.locals |= {f"{name}_at": "DINT", f"{name}_n": "DINT"}
             return f"{name}_at := {at}; {name}_n := {length};"
         assert isinstance(value.type, Scalar)
-        self.own[name] = _KINDS[value.type]
+        self.locals[name] = _KINDS[value.type]
         return f"{name} := {value.text};"
 
     def assigned(self, target: ast.expr, source: ast.expr) -> list[str]:
@@ -325,7 +325,7 @@ class _STFunction(_Function):
         # FOR includes its last number, range does not.
         last = f"{end} + 1" if step.startswith("-") else f"{end} - 1"
         index = self.temporary()
-        self.own[index] = "DINT"
+        self.locals[index] = "DINT"
         by = "" if step == "1" else f" BY {step}"
         body = [f"    {line}" for line in self.stored(node.target, TypedText(index, WHOLE))]
         head = f"FOR {index} := {start} TO {last}{by} DO"
@@ -390,7 +390,7 @@ class _STFunction(_Function):
         type_ = wider(*(value.type for value, _ in branches))
         assert isinstance(type_, Scalar)
         name = self.temporary()
-        self.own[name] = _KINDS[type_]
+        self.locals[name] = _KINDS[type_]
         then, otherwise = (
             [f"    {line}" for line in (*before, f"{name} := {self.as_type(value, type_)};")]
             for value, before in branches
@@ -447,7 +447,7 @@ class _STFunction(_Function):
         for part in callee.returned.parts:
             assert isinstance(part, Scalar)
             parts.append(self.temporary())
-            self.own[parts[-1]] = _KINDS[part]
+            self.locals[parts[-1]] = _KINDS[part]
         self.before.append(f"done := {callee.name}({', '.join([*memories, *parts, *passed])});")
         return TypedText(_SPLIT.join(parts), callee.returned)
 

@@ -210,11 +210,11 @@ def _project_text(project: Project, suffix: str, xml: str) -> str:
     return XML_FORMATS[xml](project)
 
 
-def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tuple[str, str]:
+def _suffix_and_prefix(path: Path, name: str | None, suffixes: Sequence[str]) -> tuple[str, str]:
     """Return the suffix of a path and what begins the identifiers; refuse what cannot be."""
     suffix = path.suffix.lower()
-    if suffix not in known:
-        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(known))
+    if suffix not in suffixes:
+        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(suffixes))
     # All that cannot be is refused here, before a routine is printed and measured.
     if path.stem.upper() in DEVICES:
         raise ExportError(

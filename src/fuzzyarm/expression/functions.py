@@ -56,7 +56,7 @@ def python_function(root: Node, parameters: Sequence[str]) -> Callable[..., floa
     names = tuple(parameters)
     if isinstance(root, Apply) and root.arguments == tuple(symbol(name) for name in names):
         return _OWN.get(root.operation, OPERATIONS[root.operation].scalar)
-    lines, result = printed(root, PYTHON, taken=names)
+    lines, result = printed(root, PYTHON, reserved=names)
     body = "\n".join(f"        {line}" for line in [*lines, f"return {result}"])
     arguments = ", ".join(names)
     source = (
@@ -92,7 +92,7 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
     str
         ``def name(rows …, numbers, into)``; it fills `into`.
     """
-    lines, result = printed(root, PYTHON, taken=(*rows, *numbers))
+    lines, result = printed(root, PYTHON, reserved=(*rows, *numbers))
     names = symbols(root)
     head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in names]
     body = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]

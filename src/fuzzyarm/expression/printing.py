@@ -87,7 +87,7 @@ Statement = Assign | Choose
 
 
 def statements(
-    root: Node, *, prefix: str = "t", taken: Iterable[str] = ()
+    root: Node, *, prefix: str = "t", reserved: Iterable[str] = ()
 ) -> tuple[tuple[Statement, ...], Node]:
     """Write an expression as statements and a result without choices.
 
@@ -97,7 +97,7 @@ def statements(
         The expression.
     prefix : str
         Variables are called `prefix` and a number.
-    taken : iterable of str
+    reserved : iterable of str
         Names that no variable may have.
 
     Returns
@@ -107,14 +107,14 @@ def statements(
     result : Node
         Of the variables that the statements set.
     """
-    return _Lowering(root, prefix, frozenset(taken)).run()
+    return _Lowering(root, prefix, frozenset(reserved)).run()
 
 
 class _Lowering:
-    def __init__(self, root: Node, prefix: str, taken: frozenset[str]) -> None:
+    def __init__(self, root: Node, prefix: str, reserved: frozenset[str]) -> None:
         self.root = root
         self.uses = Counter(child for node in postorder(root) for child in children(node))
-        self.names = (f"{prefix}{i}" for i in count() if f"{prefix}{i}" not in taken)
+        self.names = (f"{prefix}{i}" for i in count() if f"{prefix}{i}" not in reserved)
         self.certain: dict[Node, frozenset[Node]] = {}
         self.depth: dict[Node, float] = {}
         for node in postorder(root):
@@ -138,36 +138,36 @@ class _Lowering:
             nodes = frozenset[Node]().union(*parts)
         return nodes | {node} if self.uses[node] > 1 else nodes
 
-    def write(self, node: Node, known: dict[Node, Node], body: list[Statement]) -> Node:
+    def write(self, node: Node, computed: dict[Node, Node], body: list[Statement]) -> Node:
         """Return `node` in terms of variables; `body` takes the statements that set them.
 
-        `known` holds the parts whose variables are set wherever `body` runs to this point.
+        `computed` holds the parts whose variables are set wherever `body` runs to this point.
         """
         waiting: list[tuple[Node, bool]] = [(node, False)]
         while waiting:
             current, ready = waiting.pop()
-            if current in known:
+            if current in computed:
                 continue
             if not isinstance(current, Apply):
-                known[current] = current
+                computed[current] = current
             elif current.operation == "where":
-                self._choose(current, known, body)
+                self._choose(current, computed, body)
             elif current.operation in {"both", "either"} and not ready:
                 waiting += [(current, True), (current.arguments[0], False)]
             elif not ready:
                 waiting.append((current, True))
                 waiting += [(child, False) for child in reversed(current.arguments)]
             else:
-                known[current] = self._applied(current, known, body)
-        return known[node]
+                computed[current] = self._applied(current, computed, body)
+        return computed[node]
 
-    def _applied(self, node: Apply, known: dict[Node, Node], body: list[Statement]) -> Node:
+    def _applied(self, node: Apply, computed: dict[Node, Node], body: list[Statement]) -> Node:
         if node.operation in {"both", "either"}:
             # What the second condition needs of its own is not set before the first holds.
-            second = self.write(node.arguments[1], dict(known), body)
-            arguments: tuple[Node, ...] = (known[node.arguments[0]], second)
+            second = self.write(node.arguments[1], dict(computed), body)
+            arguments: tuple[Node, ...] = (computed[node.arguments[0]], second)
         else:
-            arguments = tuple(known[child] for child in node.arguments)
+            arguments = tuple(computed[child] for child in node.arguments)
         copy = apply(node.operation, *arguments)
         self.depth[copy] = 1 + max(self.depth.get(argument, 0) for argument in arguments)
         shared = self.uses[node] > 1 and not OPERATIONS[node.operation].is_condition
@@ -181,19 +181,19 @@ class _Lowering:
         body.append(Assign(name, copy))
         return symbol(name)
 
-    def _choose(self, node: Apply, known: dict[Node, Node], body: list[Statement]) -> None:
-        condition = self.write(node.arguments[0], known, body)
+    def _choose(self, node: Apply, computed: dict[Node, Node], body: list[Statement]) -> None:
+        condition = self.write(node.arguments[0], computed, body)
         for part in postorder(node):  # what both branches need is set before them
             if part in self.certain[node] and part is not node:
-                self.write(part, known, body)
+                self.write(part, computed, body)
         name = next(self.names)
         branches = []
         for branch in node.arguments[1:]:
             inner: list[Statement] = []
-            value = self.write(branch, dict(known), inner)
+            value = self.write(branch, dict(computed), inner)
             branches.append(setting(name, inner, value))
         body.append(Choose(name, condition, branches[0], branches[1]))
-        known[node] = symbol(name)
+        computed[node] = symbol(name)
 
 
 def setting(
@@ -330,9 +330,11 @@ def _binds_unlike(node: Node, binds: int) -> bool:
     return operation.arity > 1 and operation.binds != binds
 
 
-def printed(root: Node, language: Language, *, taken: Iterable[str] = ()) -> tuple[list[str], str]:
+def printed(
+    root: Node, language: Language, *, reserved: Iterable[str] = ()
+) -> tuple[list[str], str]:
     """Return the lines that compute an expression, and the text of its value."""
-    body, result = statements(root, taken=taken)
+    body, result = statements(root, reserved=reserved)
     return language.lines(body), language.expression(result)
 
 

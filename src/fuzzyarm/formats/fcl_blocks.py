@@ -121,7 +121,7 @@ class FunctionBlock(SystemReader):
         for text in self.texts:
             self.blocks.append(self._block(text))
         self.settle()
-        blocks = [each for each in self.blocks if self.is_on(each)]
+        blocks = [block for block in self.blocks if self.is_on(block)]
         for block, text in zip(self.blocks, self.texts, strict=True):
             if block.enabled:
                 block.rules = self.sentences(text.rules)

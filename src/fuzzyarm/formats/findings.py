@@ -369,12 +369,12 @@ def shortened(text: str) -> str:
     return f"{text[:half]}…{text[-half:]}"
 
 
-def unique_name(name: str, taken: set[str]) -> str:
+def unique_name(name: str, names: set[str]) -> str:
     """Return `name`, or `name` with the first number that makes it unique."""
-    if name not in taken:
+    if name not in names:
         return name
     number = 2
-    while f"{name}_{number}" in taken:
+    while f"{name}_{number}" in names:
         number += 1
     return f"{name}_{number}"
 

@@ -128,7 +128,7 @@ class _Reader(SystemReader):
         self.settings: dict[str, TextPiece] = {}  # of [System], by keys in small letters
         self.terms: dict[str, dict[int, str]] = {}
         self.rules: list[TextPiece] = []
-        self.seen: dict[tuple[str, int], Span] = {}
+        self.spans: dict[tuple[str, int], Span] = {}
         self.unequal: list[TextPiece] = []  # rules with too many or too few numbers
         self.aggregation: str | None = None  # of all outputs
         self.is_type2 = False
@@ -157,13 +157,13 @@ class _Reader(SystemReader):
 
     def _section(self, section: Section, inputs: int) -> None:
         key = (section.kind, section.number)
-        if key in self.seen:
+        if key in self.spans:
             message = (
                 f"the section [{section.kind.capitalize()}{section.number or ''}] appears twice"
             )
             self.findings.error("duplicate-section", message, section.span)
             return
-        self.seen[key] = section.span
+        self.spans[key] = section.span
         if section.kind == "system":
             self._system(section)
         elif section.kind == "rules":
@@ -380,7 +380,7 @@ class _Reader(SystemReader):
         draft: VariableDraft,
         index: int,
         value: TextPiece,
-        taken: dict[int, str],
+        names_by_index: dict[int, str],
         names: set[str],
         inputs: int,
         dialect: Dialect,
@@ -391,14 +391,14 @@ class _Reader(SystemReader):
             self.findings.error("syntax", message, value)
             return
         name, kind, rest = parts
-        if index in taken:
+        if index in names_by_index:
             message = f"'{draft.name}' has two functions with the number {index}"
             self.findings.error("duplicate-index", message, value)
             return
         unique = unique_name(name.text or f"mf{index}", names)
         names.add(unique)
-        taken[index] = unique  # a term that is refused is known to the rules all the same
-        if not self.findings.room(len(taken) - 1, MAX_TERMS, "terms of a variable", value):
+        names_by_index[index] = unique  # a term that is refused is known to the rules all the same
+        if not self.findings.room(len(names_by_index) - 1, MAX_TERMS, "terms of a variable", value):
             return
         if name.text and unique != name.text:
             message = (
@@ -567,7 +567,7 @@ class _Reader(SystemReader):
         if not self.inputs or not self.outputs:
             what = "input" if not self.inputs else "output"
             self.findings.error("no-engine", f"there is no {what} in this file", system)
-        elif ("rules", 0) not in self.seen:
+        elif ("rules", 0) not in self.spans:
             self.findings.error("no-rules", "this file has no section [Rules]", system)
         elif ends == [True, False]:
             message = "the last rule lacks the ending of the others: the file is cut off"

@@ -254,7 +254,7 @@ def _lagging(shape: Shape, left: float, right: float) -> Shape | None:
     return None
 
 
-def _unknown(kind: TextPiece, known: Mapping[str, Spelling], findings: Findings) -> None:
+def _unknown(kind: TextPiece, spellings: Mapping[str, Spelling], findings: Findings) -> None:
     if not kind.text:
         findings.error("syntax", "the kind of the membership function is missing", kind)
         return
@@ -262,7 +262,7 @@ def _unknown(kind: TextPiece, known: Mapping[str, Spelling], findings: Findings)
         message = f"'{kind.text[:40]}' is a custom function, which is not in the file"
         findings.error("unknown-shape", message, kind)
         return
-    findings.unknown("unknown-shape", "the membership function", kind, known)
+    findings.unknown("unknown-shape", "the membership function", kind, spellings)
 
 
 def _crossed(values: list[float]) -> list[float]:

@@ -246,9 +246,9 @@ class _Reader(SystemReader):
             )
             self.findings.info("estimated-range", message, draft.word)
 
-    def _refuse_others(self, elements: list[_Element], known: Container[str]) -> None:
+    def _refuse_others(self, elements: list[_Element], tags: Container[str]) -> None:
         for element in elements:
-            if element.tag.text not in known:
+            if element.tag.text not in tags:
                 self._refuse(element.tag, "unsupported-type")
                 self.refused.add(element.get("name").text)
 

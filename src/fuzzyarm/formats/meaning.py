@@ -186,7 +186,7 @@ class _Activations:
         self.findings = findings
         self.dialect = dialect
         self._fired: dict[tuple[str, str], list[tuple[Rule, BlockDraft]]] = {}
-        self._own: frozenset[str] = frozenset()
+        self._concluded_here: frozenset[str] = frozenset()
         self._sizes: dict[tuple[str, str], int] = {}
         self._shares: dict[tuple[str, str, tuple[Hedge, ...], float], float] = {}
 
@@ -201,7 +201,7 @@ class _Activations:
         hedges make another one of it stand in a block of their own after the others.
         """
         by_threshold: dict[float, list[Rule]] = {block.threshold: []}
-        self._own = _finished_in(block.rules) - later
+        self._concluded_here = _finished_in(block.rules) - later
         for text in block.rules:
             self._need_norms(text, block)
             for rule, threshold in self._rules(text, block):
@@ -382,7 +382,7 @@ class _Activations:
             self.findings.room(MAX_NODES, MAX_NODES, what, proposition.span)
             return proposition
         reason = self._why_not(fired, output, block)
-        if reason and output.name in self._own:
+        if reason and output.name in self._concluded_here:
             return proposition
         if reason:
             message = (

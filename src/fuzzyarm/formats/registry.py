@@ -32,14 +32,14 @@ from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
 from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
 
 
-def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -> str:
-    """Return the suffix of `path`, one of `known`, in small letters.
+def suffix_of(path: str | os.PathLike[str], suffixes: tuple[str, ...] = SUFFIXES) -> str:
+    """Return the suffix of `path`, one of `suffixes`, in small letters.
 
     Parameters
     ----------
     path : path-like
         A name of a file.
-    known : tuple of str
+    suffixes : tuple of str
         The suffixes there are.
 
     Raises
@@ -48,8 +48,8 @@ def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -
         If no format has it.
     """
     suffix = Path(path).suffix.lower()
-    if suffix not in known:
-        endings = ", ".join(known)
+    if suffix not in suffixes:
+        endings = ", ".join(suffixes)
         if known_as := called(path):
             what, hint = known_as
             raise FormatError(f"{os.fspath(path)}: this is {what}, not a text", hint=hint)

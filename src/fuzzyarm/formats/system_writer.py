@@ -106,7 +106,7 @@ class SystemWriter:
         if not rulebase.outputs:
             findings.error("no-engine", "the rule base has no output")
         note_left_out(rulebase, findings, descriptions=self.descriptions, outside=dialect.outside)
-        note_chaining(rulebase, findings, self.program, own=dialect.chains)
+        note_chaining(rulebase, findings, self.program, only_across_blocks=dialect.chains)
         if not dialect.thresholds:
             settled = _with_usual_thresholds(rulebase, dialect)
             note_threshold(settled, findings, self.program, dialect.threshold)
@@ -391,8 +391,10 @@ def note_left_out(
             findings.warn("outside-range", message)
 
 
-def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: bool) -> None:
-    """Report outputs in antecedents, but where `own` those that their own block concludes.
+def note_chaining(
+    rulebase: RuleBase, findings: Findings, program: str, *, only_across_blocks: bool
+) -> None:
+    """Report outputs in antecedents; with `only_across_blocks` only those of another block.
 
     fuzzylite takes their activation so far; that is the same only where all rules that
     conclude the output stand in the block, before those that use it.
@@ -407,7 +409,7 @@ def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: 
             names = {part.variable for part in propositions(rule.antecedent)}
             for name in sorted(names & outputs):
                 writer = last.get(name, (number, -1))
-                if own and writer[0] == number and writer[1] < index:
+                if only_across_blocks and writer[0] == number and writer[1] < index:
                     continue
                 message = f"a rule uses the output '{name}' in a way that {program} does not"
                 findings.loss("chained-output", message, rule.span)

@@ -85,9 +85,9 @@ def identifiers(
 ) -> WrittenNames:
     """Return names that are identifiers and not reserved; report every change."""
 
-    def fitted(name: str, taken: set[str], what: str) -> str:
-        word = unique_name(identifier(name, reserved, ignore_case=ignore_case), taken)
-        taken.add(word)
+    def fitted(name: str, names: set[str], what: str) -> str:
+        word = unique_name(identifier(name, reserved, ignore_case=ignore_case), names)
+        names.add(word)
         if word != name:
             findings.warn("renamed", f"the {what} '{name}' is written as {word}")
         return word

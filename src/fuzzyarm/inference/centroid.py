@@ -132,7 +132,7 @@ def closed_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     if plan.output.aggregation == "max":
         heights = fold_at_point(plan, fired)
         for member, height in heights.items():
-            area, moment = _with_layers(area, moment, form.own[member], height, 1.0)
+            area, moment = _with_layers(area, moment, form.set_layers[member], height, 1.0)
         if len(heights) > 1:
             for member, others, layers in form.overlaps:
                 height = heights.get(member, 0.0)
@@ -143,7 +143,7 @@ def closed_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
                         area, moment = _with_layers(area, moment, layers, height, -1.0)
     else:
         for member, height in fired:
-            area, moment = _with_layers(area, moment, form.own[member], height, 1.0)
+            area, moment = _with_layers(area, moment, form.set_layers[member], height, 1.0)
     return form.centre + moment / area if area > 0.0 else None
 
 
@@ -169,7 +169,7 @@ def closed_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple
     assert form is not None
     work = _Accumulator(strengths.shape)
     for member, height in strengths:  # in the order of the members, or of the rules
-        work.add(form.own[member], height, 1.0)
+        work.add(form.set_layers[member], height, 1.0)
     if plan.output.aggregation == "max":
         heights = dict(strengths)
         cut = np.empty(strengths.shape)

@@ -260,10 +260,10 @@ class _Engine:
             results = ordinary(values) if len(values) == len(inputs) else None
             return otherwise(*values) if results is None else tuple(results)
 
-        def named(given: Mapping[str, Any]) -> dict[str, float] | None:
-            if given.keys() != set(inputs):
+        def named(arguments: Mapping[str, Any]) -> dict[str, float] | None:
+            if arguments.keys() != set(inputs):
                 return None
-            values = [given[name] for name in inputs]
+            values = [arguments[name] for name in inputs]
             plain = all(isinstance(value, int | float) for value in values)
             results = ordinary(values) if plain else None
             return None if results is None else dict(zip(outputs, results, strict=True))

@@ -151,7 +151,9 @@ class _Doubling:
             inputs=tuple(
                 replace(variable, terms=self._terms(variable)) for variable in self.rulebase.inputs
             ),
-            outputs=tuple(replace(each, terms=self._terms(each)) for each in self.rulebase.outputs),
+            outputs=tuple(
+                replace(output, terms=self._terms(output)) for output in self.rulebase.outputs
+            ),
             blocks=tuple(blocks),
         )
         return Doubled(rulebase, self.lower_names, tuple(readings))
@@ -335,10 +337,10 @@ def _has_both_ends(output: Output) -> bool:
     return record.of == "ends" and not record.figure
 
 
-def _free(name: str, taken: set[str]) -> str:
-    while name in taken:
+def _free(name: str, names: set[str]) -> str:
+    while name in names:
         name += "'"
-    taken.add(name)
+    names.add(name)
     return name
 
 

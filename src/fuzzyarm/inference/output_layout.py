@@ -214,10 +214,10 @@ class OutputWriter:
     def _write_layers(self) -> int:
         form = self.plan.closed
         if form is None:  # an output that no rule concludes
-            self.own: list[tuple[int, int]] = []
+            self.set_layers: list[tuple[int, int]] = []
             self.overlaps: list[tuple[int, tuple[int, ...], tuple[int, int]]] = []
             return 0
-        self.own = [self._put(layers, 1.0) for layers in form.own]
+        self.set_layers = [self._put(layers, 1.0) for layers in form.set_layers]
         self.overlaps = [
             (overlap.member, overlap.others, self._put(overlap.layers, -1.0))
             for overlap in form.overlaps
@@ -455,7 +455,7 @@ class OutputWriter:
         """Return all that :meth:`write` reads of this output."""
         united = self.plan.output.aggregation == "max"
         values = self._has_values
-        layers = (self.own, self.overlaps) if self.program is CLOSED else None
+        layers = (self.set_layers, self.overlaps) if self.program is CLOSED else None
         return self.members, self.consequents, united, values, layers
 
     def write(self, active: Sequence[LaidRule], rows: Mapping[int, int]) -> None:
@@ -493,7 +493,7 @@ class OutputWriter:
 
     def _terms(self, members: Sequence[int]) -> list[int]:
         """Return unions of heights and terms of the closed form, where these sets may fire."""
-        terms = [(g, g, self.own[member]) for g, member in enumerate(members)]
+        terms = [(g, g, self.set_layers[member]) for g, member in enumerate(members)]
         unions: list[list[int]] = []
         if self.plan.output.aggregation == "max":
             group_of = {member: g for g, member in enumerate(members)}

@@ -65,14 +65,14 @@ class ClosedForm(NamedTuple):
     ----------
     centre : float
         Middle of the range; moments are about it.
-    own : tuple of Layers
+    set_layers : tuple of Layers
         For each set.
     overlaps : tuple of Overlap
         Empty where the sets are summed instead of united.
     """
 
     centre: float
-    own: tuple[Layers, ...]
+    set_layers: tuple[Layers, ...]
     overlaps: tuple[Overlap, ...]
 
 

@@ -220,9 +220,9 @@ def _check_variables(rulebase: RuleBase) -> None:
             _check_reference(rulebase, part, names_there)
 
 
-def _check_reference(rulebase: RuleBase, part: Is | Consequent, known: list[str]) -> None:
-    if part.variable not in known:
-        raise UnknownNameError(part.variable, known, what="variable")
+def _check_reference(rulebase: RuleBase, part: Is | Consequent, names: list[str]) -> None:
+    if part.variable not in names:
+        raise UnknownNameError(part.variable, names, what="variable")
     variable = rulebase.variable(part.variable)
     if isinstance(part, Consequent) and isinstance(variable, Input):
         raise InferenceError(f"a rule concludes '{part.variable}', which is an input")
@@ -404,12 +404,12 @@ def _both_sides(output_plan: OutputPlan, doubled: Doubled) -> OutputPlan:
         sides=sides, pairs=pairs, closed=closed, enveloped=output_plan.enveloped and closed is None
     )
     if output.aggregation == "max" and output_plan.integrated:
-        found = [
+        all_stretches = [
             stretch._replace(first=indices[stretch.first], second=indices[stretch.second])
             for indices in members_by_side
             for stretch in stretches([members[i].pieces for i in indices])
         ]
-        return output_plan._replace(stretches=tuple(found))
+        return output_plan._replace(stretches=tuple(all_stretches))
     return output_plan
 
 
@@ -431,19 +431,19 @@ def _pairs(
 
 
 def _closed_sides(
-    output: Output, members: tuple[Member, ...], own: list[list[int]]
+    output: Output, members: tuple[Member, ...], members_by_side: list[list[int]]
 ) -> ClosedForm | None:
     """Return the closed form of the upper and the lower set together: Nie and Tan's centroid.
 
     Sets overlap those of their own side only, and areas and moments of both add up.
     """
-    forms = [_closed(output, tuple(members[i] for i in indices)) for indices in own]
+    forms = [_closed(output, tuple(members[i] for i in indices)) for indices in members_by_side]
     layers: dict[int, Layers] = {}
     overlaps: list[Overlap] = []
-    for indices, form in zip(own, forms, strict=True):
+    for indices, form in zip(members_by_side, forms, strict=True):
         if form is None:
             return None
-        layers |= dict(zip(indices, form.own, strict=True))
+        layers |= dict(zip(indices, form.set_layers, strict=True))
         overlaps += [
             Overlap(
                 indices[overlap.member], tuple(indices[i] for i in overlap.others), overlap.layers

@@ -482,10 +482,10 @@ def _is_conjunction(planned: PlannedRule) -> bool:
     return len(set(variables)) == len(variables)
 
 
-def check_names(given: Iterable[str], known: Iterable[str], *, what: str = "input") -> None:
-    """Raise UnknownNameError for the first name of `given` that is not among `known`."""
-    names = tuple(known)
-    for name in given:
+def check_names(requested: Iterable[str], valid: Iterable[str], *, what: str = "input") -> None:
+    """Raise UnknownNameError for the first name of `requested` that is not among `valid`."""
+    names = tuple(valid)
+    for name in requested:
         if name not in names:
             raise UnknownNameError(name, names, what=what)
 

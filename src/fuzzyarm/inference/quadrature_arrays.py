@@ -97,7 +97,7 @@ class _Quadrature:
             np.zeros(count, np.intp), np.arange(count), np.zeros(count, np.int64),
             np.full(count, -1),
         )  # fmt: skip
-        families, finished, agreements, known = [], [], [], 0
+        families, finished, agreements, panels_so_far = [], [], [], 0
         for depth in range(DEEPEST + 1):
             left, right, agree = self.halved(panels)
             agree |= depth == DEEPEST
@@ -105,12 +105,12 @@ class _Quadrature:
             finished.append(_whole(left, right))
             agreements.append(agree)
             parents, rank = _ranked(families)
-            split = np.flatnonzero(~agree & (rank[known:] < MOST_PANELS))
+            split = np.flatnonzero(~agree & (rank[panels_so_far:] < MOST_PANELS))
             if not split.size:
                 break
             panels = _one_list([left.where(split), right.where(split)])
-            family = family.halves(split, known)
-            known = rank.size
+            family = family.halves(split, panels_so_far)
+            panels_so_far = rank.size
         in_time = rank < MOST_PANELS
         # One that comes too late is there because the whole of which it is a half did not.
         halved_in_time = (parents < 0) | in_time[parents]
@@ -130,16 +130,16 @@ class _Origins(NamedTuple):
     way: NDArray[np.int64]
     parent: NDArray[np.intp]
 
-    def halves(self, split: NDArray[np.intp], known: int) -> _Origins:
+    def halves(self, split: NDArray[np.intp], panels_so_far: int) -> _Origins:
         """Return the same of the left halves of some, and then of the right ones.
 
-        `known`: how many panels there were before these.
+        `panels_so_far`: how many panels there were before these.
         """
         depth, first, way, _ = (column[split] for column in self)
         right = way | (1 << (DEEPEST - 1 - depth))
         return _Origins(
             np.tile(depth + 1, 2), np.tile(first, 2), np.concatenate([way, right]),
-            np.tile(known + split, 2),
+            np.tile(panels_so_far + split, 2),
         )  # fmt: skip
 
 

@@ -170,7 +170,9 @@ def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
     """Return a straight term under hedges as a function of a row and of its corners."""
     if not hedges:
         return corners_row
-    lines, result = printed(_under(hedges, symbol("degree"), constant), PYTHON, taken=("degree",))
+    lines, result = printed(
+        _under(hedges, symbol("degree"), constant), PYTHON, reserved=("degree",)
+    )
     head = ["for i in range(into.shape[0]):", "    degree = degree_on_corners(corners, x_row[i])"]
     body = [*head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
     source = "\n".join(

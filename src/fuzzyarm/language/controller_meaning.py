@@ -71,7 +71,7 @@ class _Scope:
         self.numbers: dict[str, str] = {}  # gains and partners
         self.sheets: dict[str, str] = {}
         self.used: set[str] = set()
-        self.read: set[str] = set()  # signals, on the axis at hand
+        self.names_read: set[str] = set()  # signals, on the axis at hand
         self.axes: dict[str, str] = {}
 
         self.later: dict[str, Span] = {}
@@ -254,7 +254,7 @@ class _Scope:
             if isinstance(node, Axes):
                 close()
                 current, lines, signals = node, [], {}
-                self.read = set()
+                self.names_read = set()
                 for word in node.names:
                     self._declare(word, self.axes)
                 self.later = _signals_behind(self.nodes[index + 1 :])
@@ -311,7 +311,7 @@ class _Scope:
 
     def _need(self, word: str, signals: dict[str, str]) -> None:
         """Demand a signal that has been made, a gain or a partner."""
-        self.read.add(word)
+        self.names_read.add(word)
         self.used.add(word)
         if word in signals or word in self.numbers:
             return
@@ -470,7 +470,7 @@ class _Scope:
             return False
         if port in signals or port in self.numbers:
             return False
-        self.read.add(node.port)
+        self.names_read.add(node.port)
         right = f"{name_text(port)} = {name_text(node.port)}"
         self.scope.report(
             "unknown-signal",
@@ -495,7 +495,7 @@ class _Scope:
 
     def _judge_signals(self, signals: dict[str, str]) -> None:
         for name, word in signals.items():
-            if name not in self.read and not self.broken and not self.unread:
+            if name not in self.names_read and not self.broken and not self.unread:
                 self.scope.report(
                     "unused-signal",
                     f"nothing reads the signal '{name}'",

@@ -229,17 +229,17 @@ def _record_of(
     """Return the statement that a line starts, None where it starts none."""
     first = line.tokens[0]
     record = statements_below(heading).get(first.text) if first.kind == "name" else None
-    if in_axis and _is_signal(line, known=record is not None):
+    if in_axis and _is_signal(line, has_keyword=record is not None):
         return _signals()
     if record is None and heading == "controller" and _is_stray(line, groups):
         return _signals()  # its axis is what is missing
     return record
 
 
-def _is_signal(line: SourceLine, *, known: bool) -> bool:
-    """Whether a line below ``axis`` defines signals; `known` if it begins like another line."""
+def _is_signal(line: SourceLine, *, has_keyword: bool) -> bool:
+    """Whether a line below ``axis`` defines signals, even if it begins with a keyword."""
     marks = [token.text for token in line.tokens if token.kind == "mark"]
-    return "=" in marks and (not known or line.tokens[1].text in ("=", ","))
+    return "=" in marks and (not has_keyword or line.tokens[1].text in ("=", ","))
 
 
 def _is_stray(line: SourceLine, groups: Sequence[_StatementTokens]) -> bool:

@@ -131,11 +131,11 @@ def _stretches(field: str, kind: NameKind, what: str, label: str) -> Phrase:
             stretches.append(_read_stretch(cursor, what, offered))
         return tuple(stretches)
 
-    def mentions(found: Iterable[StateStretch]) -> Iterator[Occurrence]:
-        return (_occurrence(kind, stretch.name) for stretch in found)
+    def mentions(stretches: Iterable[StateStretch]) -> Iterator[Occurrence]:
+        return (_occurrence(kind, stretch.name) for stretch in stretches)
 
-    def show(found: Iterable[StateStretch]) -> str:
-        return ", ".join(map(_stretch_text, found))
+    def show(stretches: Iterable[StateStretch]) -> str:
+        return ", ".join(map(_stretch_text, stretches))
 
     return Phrase(field, read, label, show, mentions, empty=())
 
@@ -204,7 +204,7 @@ LOOP_CLAIM_ROW = StatementRow(
             _read_set_points,
             "PORT = X",
             _set_points_text,
-            lambda found: (_occurrence(NameKind.PORT, port) for port, _ in found),
+            lambda conditions: (_occurrence(NameKind.PORT, port) for port, _ in conditions),
             empty=(),
         ),
     ),

@@ -24,7 +24,7 @@ class Slip(NamedTuple):
     `whole`, in all of the line.
     """
 
-    said: str
+    message: str
     pattern: re.Pattern[str]
     written: Written
     words: tuple[str, ...] = ()
@@ -34,11 +34,11 @@ class Slip(NamedTuple):
 class Advice(NamedTuple):
     """What is said of a line that cannot be put right alone, and what to do.
 
-    `said` and `hint` may ask the match; the finding stands at its group ``at``, or at all of it.
+    `message` and `hint` may ask the match; the finding stands at its group ``at``, or at all of it.
     """
 
     pattern: re.Pattern[str]
-    said: Written
+    message: Written
     hint: Written
     words: tuple[str, ...] = ()
 
@@ -50,7 +50,7 @@ class Advice(NamedTuple):
         group = "at" if "at" in self.pattern.groupindex else 0
         span = Span(number, match.start(group) + 1, number, match.end(group) + 1)
         message, hint = (
-            text if isinstance(text, str) else text(match) for text in (self.said, self.hint)
+            text if isinstance(text, str) else text(match) for text in (self.message, self.hint)
         )
         return message, hint, span
 

@@ -259,19 +259,19 @@ Given = tuple[tuple[Word, Setting], ...]
 """Options as they are written."""
 
 
-def read_options(cursor: Cursor, known: Mapping[str, OptionKind]) -> Given:
+def read_options(cursor: Cursor, kinds: Mapping[str, OptionKind]) -> Given:
     """Read the options of a source, each after a comma."""
     options = []
     while cursor.accept(","):
-        if not known:
+        if not kinds:
             cursor.fail("the end of the line", (), "trailing-text")
-        options.append(_read_option(cursor, known))
+        options.append(_read_option(cursor, kinds))
     return tuple(options)
 
 
-def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word, Setting]:
-    word = cursor.word(f"one of {', '.join(known)}", known, "unknown-option")
-    kind = known[word]
+def _read_option(cursor: Cursor, kinds: Mapping[str, OptionKind]) -> tuple[Word, Setting]:
+    word = cursor.word(f"one of {', '.join(kinds)}", kinds, "unknown-option")
+    kind = kinds[word]
     if kind.takes == "words":
         for keyword in kind.rest:
             cursor.expect(keyword, f"after {word}")
@@ -298,9 +298,9 @@ def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word,
     return word, amount
 
 
-def options_text(options: Iterable[tuple[str, Setting]], known: Mapping[str, OptionKind]) -> str:
+def options_text(options: Iterable[tuple[str, Setting]], kinds: Mapping[str, OptionKind]) -> str:
     """Return options as they are written, each after its comma."""
-    return "".join(f", {_option_text(word, value, known[word])}" for word, value in options)
+    return "".join(f", {_option_text(word, value, kinds[word])}" for word, value in options)
 
 
 def _option_text(word: str, value: Setting, kind: OptionKind) -> str:
@@ -314,11 +314,11 @@ def _option_text(word: str, value: Setting, kind: OptionKind) -> str:
 
 
 def names_in_options(
-    options: Iterable[tuple[str, Setting]], known: Mapping[str, OptionKind]
+    options: Iterable[tuple[str, Setting]], kinds: Mapping[str, OptionKind]
 ) -> Iterator[Occurrence]:
     """Yield the gains in options."""
     for word, value in options:
-        if isinstance(value, str) and known[word].takes != "windup":
+        if isinstance(value, str) and kinds[word].takes != "windup":
             yield of_signal(value)
 
 

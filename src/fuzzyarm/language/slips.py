@@ -270,5 +270,5 @@ def _pieces(line: str) -> Iterator[tuple[str, bool]]:
 def _apply(slip: Slip, text: str, corrections: dict[str, None]) -> str:
     changed = slip.pattern.sub(slip.written, text)
     if changed != text:
-        corrections[slip.said] = None
+        corrections[slip.message] = None
     return changed

@@ -571,10 +571,10 @@ def _fit_words(
     if judgement.judged != "fixed" and finished:
 
         def learned(part: Samples) -> Callable[[Samples], Array]:
-            own, complete = _errors_of_words(part, options, lambda _words: None, clock)
+            errors, complete = _errors_of_words(part, options, lambda _words: None, clock)
             if not complete:
                 raise KeyboardInterrupt
-            model, _ = wang_mendel(part, min(own, key=own.__getitem__), layout)
+            model, _ = wang_mendel(part, min(errors, key=errors.__getitem__), layout)
             return lambda points: outputs_of(model, points)
 
         judgement = _nested(samples, options, learned, judgement, on_step, clock)

@@ -85,10 +85,10 @@ def report_lines(samples: Samples, fit: Fit, report: dict[str, Any], options: Op
     if fit.judged == "by the choice":
         lines.append("  its structure was chosen on the same parts: on others it may be more")
     if "fidelity" in report:
-        told = report["fidelity"]
-        worst, mean = (percent(told[key], 2) for key in ("worst_share", "rms_share"))
+        fidelity = report["fidelity"]
+        worst, mean = (percent(fidelity[key], 2) for key in ("worst_share", "rms_share"))
         lines.append(
-            f"  fidelity: off by at most {told['worst']:.4g}, {told['rms']:.4g} RMS,"
+            f"  fidelity: off by at most {fidelity['worst']:.4g}, {fidelity['rms']:.4g} RMS,"
             f" {worst} and {mean} of the range"
         )
     if fit.structure == "linear":

@@ -101,7 +101,7 @@ def trained(
     compiled = program.compiled and is_compiled(motion.plants[0])
     driven = driven_by(chosen, site)
     course = Course(motion, conventions, options, driven=driven, as_array=compiled)
-    own = program.inputs(as_array=compiled)
+    program_inputs = program.inputs(as_array=compiled)
     memory = program.memory
     count = len(motion.time)
     step = every or count
@@ -116,7 +116,7 @@ def trained(
         for end in [*range(step, count, step), count]:
             record.go_on(end)
             with np.errstate(all="ignore"):
-                loop(*inputs, *own, *record.outputs)
+                loop(*inputs, *program_inputs, *record.outputs)
             lost = record.lost
             yield Snapshot(
                 passage=passage,

@@ -356,12 +356,12 @@ class Projection:
         self.size = len(premises.rules) * self.regressors.shape[1]
         self.penalty = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(self.size)
         self.best = (np.inf, premises.numbers)
-        self._known: tuple[bytes, Array, Array, Array] | None = None
+        self._last_fit: tuple[bytes, Array, Array, Array] | None = None
 
     def _solve(self, numbers: Array) -> tuple[Array, Array, Array]:
         """Return the orthogonal factor, the deviations and the residual; the last is kept."""
         key = numbers.tobytes()
-        if self._known is None or self._known[0] != key:
+        if self._last_fit is None or self._last_fit[0] != key:
             strengths = self.premises.with_numbers(numbers).strengths(self.inputs)
             design = designed(strengths, self.regressors)
             # Least squares of [D; √(λ n) I] δ = [rest; 0], D without what the linear part can do.
@@ -370,11 +370,11 @@ class Projection:
             right = np.vstack([self.rest, np.zeros((self.size, self.rest.shape[1]))])
             projection = factor.T @ right
             residual = right - factor @ projection
-            self._known = key, factor, np.linalg.solve(triangle, projection), residual
+            self._last_fit = key, factor, np.linalg.solve(triangle, projection), residual
             cost = float(np.sum(residual**2))
             if cost < self.best[0]:
                 self.best = cost, numbers.copy()
-        return self._known[1:]
+        return self._last_fit[1:]
 
     def residual(self, numbers: Array) -> Array:
         """Return what the best model leaves of the outputs, and the penalty of its deviations."""

@@ -119,7 +119,7 @@ class Training:
 
     Attributes
     ----------
-    asked : LearnRequest
+    request : LearnRequest
         With the plant that it runs on.
     name : str
         Of the controller.
@@ -133,7 +133,7 @@ class Training:
         Whether a trajectory of the plant is followed.
     """
 
-    asked: LearnRequest
+    request: LearnRequest
     name: str
     trainee: Trainee
     motion: Motion
@@ -162,14 +162,14 @@ class Training:
 
     def snapshots(self, every: int | None = None) -> Iterator[Snapshot]:
         """Train; see :func:`train`."""
-        request = self.asked
+        request = self.request
         return self.trainee.snapshots(
             self.motion, request.passes, every, conventions_of(request), self.options
         )
 
     def words(self) -> str:
         """Say along what it is trained."""
-        request = self.asked
+        request = self.request
         if not self.along:
             plant = Path(request.plant or "").name
             return reference_words(plant, request.reference, request.step or 1.0)
@@ -185,7 +185,7 @@ class Training:
 
     def provenance(self, last: Snapshot, *, dated: bool = False) -> dict[str, str]:
         """Return where a learned table comes from."""
-        request = self.asked
+        request = self.request
         start = " ".join(Path(word).name for word in request.begin)
         pairs = self.trainee.provenance(
             self.words(),

@@ -150,13 +150,13 @@ def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[in
     return names_of_sets
 
 
-def _under_hedges(fuzzy_set: Any, own: list[_NamedSet], domain: Any) -> _NamedSet | None:
+def _under_hedges(fuzzy_set: Any, terms: list[_NamedSet], domain: Any) -> _NamedSet | None:
     """Return the own term and the hedges that make a set, as ``~hot`` and ``very(hot)``."""
     low, width = float(domain._low), float(domain._high) - float(domain._low)
     # Also an eighth of the range beyond its ends, where a complement looks different.
     xs = [low + width * (i - 20) / 160 for i in range(201)]
     degrees = [float(fuzzy_set(x)) for x in xs]
-    for term in own:
+    for term in terms:
         before = [float(term.set(x)) for x in xs]
         for hedges in (*_powers(before, degrees), (NOT,)):
             values = [apply_hedges(hedges, min(1.0, max(0.0, y))) for y in before]

@@ -71,7 +71,7 @@ class _Made(NamedTuple):
     frame: FrameType
 
 
-_made: list[_Made] = []
+_creations: list[_Made] = []
 _computed: set[int] = set()  # systems that have computed something: they are complete
 
 
@@ -99,8 +99,8 @@ def _remember(kind: Any, method: str) -> None:
         frame: FrameType | None = sys._getframe(1)
         while frame is not None and _top_module(frame.f_globals.get("__name__")) == home:
             frame = frame.f_back  # the library itself: whoever has called it
-        if frame is not None and len(_made) < MOST_MADE:
-            _made.append(_Made(self, frame))
+        if frame is not None and len(_creations) < MOST_MADE:
+            _creations.append(_Made(self, frame))
         if not method:
             _computed.add(id(self))
         elif method in vars(self):  # bound to the object by its constructor
@@ -231,7 +231,7 @@ class _Interrupt:
         self._over = False
         # A process started in the background of a shell ignores interrupts.
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        self._held = threading.Event()
+        self._released = threading.Event()
         if hasattr(signal, "pthread_kill"):
             signal.signal(signal.SIGUSR1, self._hold)
         self._watch()
@@ -266,11 +266,11 @@ class _Interrupt:
         # The numbers of a system are false while the script computes with it in another thread.
         if hasattr(signal, "pthread_kill"):
             signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)
-            self._held.wait(1.0)
+            self._released.wait(1.0)
         self._end()
 
     def _hold(self, *_: object) -> None:
-        self._held.set()
+        self._released.set()
         while True:
             time.sleep(GRACE)
 
@@ -379,7 +379,7 @@ def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
     visited: set[int] = set()
     variables = {n: v for n, v in vars(module).items() if not n.startswith("__")}
     yield from _in_scope(variables, own_modules, visited)
-    for creation in reversed(_made):
+    for creation in reversed(_creations):
         if creation.frame.f_locals is not vars(module):
             yield from _in_scope(dict(creation.frame.f_locals), own_modules, visited)
 
@@ -393,25 +393,25 @@ def _own_modules(module: ModuleType) -> frozenset[str]:
 
 
 def _in_scope(
-    variables: dict[str, Any], own: frozenset[str], seen: set[int], depth: int = 0
+    variables: dict[str, Any], modules: frozenset[str], visited: set[int], depth: int = 0
 ) -> Iterator[tuple[str, Any]]:
     yield from variables.items()
     if depth == DEEPEST:
         return
     for name, value in variables.items():
-        inside = _inside(name, value, own)
-        if inside and id(value) not in seen:
-            seen.add(id(value))
-            yield from _in_scope(inside, own, seen, depth + 1)
+        inside = _inside(name, value, modules)
+        if inside and id(value) not in visited:
+            visited.add(id(value))
+            yield from _in_scope(inside, modules, visited, depth + 1)
 
 
-def _inside(name: str, value: Any, own: frozenset[str]) -> dict[str, Any]:
+def _inside(name: str, value: Any, modules: frozenset[str]) -> dict[str, Any]:
     """Return what a value contains, by names: of a container, or of an object of the script."""
     if isinstance(value, dict):
         return {f"{name}_{key}": part for key, part in list(value.items())[:MOST_MADE]}
     if isinstance(value, list | tuple):
         return {f"{name}_{i}": part for i, part in enumerate(value[:MOST_MADE], 1)}
-    if type(value).__module__ not in own:
+    if type(value).__module__ not in modules:
         return {}
     attributes = dict(getattr(value, "__dict__", {}))
     return {
@@ -431,7 +431,7 @@ def _systems(
     simulations: dict[int, tuple[str, Any]] = {}
     left_out: dict[int, str] = {}
     candidates = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
-    for name, value in candidates or [(stem, creation.system) for creation in _made]:
+    for name, value in candidates or [(stem, creation.system) for creation in _creations]:
         system = getattr(value, "ctrl", value)
         if whole and id(value) not in _computed and id(system) not in _computed:
             left_out.setdefault(id(system), name)

@@ -273,7 +273,7 @@ class _Reader:
             return _evaluation(self.system).get(name, {"method": "Centroid"}.get(name))
         return getattr(self.system, f"_{self.kind}__{name}", None)
 
-    def _norm(self, name: str, known: Mapping[str, str]) -> str:
+    def _norm(self, name: str, names: Mapping[str, str]) -> str:
         if self.kind == "IT2FLS" and CALL not in vars(self.system) and name == "t_norm":
             message = (
                 "the system was never evaluated, which is when it is told its norms: the minimum, "
@@ -281,7 +281,7 @@ class _Reader:
             )
             self.findings.warn("assumed-norms", message)
         function = self._setting(name)
-        norm = known.get(str(getattr(function, "__name__", "")))
+        norm = names.get(str(getattr(function, "__name__", "")))
         if norm is None:
             self.findings.error("unknown-norm", f"the norm '{_called(function)}' is not supported")
         return norm or "min"

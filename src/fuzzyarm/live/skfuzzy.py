@@ -354,7 +354,7 @@ def _check(rulebase: RuleBase, findings: Findings) -> None:
     if refuse_type_2(rulebase, findings, "scikit-fuzzy"):
         return
     note_left_out(rulebase, findings, descriptions=False)
-    note_chaining(rulebase, findings, "scikit-fuzzy", own=False)
+    note_chaining(rulebase, findings, "scikit-fuzzy", only_across_blocks=False)
     note_threshold(rulebase, findings, "scikit-fuzzy", 0.0)
     variables: tuple[Input | Output, ...] = (*rulebase.inputs, *rulebase.outputs)
     for item in variables:

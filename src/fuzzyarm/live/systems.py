@@ -47,13 +47,13 @@ Measured = Sequence[tuple[Mapping[str, float], Mapping[str, float] | None]]
 
 
 def from_live(
-    found: object, name: str | None = None, *, points: bool = False, lossy: bool = False
+    system: object, name: str | None = None, *, points: bool = False, lossy: bool = False
 ) -> RuleBase:
     """Return the rule base that a live object of another fuzzy library is.
 
     Parameters
     ----------
-    found : object
+    system : object
         A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
         pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
         pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
@@ -83,15 +83,15 @@ def from_live(
     RuleBaseError
         If it cannot be carried; `diagnostics` says why.
     """
-    library = library_of(found)
+    library = library_of(system)
     name = name or (library.module if library else "")
-    imported = read_object(found, name, points=points, lossy=lossy)
+    imported = read_object(system, name, points=points, lossy=lossy)
     diagnostics = list(imported.diagnostics)
     rulebase = imported.rulebase
     if rulebase is not None:
         rulebase = in_tables(rulebase)
         assert library is not None
-        diagnostics += compare(rulebase, measured(found, rulebase), library.name, lossy=lossy)
+        diagnostics += compare(rulebase, measured(system, rulebase), library.name, lossy=lossy)
     diagnostics = [replace(diagnostic, path=diagnostic.path or name) for diagnostic in diagnostics]
     if rulebase is None or any(diagnostic.is_error for diagnostic in diagnostics):
         raise RuleBaseError(diagnostics)

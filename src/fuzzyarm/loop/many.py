@@ -552,11 +552,11 @@ def check_extremes(bench: Bench, changes: Columns) -> None:
         for extreme in (
             (values_given.min(axis=0), values_given.max(axis=0)) if len(values_given) else ()
         ):
-            given = {**shared, name: extreme}
+            changed = {**shared, name: extreme}
             if bench.owners[name] == "gain":
                 bench.loop.program_with({name: np.atleast_1d(extreme).tolist()})
             else:
-                bench.course(given)
+                bench.course(changed)
 
 
 def _in_threads(

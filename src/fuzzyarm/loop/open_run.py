@@ -64,7 +64,7 @@ class OpenRun:
         self.seconds = 0.0
         self.count = len(course.motion.time)
         self._loads = course.loads() if loaded else None
-        self._held: dict[int, float] = {}
+        self._shares: dict[int, float] = {}
         if not course.as_array:
             program.controller.prepare(program.arithmetic)
         self._inputs = course.inputs(record.seed, self._loads)
@@ -89,7 +89,7 @@ class OpenRun:
         self.record.go_on(end)
         begin = time.perf_counter()
         with np.errstate(all="ignore"), plain_errors(self.course.plant):
-            self._loop(*self._inputs, *self._own, *self.record.outputs)
+            self._loop(*self._inputs, *self._program_inputs, *self.record.outputs)
         self.seconds += time.perf_counter() - begin
 
     # --- What is changed as it goes on ---
@@ -105,15 +105,15 @@ class OpenRun:
         if self._loads is None:
             raise ValueError("this run was not made to be pushed")
         inputs = list(self.course.site.interface.inputs)
-        self._held = {inputs.index(port): value for port, value in loads.items() if value}
+        self._shares = {inputs.index(port): value for port, value in loads.items() if value}
 
     def _write_loads(self, end: int) -> None:
-        if self._loads is None or not self._held:
+        if self._loads is None or not self._shares:
             return
         first = int(self.record.progress[TICK])
         last = first + int(self.course.motion.iterations[self.next : end].sum())
         rows = np.asarray(self._loads).reshape(self.course.steps, -1)
-        for column, value in self._held.items():
+        for column, value in self._shares.items():
             rows[first:last, column] += value
 
     def take_over(self, controller: Controller) -> None:
@@ -132,5 +132,5 @@ class OpenRun:
 
     def _use(self, program: LoopProgram) -> None:
         self.program = program
-        self._own = program.inputs(as_array=self.course.as_array)
+        self._program_inputs = program.inputs(as_array=self.course.as_array)
         self._loop = loop_for(program, self.course, self.record)

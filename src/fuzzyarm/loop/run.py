@@ -587,7 +587,7 @@ class ClosedLoop:
         record, course = run.record, run.course
         followed, label = course.motion, self.site.interface.label
         count, inputs = len(followed.tracked), self.site.interface.inputs
-        own = run.program is self.program
+        is_main_program = run.program is self.program
         return MetricSources(
             conventions=course.conventions,
             axes=tuple(axis for axis, _ in followed.tracked),
@@ -598,7 +598,7 @@ class ClosedLoop:
             errors=shown_errors(course, taps.T),
             drives=dict(zip(map(label, inputs), taps[-len(inputs) :], strict=True)),
             driven=self._driven,
-            limits=dict(self._own_limits) if own else self._limits(run.program),
+            limits=dict(self._own_limits) if is_main_program else self._limits(run.program),
             chatter=self._chatter(record),
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
@@ -609,7 +609,7 @@ class ClosedLoop:
         program, record, course = run.program, run.record, run.course
         followed, interface = course.motion, self.site.interface
         inputs, label = interface.inputs, interface.label
-        taken = record.taken
+        samples = record.taken
         # A row for each tap, for all that follows goes along one of them.
         taps = np.ascontiguousarray(record.rows.T)
         # A plant that ends a run by itself has not diverged.
@@ -619,7 +619,7 @@ class ClosedLoop:
             **self._metric_sources(run, taps)._asdict(),
             controller=program.controller.name,
             trajectory=followed.name,
-            time=followed.sampled[taken],
+            time=followed.sampled[samples],
             diverged=None if over else stopped,
             seconds=run.seconds,
             compiled=self.compiled,
@@ -630,7 +630,7 @@ class ClosedLoop:
             outputs=outputs,
             drive_units={label(port): variable.unit for port, variable in inputs.items()},
             cause="" if over or stopped is None else self._cause(record),
-            loaded=tuple((followed.block[taken] != 0).tolist()),
+            loaded=tuple((followed.block[samples] != 0).tolist()),
             seed=course.options.seed if record.seed is None else record.seed,
             ended=stopped if over else None,
             every=followed.every,
@@ -685,9 +685,9 @@ class ClosedLoop:
     def _limits(self, program: LoopProgram) -> dict[str, tuple[float, float]]:
         """Return the limits of each drive: the actuator's, or the text's where narrower."""
         limits = {}
-        own = drive_limits(program.controller, self.site)
+        limits_of_drives = drive_limits(program.controller, self.site)
         for port, actuator in self.site.interface.inputs.items():
-            low, high = own.get(port, (-math.inf, math.inf))
+            low, high = limits_of_drives.get(port, (-math.inf, math.inf))
             limits[self.site.interface.label(port)] = (
                 max(low, actuator.low),
                 min(high, actuator.high),

@@ -92,12 +92,12 @@ def references_of(
 def conditions(request: ExperimentRequest) -> str:
     """Return in words what surrounds a loop: noise, delays, disturbances, and the seed of noise."""
     words = []
-    for known in fields_of(type(request)):
-        value = getattr(request, known.name)
-        is_said = value != known.default or (known.name == "seed" and request.noise)
-        if known.said.group != AROUND or not is_said:
+    for field in fields_of(type(request)):
+        value = getattr(request, field.name)
+        is_said = value != field.default or (field.name == "seed" and request.noise)
+        if field.spec.group != AROUND or not is_said:
             continue
-        name = known.spelling.lstrip("-").replace("-", " ")
+        name = field.spelling.lstrip("-").replace("-", " ")
         words.append(name if value is True else f"{name} {_listed(value)}")
     return ", ".join(words)
 

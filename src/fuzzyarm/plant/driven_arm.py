@@ -199,16 +199,16 @@ class Arm(Plant):
 
         With `finely` the arm moves by Runge-Kutta steps, which check the study's integrator.
         """
-        held: dict[str, Callable[..., Any]] = {
+        bindings: dict[str, Callable[..., Any]] = {
             "stored": stored_single if arithmetic.single else stored_double
         }
         if finely:
-            held["advance_arm"] = advance_arm_finely
+            bindings["advance_arm"] = advance_arm_finely
         if self.inductance > 0.0 or self.supply < math.inf:
-            held["drive_arm"] = drive_armatures
-            held["torques_later"] = torques_of_armatures
-        run = address(run_arm, **held)
-        return Dynamics(run, actuates=True, extra=POSES, kernel=run_arm, bindings=held)
+            bindings["drive_arm"] = drive_armatures
+            bindings["torques_later"] = torques_of_armatures
+        run = address(run_arm, **bindings)
+        return Dynamics(run, actuates=True, extra=POSES, kernel=run_arm, bindings=bindings)
 
     particulars = Particulars(
         extra=POSES,

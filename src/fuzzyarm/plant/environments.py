@@ -130,7 +130,7 @@ class EnvironmentPlant(Plant):
         limit = _limit(spec)
         if limit is not None and self._period is not None:
             self.duration = limit * self._period
-        self._seen: list[float] = []
+        self._observation: list[float] = []
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
         """Begin an episode with the seed of the run; return what is observed."""
@@ -139,8 +139,8 @@ class EnvironmentPlant(Plant):
         random_seed = int(rng.integers(2**31))
         observed, _ = self.environment.reset(seed=seed if isinstance(seed, int) else random_seed)
         self.ended = False
-        self._seen = _numbers(observed)
-        return self._seen
+        self._observation = _numbers(observed)
+        return self._observation
 
     def step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> Sequence[float]:
         """Take one step; return what is observed."""
@@ -153,8 +153,8 @@ class EnvironmentPlant(Plant):
         if not self.ended:
             observed, _, terminated, truncated, _ = self.environment.step(self._actions(u))
             self.ended = bool(terminated or truncated)
-            self._seen = _numbers(observed)
-        return self._seen
+            self._observation = _numbers(observed)
+        return self._observation
 
     def _with_angles(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
         return [*x, *(math.atan2(x[sine], x[cosine]) for cosine, sine in self._angles)]

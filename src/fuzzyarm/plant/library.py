@@ -215,6 +215,6 @@ class Room(Plant):
 
 
 LIBRARY: dict[str, type[Plant]] = {
-    each.name: each for each in (Motor, CartPole, Tanks, BallAndBeam, Room)
+    plant.name: plant for plant in (Motor, CartPole, Tanks, BallAndBeam, Room)
 }
 """The plants of this module by name."""

@@ -557,7 +557,7 @@ def is_compiled(plant: Plant) -> bool:
 
 
 def _is_of_kernels(plant: Plant) -> bool:
-    equations = [each for each in (plant.derivative, plant.measure) if each is not None]
+    equations = [function for function in (plant.derivative, plant.measure) if function is not None]
     return plant.step is None and all(is_kernel(equation) for equation in equations)
 
 
@@ -616,10 +616,10 @@ def dynamics_of(
     if address is None:
         address = _address_in(arithmetic)
     if plant.dynamics is not None:
-        own = plant.dynamics(arithmetic, address, finely=finely)
+        dynamics = plant.dynamics(arithmetic, address, finely=finely)
         interface = interface_of(plant)
-        outputs = len(interface.outputs) + own.extra
-        return replace(own, ports=(len(interface.references), outputs, len(interface.inputs)))
+        outputs = len(interface.outputs) + dynamics.extra
+        return replace(dynamics, ports=(len(interface.references), outputs, len(interface.inputs)))
     if arithmetic.compiled and is_traced(plant):
         return Dynamics(address(run_plant, **BY_PROGRAM[plant.measure is not None]))
     function, types, bindings = _bound(plant)

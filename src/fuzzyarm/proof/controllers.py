@@ -246,7 +246,7 @@ class _AxisCase:
 
     def _expanded(self, source: str) -> Iterator[tuple[str, Interval, Unit | None]]:
         """Yield what a source consists of: name by ports, gain, unit."""
-        of, inner = self.lines.made[source]
+        of, inner = self.lines.definitions[source]
         kind, reach = of.record, self.sources.get(source)
         # Of what is not linear the slopes of its signal are not its own.
         if not kind.linear or kind.ports or inner is None or isinstance(inner.gains, str):

@@ -222,7 +222,9 @@ def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
     return SignalLaw(at, rest, gains, around, None, along, slack)
 
 
-JUMPS = frozenset({"where", *(name for name, each in OPERATIONS.items() if each.partials is None)})
+JUMPS = frozenset(
+    {"where", *(name for name, operation in OPERATIONS.items() if operation.partials is None)}
+)
 """Operations that may jump: choices, conditions and steps."""
 
 

@@ -76,7 +76,9 @@ class Degrees:
         self.rulebase = rulebase
         self.names = [*names, *others]
         self._others = set(others)
-        self._known: dict[tuple[str, str], dict[tuple[float, float], tuple[float, float]]] = {}
+        self._bounds_by_term: dict[
+            tuple[str, str], dict[tuple[float, float], tuple[float, float]]
+        ] = {}
 
     def over(self, low: Array, high: Array) -> Callable[[Is], Interval]:
         """Return what gives the bounds of a proposition over boxes."""
@@ -98,7 +100,7 @@ class Degrees:
                     bounds[key] = membership_over(shape, low[:, i], high[:, i])
                     return bounds[key]
                 pairs, back = stretches[i]
-                bounds_of_pairs = self._known.setdefault(key, {})
+                bounds_of_pairs = self._bounds_by_term.setdefault(key, {})
                 of_stretch = membership_bounder(shape)
                 for pair in pairs:
                     if pair not in bounds_of_pairs:

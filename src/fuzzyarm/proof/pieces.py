@@ -161,7 +161,7 @@ def _levels_of(model: Straight) -> tuple[Fraction, ...]:
     """Return the heights at which the aggregate changes form, where they are few."""
     if model.form is None:
         return ()
-    layers = [layer for layers in model.form.own for layer in layers]
+    layers = [layer for layers in model.form.set_layers for layer in layers]
     layers += [layer for overlap in model.form.overlaps for layer in overlap.layers]
     ends = {Fraction(layer.start) for layer in layers}
     ends |= {Fraction(layer.start + layer.depth) for layer in layers}
@@ -463,7 +463,7 @@ class Pieces:
             def column(index: int, which: Array, first: int = first) -> Array:
                 return self.heights[which, :, first + index]
 
-            for index, layers in enumerate(form.own):
+            for index, layers in enumerate(form.set_layers):
                 levels = [number(level) for level in _inner_levels(layers)]
 
                 def own_levels(

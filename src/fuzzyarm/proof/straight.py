@@ -128,7 +128,9 @@ class Straight:
     def counts(self) -> tuple[bool, ...]:
         """For each column, whether its set has an area in the range: if not, it gives no value."""
         if self.form is not None:
-            return tuple(any(layer.a1 or layer.a2 for layer in layers) for layers in self.form.own)
+            return tuple(
+                any(layer.a1 or layer.a2 for layer in layers) for layers in self.form.set_layers
+            )
         return tuple(area > 0 for area in self.areas)
 
 
@@ -354,7 +356,7 @@ class _Reading:
             raise NotStraightError("too many sets of the output overlap")
         if not united:  # a column for each rule
             members = [member for member, _ in self.output.contributions]
-            form = ClosedForm(form.centre, tuple(form.own[member] for member in members), ())
+            form = ClosedForm(form.centre, tuple(form.set_layers[member] for member in members), ())
         return form, (), ()
 
     def _profile(self, number: int) -> list[Piece]:

@@ -337,7 +337,7 @@ class Surface:
                 ]
             return values[rows], slopes[rows, :, first + column]
 
-        for column, layers in enumerate(form.own):
+        for column, layers in enumerate(form.set_layers):
             rows = np.flatnonzero(positive[column])
             if rows.size:
                 height, slope = at(column, rows)

@@ -136,10 +136,10 @@ def read_property(rulebase: RuleBase, text: str, argument: str = "") -> Property
     if parsed.rulebase is None or not parsed.rulebase.properties:
         last = head.count("\n") + 1
         mine = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.line >= last]
-        said = argument or f"'{text}'"
+        source = argument or f"'{text}'"
         raise RuleBaseError(
             tuple(
-                replace(mistake, argument=said, span=NOWHERE)
+                replace(mistake, argument=source, span=NOWHERE)
                 for mistake in mine or parsed.diagnostics
             )
         )

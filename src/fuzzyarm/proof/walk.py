@@ -67,14 +67,14 @@ class AxisLines:
 
     Attributes
     ----------
-    made : dict
+    definitions : dict
         By the name of a source, what it is and the law of the signal that it is taken of.
     only_values : bool
         Whether rule bases are only evaluated, at a point.
     """
 
     def __init__(
-        self, text: ControllerText, site: Site | None, name: str, stop: Stop, known: dict[Any, Any]
+        self, text: ControllerText, site: Site | None, name: str, stop: Stop, cache: dict[Any, Any]
     ) -> None:
         self.text, self.site, self.name, self.stop = text, site, name, stop
         self.index = text.model.axis_names.index(name)
@@ -86,9 +86,9 @@ class AxisLines:
         self.sources: dict[str, Reach] = {
             self._names[of]: reach for of, reach in own_reaches.items()
         }
-        self.made: dict[str, tuple[Source, SignalLaw | None]] = {}
+        self.definitions: dict[str, tuple[Source, SignalLaw | None]] = {}
         self.only_values = False
-        self._known = known
+        self._cache = cache
 
     def sheet(self, name: str) -> RuleBase | LookupTable | None:
         """Return the rule base or table of this axis."""
@@ -98,15 +98,15 @@ class AxisLines:
     def silent(self, sheet: RuleBase) -> RuleBase:
         """Return a rule base that is NaN where no rule fires and it states no value for that."""
         key = "silent", id(sheet)
-        if key not in self._known:
+        if key not in self._cache:
             outputs = tuple(
                 output
                 if isinstance(output.no_rule, int | float)
                 else replace(output, no_rule=math.nan)
                 for output in sheet.outputs
             )
-            self._known[key] = replace(sheet, outputs=outputs)
-        rulebase: RuleBase = self._known[key]
+            self._cache[key] = replace(sheet, outputs=outputs)
+        rulebase: RuleBase = self._cache[key]
         return rulebase
 
     def gain(self, name: str) -> SignalLaw | None:
@@ -123,31 +123,31 @@ class AxisLines:
 
     def remember(self, name: str, of: Source, inner: SignalLaw | None) -> None:
         """Note what a source is made of; the first walk knows."""
-        self.made.setdefault(name, (of, inner))
+        self.definitions.setdefault(name, (of, inner))
 
     # --- what rule bases are asked; axes share the answers ---
 
     def prover(self, sheet: RuleBase, output: str) -> Prover:
         """Return the prover of an output."""
         key = id(sheet), output
-        if key not in self._known:
-            self._known[key] = Prover(sheet, output)
-        prover: Prover = self._known[key]
+        if key not in self._cache:
+            self._cache[key] = Prover(sheet, output)
+        prover: Prover = self._cache[key]
         prover.stop = self.stop
         return prover
 
     def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
         """Return bounds of an output; None where there are none."""
         key = "value", id(prover), tuple(sorted(region.items()))
-        if key not in self._known:
+        if key not in self._cache:
             if prover.model is None:
                 prover.stop = Stop(min(BOXES_SECONDS, self.stop.until - time.monotonic()))
             try:
-                self._known[key] = prover.value(region)
+                self._cache[key] = prover.value(region)
             except FuzzyarmError:
-                self._known[key] = None
+                self._cache[key] = None
             prover.stop = self.stop
-        return self._known[key]
+        return self._cache[key]
 
     def sector(
         self,
@@ -157,9 +157,9 @@ class AxisLines:
     ) -> Sector:
         """Return a sector of an output."""
         key = "sector", id(prover), tuple(weights.items()), tuple(sorted(region.items()))
-        if key not in self._known:
-            self._known[key] = sector(prover, weights, region)
-        sector_: Sector = self._known[key]
+        if key not in self._cache:
+            self._cache[key] = sector(prover, weights, region)
+        sector_: Sector = self._cache[key]
         return sector_
 
 
@@ -193,7 +193,7 @@ class LineWalk:
 
     def __init__(self, case: AxisLines, question: Asked) -> None:
         self.case = case
-        self.asked = question
+        self.question = question
         self.notes = _Notes()
         self.laws: dict[str, SignalLaw] = {}
         self.drives: dict[str, list[tuple[Drive, SignalLaw]]] = {}
@@ -248,18 +248,18 @@ class LineWalk:
             return [self._table(of)]
         curve = self._curve(of)
         if curve is not None:
-            law = curved(curve, self._named(of.name), exact=bool(self.asked.form))
+            law = curved(curve, self._named(of.name), exact=bool(self.question.form))
             if law.gains and law.gains == dict.fromkeys(law.gains, NOTHING):
                 self.notes.flat.append(source_name(of))
             return [law]
         name = self.case.name_of(of)
         self.case.remember(name, of, self.laws.get(of.name))
-        at = self.asked.at.get(name, NOTHING)
+        at = self.question.at.get(name, NOTHING)
         along: Interval | str
-        if not self.asked.form or at == NOTHING:
+        if not self.question.form or at == NOTHING:
             along = NOTHING
-        elif set(self.asked.form) == {name}:
-            along = Interval(1.0 / self.asked.form[name], 1.0 / self.asked.form[name])
+        elif set(self.question.form) == {name}:
+            along = Interval(1.0 / self.question.form[name], 1.0 / self.question.form[name])
         else:
             along = f"'{name}' is one part of the sum only"
         return [SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)]
@@ -393,7 +393,7 @@ class LineWalk:
         laws: Mapping[str, SignalLaw],
         rest: Interval,
     ) -> tuple[Interval | str, float]:
-        if not self.asked.form:
+        if not self.question.form:
             return "", 0.0
         moving = [name for name, law in laws.items() if law.at.low < law.at.high]
         if not moving:
@@ -429,9 +429,9 @@ class LineWalk:
             along = laws[moving[0]].along
             return along if isinstance(along, str) else ({moving[0]: Fraction(1)}, along)
         weights: dict[str, Fraction] = {}
-        remaining = dict(self.asked.form)
+        remaining = dict(self.question.form)
         for name in moving:
-            linear = {s: w for s, w in (laws[name].linear or {}).items() if s in self.asked.form}
+            linear = {s: w for s, w in (laws[name].linear or {}).items() if s in self.question.form}
             if len(linear) != 1 or next(iter(linear)) not in remaining:
                 return f"'{name}' is not a multiple of one source"
             ((source, weight),) = linear.items()
@@ -466,7 +466,7 @@ class LineWalk:
         if all(law.at.low == law.at.high for law in laws.values()):
             value = float(table.lookup(*(law.at.low for law in laws.values())))
             at = Interval(value, value)
-        return table_law(table, laws, at, exact=bool(self.asked.form))
+        return table_law(table, laws, at, exact=bool(self.question.form))
 
 
 def _chained(slopes: Slopes, laws: Mapping[str, SignalLaw]) -> tuple[Gains | str, Gains | str]:

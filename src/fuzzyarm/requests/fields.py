@@ -92,7 +92,7 @@ class Limits(NamedTuple):
 _ANY = Limits()
 
 
-class _Said(NamedTuple):
+class _Spec(NamedTuple):
     """What `option` says of a field beside its type and its default."""
 
     words: str
@@ -134,7 +134,7 @@ def option(
         exclude each other. ``idle``: no result depends on it. ``negatable``: its option has a
         ``--no-`` form. ``repeated``: its option is written once for each value.
     """
-    description = _Said(
+    description = _Spec(
         words,
         text,
         more.pop("group", ""),
@@ -158,7 +158,7 @@ class RequestField:
     ----------
     name : str
         In Python.
-    said : tuple
+    spec : tuple
         See `option`.
     default : object
         `dataclasses.MISSING` where it must be given.
@@ -173,7 +173,7 @@ class RequestField:
     """
 
     name: str
-    said: _Said
+    spec: _Spec
     default: Any
     kind: Literal["text", "whole", "number", "truth"]
     choices: tuple[Any, ...]
@@ -193,7 +193,7 @@ class RequestField:
     @property
     def spelling(self) -> str:
         """Return how a person writes it: its longest option, or its name."""
-        options: list[str] = [word for word in self.said.words.split() if word.startswith("-")]
+        options: list[str] = [word for word in self.spec.words.split() if word.startswith("-")]
         return max(options, key=len, default=self.name)
 
     def read(self, value: Any) -> Any:
@@ -233,13 +233,13 @@ class RequestField:
         return result
 
     def _require_range(self, number: float) -> None:
-        limits = self.said.limits
+        limits = self.spec.limits
         # Without an upper end infinity is in range: no limit of time, for instance.
         if math.isnan(number) or (math.isinf(number) and not math.isinf(limits.high)):
             self.refuse(f"must be finite, not {number}")
         if not limits.hold(number):
-            unit = f" {self.said.unit}" if self.said.unit else ""
-            self.refuse(f"must be {limits.words(self.said.unit)}, not {number:.15g}{unit}")
+            unit = f" {self.spec.unit}" if self.spec.unit else ""
+            self.refuse(f"must be {limits.words(self.spec.unit)}, not {number:.15g}{unit}")
 
     def refuse(self, why: str, *, hint: str = "", is_usage: bool = False) -> None:
         """Raise RequestError: the field does not take a value."""
@@ -385,7 +385,7 @@ class Request(metaclass=_Constructor):
         return {
             record.name: value
             for record in fields_of(type(self))
-            if not record.said.is_idle and (value := getattr(self, record.name)) != record.default
+            if not record.spec.is_idle and (value := getattr(self, record.name)) != record.default
         }
 
     def as_kind(self, kind: type[AnyRequest], **values: Any) -> AnyRequest:
@@ -453,7 +453,7 @@ def read_fields(
     }
 
 
-def _field(name: str, annotation: Any, default: Any, entry: _Said) -> RequestField:
+def _field(name: str, annotation: Any, default: Any, entry: _Spec) -> RequestField:
     """Return what is known of a field by its annotation."""
     parts = [part for part in get_args(annotation) if part is not NoneType]
     is_optional = len(parts) < len(get_args(annotation)) and get_origin(annotation) is not tuple

@@ -41,52 +41,52 @@ def form_fields(kind: type[Request], *names: str) -> list[dict[str, Any]]:
     *names : str
         Of fields, as JSON has them; all of them by default.
     """
-    known = {field.json_name: field for field in fields_of(kind)}
-    return [_form_field(known[name]) for name in names or known]
+    fields = {field.json_name: field for field in fields_of(kind)}
+    return [_form_field(fields[name]) for name in names or fields]
 
 
 def _form_field(field: RequestField) -> dict[str, Any]:
     """Return the schema of a field with how a command writes it."""
-    options = [word for word in field.said.words.split() if word.startswith("-")]
+    options = [word for word in field.spec.words.split() if word.startswith("-")]
     title = field.spelling.lstrip("-").replace("-", " ").replace("_", " ")
-    values = [word for word in field.said.words.split()[1:] if not word.startswith("-")]
+    values = [word for word in field.spec.words.split()[1:] if not word.startswith("-")]
     return {
         "name": field.json_name,
         "title": title[:1].upper() + title[1:],
         "option": field.spelling if options else "",
         "placeholder": " ".join(values),
-        "group": field.said.group,
-        "repeated": field.said.is_repeated,
-        "negatable": field.said.is_negatable,
+        "group": field.spec.group,
+        "repeated": field.spec.is_repeated,
+        "negatable": field.spec.is_negatable,
         **property_of(field),
     }
 
 
-def property_of(known: RequestField) -> dict[str, Any]:
+def property_of(field: RequestField) -> dict[str, Any]:
     """Return the schema of a field: its type, limits, default, unit, and what it is."""
-    schema = _item(known)
-    if known.count is not None:
-        fixed = {"minItems": known.count, "maxItems": known.count} if known.count else {}
+    schema = _item(field)
+    if field.count is not None:
+        fixed = {"minItems": field.count, "maxItems": field.count} if field.count else {}
         schema = {"type": "array", "items": schema, **fixed}
-    if known.is_optional:
+    if field.is_optional:
         schema["type"] = [schema["type"], "null"]
         if "enum" in schema:
             schema["enum"] = [*schema["enum"], None]
-    schema["description"] = known.said.help
-    if not known.is_required:
-        default = known.default
+    schema["description"] = field.spec.help
+    if not field.is_required:
+        default = field.default
         schema["default"] = list(default) if isinstance(default, tuple) else default
-    if known.said.unit:
-        schema["unit"] = known.said.unit
+    if field.spec.unit:
+        schema["unit"] = field.spec.unit
     return schema
 
 
-def _item(known: RequestField) -> dict[str, Any]:
+def _item(field: RequestField) -> dict[str, Any]:
     """Return the schema of one value."""
-    schema: dict[str, Any] = {"type": _TYPES[known.kind]}
-    limits = known.said.limits
-    if known.choices:
-        schema["enum"] = list(known.choices)
+    schema: dict[str, Any] = {"type": _TYPES[field.kind]}
+    limits = field.spec.limits
+    if field.choices:
+        schema["enum"] = list(field.choices)
     if math.isfinite(limits.low):
         schema["exclusiveMinimum" if limits.is_open else "minimum"] = limits.low
     if math.isfinite(limits.high):

@@ -277,20 +277,20 @@ def _signs(
     count: int,
     passing: Sequence[bool],
     going: Sequence[bool],
-    taken: set[int],
-    made: Sequence[int],
+    reads: set[int],
+    defines: Sequence[int],
     *,
     out: bool,
 ) -> list[str]:
     """Return the sign in each lane: made here, read here, or passing what is joined."""
-    touched = {*taken, *made}
+    touched = {*reads, *defines}
     first, last = min(touched, default=count), max(touched, default=-1)
     signs = []
     for k in range(count):
         is_crossed = first < k < last or (out and k > first)
-        if k in made:
+        if k in defines:
             signs.append("●")
-        elif k in taken:
+        elif k in reads:
             ways = UP | (DOWN if going[k] else 0) | (LEFT if k > first else 0)
             signs.append(STROKES[ways | (RIGHT if k < last or out else 0)])
         elif k < len(passing) and passing[k]:

@@ -109,15 +109,15 @@ def _gain_lines(proof: DriveProof) -> list[str]:
     return lines
 
 
-def _drive_sector(each: DriveSector, proof: DriveProof) -> list[str]:
-    slack = f", to {each.slack:g}" if each.slack else ""
-    between = _interval(each.low, each.high)
-    within = [f"{name} in {_span(*ends)}" for name, ends in each.within.items()]
-    if len(each.weights) == 1:
-        (name,) = each.weights
+def _drive_sector(sector: DriveSector, proof: DriveProof) -> list[str]:
+    slack = f", to {sector.slack:g}" if sector.slack else ""
+    between = _interval(sector.low, sector.high)
+    within = [f"{name} in {_span(*ends)}" for name, ends in sector.within.items()]
+    if len(sector.weights) == 1:
+        (name,) = sector.weights
         unit = next((g.unit for g in proof.gains if g.source == name and g.unit), "")
         return [f"  sector along {within[0]}: {between}{f' {unit}' if unit else ''}{slack}"]
-    head = f"  sector along {form_text(each.weights)}: {between}{slack}"
+    head = f"  sector along {form_text(sector.weights)}: {between}{slack}"
     return [head, *(f"    {words}" for words in within)]
 
 

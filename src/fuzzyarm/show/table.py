@@ -159,10 +159,10 @@ def _drawn(size: int, *, all_levels: bool) -> list[int]:
     return sorted({round(i * (size - 1) / (_THINNED - 1)) for i in range(_THINNED)})
 
 
-def _thinned_words(table: LookupTable, drawn: list[list[int]]) -> str:
+def _thinned_words(table: LookupTable, indices_of_axes: list[list[int]]) -> str:
     parts = [
         f"{len(indices)} of the {len(axis.levels)} levels of {name_text(axis.name)}"
-        for axis, indices in zip(table.axes, drawn, strict=True)
+        for axis, indices in zip(table.axes, indices_of_axes, strict=True)
         if len(indices) < len(axis.levels)
     ]
     return f"shown are {' and '.join(parts)}"
@@ -179,14 +179,14 @@ def _page_words(table: LookupTable, page: tuple[int, ...]) -> str:
 def _cells(
     values: list[float],
     texts: list[str],
-    drawn: list[list[int]],
+    indices_of_axes: list[list[int]],
     page: tuple[int, ...],
     scale: Scale,
     marks: tuple[Mark | None, Mark | None],
 ) -> list[list[Cell]]:
     mark, unused = marks
-    columns = drawn[-1]
-    rows = drawn[-2] if len(drawn) > 1 else [None]
+    columns = indices_of_axes[-1]
+    rows = indices_of_axes[-2] if len(indices_of_axes) > 1 else [None]
     cells: list[list[Cell]] = []
     for i, row in enumerate(rows):
         line: list[Cell] = []
@@ -203,18 +203,22 @@ def _cells(
     return cells
 
 
-def _grid(table: LookupTable, drawn: list[list[int]], cells: list[list[Cell]]) -> HeatGrid:
+def _grid(
+    table: LookupTable, indices_of_axes: list[list[int]], cells: list[list[Cell]]
+) -> HeatGrid:
     column = table.axes[-1]
-    labels = _labels(column.levels, drawn[-1])
+    labels = _labels(column.levels, indices_of_axes[-1])
     if len(table.axes) == 1:
         return HeatGrid(column.name, labels, [table.output], cells)
     row = table.axes[-2]
-    return HeatGrid(f"{row.name} \\ {column.name}", labels, _labels(row.levels, drawn[-2]), cells)
+    return HeatGrid(
+        f"{row.name} \\ {column.name}", labels, _labels(row.levels, indices_of_axes[-2]), cells
+    )
 
 
-def _labels(levels: Sequence[float], drawn: Sequence[int]) -> list[str]:
+def _labels(levels: Sequence[float], indices: Sequence[int]) -> list[str]:
     """Return short labels, as long as they still tell the levels apart."""
-    values = [levels[i] for i in drawn]
+    values = [levels[i] for i in indices]
     for digits in (4, 6, 9):
         labels = [number_words(x, digits) for x in values]
         if len(set(labels)) == len(labels):

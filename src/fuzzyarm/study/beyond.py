@@ -78,8 +78,8 @@ class Beyond:
         return _all_below(self.rms, self.best_of_all)
 
 
-def _all_below(own: tuple[float, ...], best: tuple[float, ...]) -> bool:
-    return all(mine < other for mine, other in zip(own, best, strict=True))
+def _all_below(values: tuple[float, ...], best: tuple[float, ...]) -> bool:
+    return all(mine < other for mine, other in zip(values, best, strict=True))
 
 
 def run_beyond() -> Iterator[Beyond]:

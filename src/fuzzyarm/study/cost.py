@@ -124,11 +124,11 @@ class _CountedPose:
 
     def __init__(self, position: Pair) -> None:
         self._values = pose_of(position)._asdict()
-        self._asked: set[str] = set()
+        self._names: set[str] = set()
 
     def __getattr__(self, name: str) -> CountingFloat:
-        if name not in self._asked:
-            self._asked.add(name)
+        if name not in self._names:
+            self._names.add(name)
             _tally.functions += 1
         return CountingFloat(self._values[name])
 
@@ -331,8 +331,8 @@ def measure_time(
     nothing = CompiledController(Law("nothing", law_kernel, "no torque", ()))
     steps = int(move.iterations.sum())
 
-    def once(each: Controller) -> float:
-        return simulate(each, move, conventions=conventions).seconds / steps
+    def once(contender: Controller) -> float:
+        return simulate(contender, move, conventions=conventions).seconds / steps
 
     once(controller), once(nothing)  # compiled, loaded, warm
     pairs = [(once(controller), once(nothing)) for _ in range(rounds)]

@@ -64,7 +64,7 @@ class HeaderNumbers(NamedTuple):
 class Header:
     """What the lines of a header say.
 
-    `levels` and `bins` are keyed by variable name; None stands for every input. `given` has
+    `levels` and `bins` are keyed by variable name; None stands for every input. `first_spans` has
     where each thing was said first.
     """
 
@@ -79,12 +79,12 @@ class Header:
     rounding: float | None = None
     mode: str | None = None
     origin: list[tuple[str, str]] = field(default_factory=list)
-    given: dict[str, Span] = field(default_factory=dict)
+    first_spans: dict[str, Span] = field(default_factory=dict)
 
     def once(self, what: str, span: Span, earlier: Span | None = None) -> None:
         """Note that something is said in the line at `span`; refuse it the second time."""
-        if what in self.given:
-            before = self.given[what]
+        if what in self.first_spans:
+            before = self.first_spans[what]
             raise Fault(
                 Diagnostic(
                     "duplicate-statement",
@@ -93,7 +93,7 @@ class Header:
                     related=(Related("first given here", before),),
                 )
             )
-        self.given[what] = earlier or span
+        self.first_spans[what] = earlier or span
 
 
 def _fault(name: str, message: str, span: Span, hint: str = "") -> Fault:

@@ -15,12 +15,12 @@ def read_assignments(
     words: Iterable[str], names: Iterable[str], *, what: str = "input"
 ) -> dict[str, float]:
     """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``."""
-    known = tuple(names)
+    valid = tuple(names)
     values: dict[str, float] = {}
-    for name, text in _pairs(words, known):
-        if name not in known:
-            hint, _ = near_hint(name, known)
-            listed = ", ".join(known) or "none"
+    for name, text in _pairs(words, valid):
+        if name not in valid:
+            hint, _ = near_hint(name, valid)
+            listed = ", ".join(valid) or "none"
             raise WordError(f"unknown {what} '{name}'", hint=hint or f"there are: {listed}")
         if name in values:
             raise UsageError(f"'{name}' is given twice")
@@ -42,12 +42,12 @@ def read_point(words: Iterable[str], names: Sequence[str]) -> dict[str, float]:
     return values
 
 
-def _pairs(words: Iterable[str], known: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+def _pairs(words: Iterable[str], valid: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     for word in words:
         # A name may itself have a comma or an equals sign: try the names there are first.
         rest = word
         while rest:
-            name = next((n for n in known if rest.startswith(f"{n}=")), None)
+            name = next((n for n in valid if rest.startswith(f"{n}=")), None)
             if name is None:
                 name, equals, _ = rest.partition("=")
                 if not equals or not name:

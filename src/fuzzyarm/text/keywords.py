@@ -191,9 +191,9 @@ def _words(annotation: Any) -> str:
     return str(_NAMES.get(origin) or getattr(origin, "__name__", str(origin)))
 
 
-def unknown_argument(call: str, name: str, known: tuple[str, ...]) -> ArgumentError:
+def unknown_argument(call: str, name: str, keywords: tuple[str, ...]) -> ArgumentError:
     """Return the error of an argument that a call does not have, with the nearest that it has."""
-    hint = near_hint(name, known)[0] or f"it has {', '.join(known)}"
+    hint = near_hint(name, keywords)[0] or f"it has {', '.join(keywords)}"
     return ArgumentError(f"{call} has no argument '{name}'", argument=name, hint=hint)
 
 

@@ -61,35 +61,37 @@ class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
 
     Attributes
     ----------
-    kind, wanted : str
+    kind, expected : str
         ``rule base``, ``controller`` or ``lookup table``.
     """
 
-    def __init__(self, what: str, kind: str, wanted: str, *, hint: str = "") -> None:
+    def __init__(self, what: str, kind: str, expected: str, *, hint: str = "") -> None:
         article = "an" if kind[:1] in "aeiou" else "a"
         text = (
-            f"{what} is {article} {kind}, not a {wanted}" if kind else f"{what} is not a {wanted}"
+            f"{what} is {article} {kind}, not a {expected}"
+            if kind
+            else f"{what} is not a {expected}"
         )
         super().__init__(text, hint=hint)
-        self.kind, self.wanted = kind, wanted
+        self.kind, self.expected = kind, expected
 
 
-def wrong_kind(value: object, wanted: str) -> MistakenKindError:
+def wrong_kind(value: object, expected: str) -> MistakenKindError:
     """Return the error of a value that is not of the kind that is wanted."""
     if isinstance(value, OfKind):
         kind = type(value).kind_of_value
-        other = wanted
-        if kind == CONTROLLER and wanted in (MODEL, kind):  # it is the model of one
-            other = f"rule base or a {WHOLE}" if wanted == MODEL else WHOLE
+        other = expected
+        if kind == CONTROLLER and expected in (MODEL, kind):  # it is the model of one
+            other = f"rule base or a {WHOLE}" if expected == MODEL else WHOLE
         hint = HINTS.get((kind, WHOLE if other.endswith(WHOLE) else other), "")
         text = "controller without its files" if other == WHOLE else kind
         return MistakenKindError(f"'{value.called()}'", text, other, hint=hint)
     if isinstance(value, type):
         name = value.__name__
-        return MistakenKindError(name, "class", wanted, hint=f"{name}() makes one of its values")
+        return MistakenKindError(name, "class", expected, hint=f"{name}() makes one of its values")
     kind = "" if value is None else type(value).__name__  # "None is not a rule base" says it all
     hint = "fuzzyarm.load reads a file" if isinstance(value, str | os.PathLike) else ""
-    return MistakenKindError(shortened(repr(value), 80), kind, wanted, hint=hint)
+    return MistakenKindError(shortened(repr(value), 80), kind, expected, hint=hint)
 
 
 class OfKind:

@@ -49,7 +49,7 @@ class Cost:
     text : str
         As in ``rms + 0.002*variation``. A metric is the mean over what is tracked; of one axis it
         is written ``'joint1.rms'``.
-    known : tuple of str
+    metrics : tuple of str
         The names that it may have.
 
     Raises
@@ -59,13 +59,13 @@ class Cost:
     """
 
     text: str
-    known: tuple[str, ...] = METRICS
+    metrics: tuple[str, ...] = METRICS
 
     def __post_init__(self) -> None:
         for name in self.formula.names:
             bare = name.rpartition(".")[2]
-            if bare not in self.known and name not in CONSTANTS:
-                hint = near_hint(bare, self.known)[0] or f"one of {', '.join(self.known)}"
+            if bare not in self.metrics and name not in CONSTANTS:
+                hint = near_hint(bare, self.metrics)[0] or f"one of {', '.join(self.metrics)}"
                 raise CostFormulaError(f"no metric '{name}'", name=name, hint=hint)
 
     @cached_property
@@ -164,14 +164,14 @@ OwnCost = Callable[[Any], float]
 """Takes the runs, a list of :class:`fuzzyarm.loop.Run`; of a rule base alone the rule base."""
 
 
-def read_cost(text: str, known: tuple[str, ...] = METRICS) -> Cost | OwnCost:
+def read_cost(text: str, metrics: tuple[str, ...] = METRICS) -> Cost | OwnCost:
     """Return the cost that a user names: a formula, or ``FILE.py:FUNCTION``, which is executed."""
     path, _, name = text.rpartition(":")
     if not path.endswith(".py"):
         if text.endswith(".py"):
             hint = f"{text}:FUNCTION"
             raise CostFormulaError(f"'{text}' does not name a function", name=text, hint=hint)
-        return Cost(text, known)
+        return Cost(text, metrics)
     module = executed(path, CostFormulaError)
     function = getattr(module, name, None)
     if not callable(function):

@@ -152,7 +152,7 @@ class Design:
         model = subject.model if isinstance(subject, ControllerText) else None
         blocks = blocks_of(subject, tuning)
         is_default = tuning is None  # ranges behind gains are part of what the file says
-        parts = [*_gains(model, blocks, own=is_default)] if model is not None else []
+        parts = [*_gains(model, blocks, with_file_ranges=is_default)] if model is not None else []
         for sheet, block in blocks.items():
             parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
         self._parts = tuple(parts)
@@ -325,17 +325,17 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
 
 
 def _gains(
-    model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool
+    model: ControllerModel, blocks: Mapping[str, Tuning], *, with_file_ranges: bool
 ) -> Iterator[_ParameterGroup]:
     """Yield the gains that may move."""
-    ranges = gain_ranges(model, blocks.values(), own=own)
+    ranges = gain_ranges(model, blocks.values(), with_file_ranges=with_file_ranges)
     for gain in model.gains:
         if gain.name in ranges:
             yield _ParameterGroup("", None, gain.name, tuple(_said(gain, ranges[gain.name], model)))
 
 
 def gain_ranges(
-    model: ControllerModel, blocks: Iterable[Tuning], *, own: bool
+    model: ControllerModel, blocks: Iterable[Tuning], *, with_file_ranges: bool
 ) -> dict[str, GainTuning]:
     """Return how each gain may move; what a rule base says goes before the gain's own range.
 
@@ -345,7 +345,7 @@ def gain_ranges(
         Whose gains they are.
     blocks : iterable of Tuning
         What rule bases say, or lines that are given beside the file.
-    own : bool
+    with_file_ranges : bool
         Whether ``tune`` behind a gain counts.
 
     Raises
@@ -367,7 +367,7 @@ def gain_ranges(
             hint = near_hint(name, models)[0] or f"there are {', '.join(models) or 'none'}"
             raise TuneError(f"{model.name} has no gain '{name}'", name=name, hint=hint)
     for gain in model.gains:
-        if own and gain.tune is not None:
+        if with_file_ranges and gain.tune is not None:
             ends = gain.tune.low, gain.tune.high
             tunings.setdefault(gain.name, GainTuning((gain.name,), *ends, log=gain.tune.log))
     return tunings

@@ -128,7 +128,7 @@ class Examiner:
     def __init__(self, problem: TuningProblem) -> None:
         self.problem = problem
         self.design = Design(problem.subject, problem.tuning)
-        self.own = None if isinstance(problem.cost, Cost) else problem.cost
+        self.own_cost = None if isinstance(problem.cost, Cost) else problem.cost
         self.lock = threading.Lock()
         self.stands: list[_Stand] = []
         if isinstance(problem.subject, ControllerText):
@@ -203,7 +203,7 @@ class Examiner:
     ) -> ScenarioOutcome:
         error, chatter = values.get("rms", math.nan), values.get("chatter", math.nan)
         if diverged is not None:
-            run_kept = run if self.own is not None else None
+            run_kept = run if self.own_cost is not None else None
             cost = lost(diverged, stand.duration)
             return ScenarioOutcome(cost, error, chatter, diverged=True, run=run_kept)
         if isinstance(self.problem.cost, Cost):
@@ -218,19 +218,19 @@ class Examiner:
         diverged = sum(outcome.diverged for outcome in outcomes)
         error = float(np.mean([outcome.error for outcome in outcomes]))
         chatter = float(np.mean([outcome.chatter for outcome in outcomes]))
-        if self.own is not None:
+        if self.own_cost is not None:
             runs = [outcome.run for outcome in outcomes]
             with self.lock:
-                user_cost = asked(self.own, runs)
+                user_cost = asked(self.own_cost, runs)
             return Score(user_cost + sum(parts), (), error, chatter, diverged)
         cost = max(parts) if self.problem.over == "worst" else float(np.mean(parts))
         return Score(cost, parts, error, chatter, diverged)
 
     def _of_samples(self, candidate: Candidate) -> Score:
         rulebase = self.design.rulebase_at(candidate)
-        if self.own is not None:
+        if self.own_cost is not None:
             with self.lock:
-                return Score(asked(self.own, rulebase))
+                return Score(asked(self.own_cost, rulebase))
         assert isinstance(self.problem.cost, Cost)
         assert self.problem.samples is not None
         errors = errors_of(rulebase, self.problem.samples)

@@ -139,7 +139,7 @@ class _Planes:
         self.model = text.model
         self.sheets: dict[str, tuple[Sheet, ...]] = dict(text.sheets)
         self.blocks = blocks_of(text, tuning)
-        self.ranges = gain_ranges(text.model, self.blocks.values(), own=tuning is None)
+        self.ranges = gain_ranges(text.model, self.blocks.values(), with_file_ranges=tuning is None)
         self.scaling = _scaling_gains(text.model)
         self.gains: dict[str, GainModel] = {}
         self.moving: list[GainTuning] = []

@@ -93,12 +93,12 @@ def moved(shape: Shape, to: Map) -> Shape:
     )
 
 
-def _number(kind: str, name: str, known: Mapping[str, float], to: Map) -> float:
-    value = known[name]
+def _number(kind: str, name: str, values: Mapping[str, float], to: Map) -> float:
+    value = values[name]
     rate = name in RATES and kind != "bell"
     if name not in WIDTHS and not rate:
         return value if name == "direction" or name in RATES else to(value)
-    middle = known[CENTRES[name]]
+    middle = values[CENTRES[name]]
     length = 1.0 / value if rate else value
     # A length has two ends, which may go different ways: half of the distance between them.
     stretched = 0.5 * (to(middle + length) - to(middle - length))
@@ -192,7 +192,7 @@ class Movement:
     def __init__(self, variable: Variable, peaks: PeakTuning, fixed: Sequence[str]) -> None:
         self.variable = variable
         self.peaks = peaks
-        self.kept = {term.name for term in variable.terms} if "" in fixed else set(fixed)
+        self.fixed_terms = {term.name for term in variable.terms} if "" in fixed else set(fixed)
         if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
             raise TuneError(f"'{variable.name}' has no finite range", name=variable.name)
         self.width = variable.high - variable.low
@@ -272,7 +272,7 @@ class Movement:
         """Positions that stay: the ends of the range, what is kept, and images of these."""
         low, high = self.variable.low, self.variable.high
         values = {low, high}
-        values |= {edge for name in self.kept for edge in self.cores[name]}
+        values |= {edge for name in self.fixed_terms for edge in self.cores[name]}
         if self.peaks.mirrored:
             # What a term keeps, its image keeps.
             values |= {0.5 * self.turn, *(self.turn - nail for nail in values)}
@@ -324,7 +324,7 @@ class Movement:
     @cached_property
     def _free(self) -> list[tuple[str, str]]:
         """Terms that move by themselves, each with its image or an empty name."""
-        stay = self.kept | {name for name in self.cores if self._reaches_an_end(name)}
+        stay = self.fixed_terms | {name for name in self.cores if self._reaches_an_end(name)}
         if not self.peaks.mirrored:
             return [(name, "") for name in self.cores if name not in stay]
         return [
@@ -360,7 +360,7 @@ class Movement:
 
     def _with(self, to: Callable[[str], Map]) -> Variable:
         # The feet of what is kept follow the neighbours, where they are a partition.
-        stay = set() if self.peaks.partition else self.kept
+        stay = set() if self.peaks.partition else self.fixed_terms
         terms = tuple(
             term if term.name in stay else self._term(term, to(term.name))
             for term in self.begun.terms

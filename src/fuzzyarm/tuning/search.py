@@ -135,16 +135,16 @@ class Search:
         promises: Promises | None,
         budget: Budget,
         journal: Journal | None = None,
-        watch: Watch = lambda _found: None,
+        watch: Watch = lambda _result: None,
     ) -> None:
         self.panel = panel
         self.promises = promises
         self.budget = budget
         self.journal = journal
         self.watch = watch
-        self.known = list(journal.known) if journal is not None else []
+        self.replay = list(journal.replay) if journal is not None else []
         self.before = journal.seconds if journal is not None else 0.0
-        self.found = Found([], Trial(panel.design.start, Score(math.inf)))
+        self.result = Found([], Trial(panel.design.start, Score(math.inf)))
         self.begin = time.monotonic()
 
     def run(self, method: str, seed: int) -> Found:
@@ -154,7 +154,7 @@ class Search:
         ends it, what it has found stays. Only where nothing but the file was examined there is
         nothing to keep.
         """
-        start, search = self.panel.design.start, self.found
+        start, search = self.panel.design.start, self.result
         try:
             self.ask([start])
             if search.trials[0].score.fault:
@@ -183,8 +183,8 @@ class Search:
 
     def ask(self, points: Sequence[Vector]) -> list[float]:
         """Return the costs of points; of a batch as many as the budget allows are examined."""
-        remaining = self.budget.evals - len(self.found.trials)
-        if remaining <= 0 or (self.found.trials and self._late()):  # the file is always examined
+        remaining = self.budget.evals - len(self.result.trials)
+        if remaining <= 0 or (self.result.trials and self._late()):  # the file is always examined
             raise Over
         costs: list[float] = []
         while len(costs) < min(len(points), remaining):
@@ -199,18 +199,18 @@ class Search:
 
     def _block_size(self) -> int:
         """Return how many points are examined before the clock is asked again."""
-        workers, fresh = self.panel.workers, len(self.found.trials) - len(self.known)
+        workers, fresh = self.panel.workers, len(self.result.trials) - len(self.replay)
         if fresh <= 0:
             return 4 * workers
         pace = (time.monotonic() - self.begin) / fresh
         return max(workers, min(4 * workers, int(BLOCK_SECONDS / max(pace, 1e-9))))
 
     def _late(self) -> bool:
-        return self.seconds > self.budget.seconds and len(self.known) <= len(self.found.trials)
+        return self.seconds > self.budget.seconds and len(self.replay) <= len(self.result.trials)
 
     def _block(self, points: Sequence[Vector]) -> list[float]:
-        count = len(self.found.trials)
-        replayed = self.known[count : count + len(points)]
+        count = len(self.result.trials)
+        replayed = self.replay[count : count + len(points)]
         for trial, point in zip(replayed, points, strict=False):
             if not np.array_equal(trial.point, point):
                 raise JournalError("the journal is of another search", hint="remove it")
@@ -218,17 +218,17 @@ class Search:
         scores = [trial.score for trial in replayed] + self._examined(fresh)
         trials = [Trial(point, score) for point, score in zip(points, scores, strict=True)]
         for at, trial in enumerate(trials):
-            self._take(trial, known=at < len(replayed))
+            self._take(trial, is_replayed=at < len(replayed))
         if self.journal is not None and fresh:
             try:
                 self.journal.append(
-                    self.found.trials[count + len(replayed) :], count + len(replayed)
+                    self.result.trials[count + len(replayed) :], count + len(replayed)
                 )
             except OSError as error:  # the search is worth more than its journal
-                self.found.unwritten = f"{self.journal.path}: {error.strerror or error}"
+                self.result.unwritten = f"{self.journal.path}: {error.strerror or error}"
                 self.journal = None
-        self.watch(self.found)
-        return [trial.score.cost for trial in self.found.trials[count:]]
+        self.watch(self.result)
+        return [trial.score.cost for trial in self.result.trials[count:]]
 
     def _examined(self, points: Sequence[Vector]) -> list[Score]:
         """Examine what keeps its expectations; the rest costs more than anything."""
@@ -238,19 +238,19 @@ class Search:
         scores = iter(self.panel.scores(sound))
         return [Score(REFUSED) if fails else next(scores) for fails in broken]
 
-    def _take(self, trial: Trial, *, known: bool) -> None:
+    def _take(self, trial: Trial, *, is_replayed: bool) -> None:
         """Count a trial; one that would be the best has its properties proved first.
 
         Of a known one the journal says what came of that.
         """
-        search = self.found
+        search = self.result
         if trial.score.fault:
             search.failed += 1
         elif trial.score.cost >= REFUSED:
             search.refused += 1
         elif trial.score.cost < search.best.score.cost:
             unproved = ""
-            if self.promises and not known:
+            if self.promises and not is_replayed:
                 unproved = self.promises.proof(self.panel.design.at(trial.point))
             if unproved:
                 search.refused += 1
@@ -300,9 +300,9 @@ class Journal:
         self.path = self.lines.path
         self.seconds = 0.0
         self.begin = time.monotonic()
-        self.known: list[Trial] = []
+        self.replay: list[Trial] = []
         if resume and self.path.exists():
-            self.known = self.lines.read(self._trial)
+            self.replay = self.lines.read(self._trial)
         else:
             self.lines.begin(may_replace=False)
 

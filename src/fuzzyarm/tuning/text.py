@@ -319,9 +319,9 @@ def demand_not_used(out: str | Path, subject: ControllerText | RuleBase, path: s
     """
     if not isinstance(subject, ControllerText):
         return
-    own = Path(out).resolve()
+    target = Path(out).resolve()
     files = {file.resolve() for file in files_of(subject.model, path).values()}
-    if own in files - {Path(path).resolve()}:
+    if target in files - {Path(path).resolve()}:
         raise SourceFileError(str(out))
 
 

@@ -416,7 +416,7 @@ def _in_loop(
             sets = {"train": problem, **judged}
             linear = {key: replace(p, subject=other, tuning=moving) for key, p in sets.items()}
     unseen_names = tuple(scenario.name for scenario in judged["unseen"].scenarios) if judged else ()
-    names = {"train": tuple(each.name for each in train), "unseen": unseen_names}
+    names = {"train": tuple(scenario.name for scenario in train), "unseen": unseen_names}
     return TuningJob(problem, judged, linear, _cost_name(wish), names, {}, alone)
 
 
@@ -505,8 +505,8 @@ def _fitting(samples: Samples, rulebase: RuleBase) -> Samples:
 def _with_noise(samples: Samples, seed: int) -> Samples:
     generator = np.random.default_rng([seed, 2])
     spread = NOISE_SHARE * np.ptp(samples.inputs, axis=0)
-    drawn = generator.standard_normal(samples.inputs.shape) * spread
-    return replace(samples, inputs=samples.inputs + drawn)
+    noise = generator.standard_normal(samples.inputs.shape) * spread
+    return replace(samples, inputs=samples.inputs + noise)
 
 
 # --- Search, and what follows ---

@@ -328,13 +328,13 @@ def uneven_terms(subject: Subject) -> Iterator[Diagnostic]:
         if crossing(variable) is not None:  # one slip, one finding
             continue
         tunings = [peaks for peaks in tuning.peaks if variable.name in peaks.variables]
-        yield from _broken_partition(variable, asked=any(peaks.partition for peaks in tunings))
-        yield from _uneven_mirror(variable, asked=any(peaks.mirrored for peaks in tunings))
+        yield from _broken_partition(variable, always=any(peaks.partition for peaks in tunings))
+        yield from _uneven_mirror(variable, always=any(peaks.mirrored for peaks in tunings))
 
 
-def _broken_partition(variable: Variable, *, asked: bool) -> Iterator[Diagnostic]:
+def _broken_partition(variable: Variable, *, always: bool) -> Iterator[Diagnostic]:
     faults = partition_faults(variable) or []
-    if not asked and 3 * len(faults) > len(variable.terms) - 1:
+    if not always and 3 * len(faults) > len(variable.terms) - 1:
         return
     for fault in faults:
         yield Diagnostic(
@@ -346,10 +346,10 @@ def _broken_partition(variable: Variable, *, asked: bool) -> Iterator[Diagnostic
         )
 
 
-def _uneven_mirror(variable: Variable, *, asked: bool) -> Iterator[Diagnostic]:
+def _uneven_mirror(variable: Variable, *, always: bool) -> Iterator[Diagnostic]:
     pairs = mirror_pairs(variable) or []
     faults = list(mirror_faults(variable))
-    if not asked and not (len(faults) == 1 and len(pairs) >= 3):
+    if not always and not (len(faults) == 1 and len(pairs) >= 3):
         return
     middle = 0.5 * (variable.low + variable.high)
     for first, second in faults:

@@ -28,7 +28,7 @@ __all__ = [
     "operate",
 ]
 
-_BY_CODE = {each.code: each for each in DTYPES}
+_BY_CODE = {data_type.code: data_type for data_type in DTYPES}
 FLOAT, WHOLE, BOOL, OBJECT = dtype(float), dtype(int), dtype(bool), dtype(object)
 
 Shape = tuple[int, ...]
@@ -437,21 +437,21 @@ def array_of(value: Any, kind: Any = None) -> ndarray:  # noqa: C901
     elif isinstance(value, Iterable) and not isinstance(value, Sequence):
         value = list(value)
     if not isinstance(value, Sequence):
-        own = kind_of(value) if to is None else to
-        return made([_cast(value, own)], own, ())
+        data_type = kind_of(value) if to is None else to
+        return made([_cast(value, data_type)], data_type, ())
     if not any(isinstance(element, Sequence | ndarray) for element in value):
-        own = kind_of(value) if to is None else to
-        if own.kind == "i":
+        data_type = kind_of(value) if to is None else to
+        if data_type.kind == "i":
             value = [int(element) for element in value]
-        return made(value, own)
+        return made(value, data_type)
     rows = [array_of(element, to) for element in value]
     if len({row.shape for row in rows}) != 1:
         raise ValueError("setting an array element with a sequence: the rows differ in length")
-    own = rows[0].dtype
+    data_type = rows[0].dtype
     for row in rows[1:]:
-        own = promoted(own, row.dtype)
-    flat = [element for row in rows for element in elements(row.astype(own, copy=False))]
-    return made(flat, own, (len(rows), *rows[0].shape))
+        data_type = promoted(data_type, row.dtype)
+    flat = [element for row in rows for element in elements(row.astype(data_type, copy=False))]
+    return made(flat, data_type, (len(rows), *rows[0].shape))
 
 
 # --- Indexing ---

@@ -206,8 +206,8 @@ class DType:
 
 
 DTYPES = tuple(
-    DType(*each)
-    for each in (
+    DType(*data_type)
+    for data_type in (
         (bool_, "bool", "?", "b", 0),
         (uint8, "uint8", "B", "i", 1),
         (int8, "int8", "b", "i", 1),
@@ -219,8 +219,8 @@ DTYPES = tuple(
         (object, "object", "O", "O", 7),
     )
 )
-_BY_TYPE: dict[Any, DType] = {each.type: each for each in DTYPES}
-_BY_TYPE |= {each.name: each for each in DTYPES}
+_BY_TYPE: dict[Any, DType] = {data_type.type: data_type for data_type in DTYPES}
+_BY_TYPE |= {data_type.name: data_type for data_type in DTYPES}
 _BY_TYPE |= {float: _BY_TYPE["float64"], int: _BY_TYPE["int64"], bool: _BY_TYPE["bool"]}
 _BY_TYPE |= {"float": _BY_TYPE[float], "int": _BY_TYPE[int], "d": _BY_TYPE[float]}
 # To NumPy, too, a kind that is not given is float64.

@@ -283,7 +283,7 @@ def rulebase_figure(
     plans = [_Panel.of(variable, rulebase, width / columns - _EDGE) for variable in variables]
     responses = [ResponseFigure(Response(rulebase, target, at or {}, fails)) for target in outputs]
     top = rows * (2.1 + max((plan.more for plan in plans), default=0.0))
-    heights = [top, *(each.height for each in responses)]
+    heights = [top, *(response.height for response in responses)]
     figure = new_figure(width, sum(heights) + 0.4)
     parts = figure.subfigures(1 + len(outputs), 1, height_ratios=heights, squeeze=False)[:, 0]
     panels = _panels(parts[0], rows, columns, len(variables))

@@ -79,8 +79,8 @@ def surface_figure(
     rulebase = model_of(rulebase)
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     responses = [ResponseFigure(Response(rulebase, target, at or {}, fails)) for target in outputs]
-    heights = [each.height for each in responses]
-    figure = new_figure(max(each.width for each in responses), sum(heights))
+    heights = [response.height for response in responses]
+    figure = new_figure(max(response.width for response in responses), sum(heights))
     parts = figure.subfigures(len(outputs), 1, height_ratios=heights, squeeze=False)[:, 0]
     for part, response in zip(parts, responses, strict=True):
         response.draw(part)
