@@ -206,8 +206,8 @@ class DType:
 
 
 DTYPES = tuple(
-    DType(*data_type)
-    for data_type in (
+    DType(*entry)
+    for entry in (
         (bool_, "bool", "?", "b", 0),
         (uint8, "uint8", "B", "i", 1),
         (int8, "int8", "b", "i", 1),
