@@ -14,7 +14,7 @@ export async function makeAround(hand) {
   if (!(await hand.save())) return; // a controller uses what is saved
   const made = await fill(
     S.aroundTitle(file),
-    [{ name: "name", label: S.nameOfFile, value: S.aroundName(file) }],
+    [{ name: "name", label: S.name, value: S.aroundName(file) }],
     S.create,
     (values) => hand.folder({ what: "new", kind: "controller", around: file, ...values }),
   );
@@ -29,13 +29,18 @@ export async function makeAround(hand) {
 export function aroundLine(hand) {
   const line = el("p", { class: "around", hidden: true });
   const go = (name) => el("button", { textContent: clean(name), onclick: () => hand.turnTo(name) });
+  let asked = 0;
   const links = (words, names) => (names.length ? [` ${words} `, ...names.slice(0, 8).map(go)] : []);
 
   async function show(wanted, onArm) {
-    line.hidden = !wanted;
-    if (!wanted) return;
+    const mine = ++asked;
+    if (!wanted) {
+      line.hidden = true;
+      return;
+    }
     const listing = await hand.folder({ what: "list" });
     const using = (await hand.folder({ what: "users", file: hand.file() })).users ?? [];
+    if (mine !== asked) return; // the text is another one by now
     const others = (listing.files ?? []).filter((each) => each.kind === "controller" && !using.includes(each.name));
     const make = el("button", { class: "main", textContent: S.makeAround, onclick: () => makeAround(hand) });
     line.replaceChildren(
@@ -48,6 +53,7 @@ export function aroundLine(hand) {
         others.map((each) => each.name),
       ),
     );
+    line.hidden = false;
   }
 
   return { line, show };

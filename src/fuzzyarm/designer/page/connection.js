@@ -119,6 +119,7 @@ class Connection {
     this.answers.clear();
     for (const hear of this.jobs.values()) hear({ end: "failed", message: S.gone });
     this.jobs.clear();
+    this.early = []; // nobody waits for it any more
     this.closed();
     if (again) setTimeout(this.open, AGAIN);
   };

@@ -3,8 +3,8 @@
 // Every file that is looked at has a desk of its own, of which one is shown. So what belongs to a file
 // stays with it: steps back, the cursor, the point, the view, what a search or a run has found.
 
-import { ask, choose, fill } from "./dialogs.js";
-import { clean, el } from "./draw.js";
+import { choose, fill, rename } from "./dialogs.js";
+import { clean, el, pairsOf, refill, space } from "./draw.js";
 import { frame } from "./frame.js";
 import { askServer } from "./remote.js";
 import { Store } from "./store.js";
@@ -80,9 +80,9 @@ class Desk {
       edit: (shapes) => this.text.edit("shapes", { shapes }),
       change: (what, details) => this.text.edit(what, details), // an edit that the server makes
       attempt: (what, details) => this.text.attempt(what, details), // the same, of a dialog that says what is wrong
-      askFor: ask,
       choose,
       fill,
+      rename,
       numbers: (variable) => this.text.numbers(variable),
       ask: this.link.ask,
       start: this.start,
@@ -115,7 +115,7 @@ class Desk {
     // Where there is no file there is nothing to be typed and saved.
     const controls = [
       ...(this.file ? [chooser, this.save, ...(this.page.buttons?.(this.hand) ?? []), this.status] : [this.status]),
-      el("span", { class: "space" }),
+      space(),
     ];
     const { root, turn } = frame(this.store, this.hand, this.file ? this.text.section : null, controls, this.views);
     this.root = root;
@@ -199,8 +199,7 @@ class Desk {
       bring: (dropped) => this.bring(dropped),
       offer: (names) => {
         const all = names.includes(this.file) ? names : [this.file, ...names]; // one that has gone is still shown
-        this.files.replaceChildren(...all.map((name) => el("option", { value: name, textContent: name })));
-        this.files.value = this.file;
+        refill(this.files, pairsOf(all), this.file);
       },
       move: (to) => {
         this.file = to;

@@ -1,6 +1,6 @@
 // A controller as a block diagram, and the rule bases and tables that it looks up.
 
-import { clean, el, eachFrame, pane, svg } from "./draw.js";
+import { clean, eachFrame, el, pane, space, svg } from "./draw.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 
@@ -83,7 +83,7 @@ function sheetCard(sheet, hand, names) {
       { class: "row" },
       el("strong", { textContent: sheet.name }),
       el("span", { class: "small", textContent: words }),
-      el("span", { class: "space" }),
+      space(),
       ...open,
     ),
     sheet.panel ? canvas : el("p", { class: "note", textContent: sheet.why }),
@@ -130,7 +130,7 @@ export function diagramPane(store, hand) {
   let used = ""; // the names of the files that have been looked at
   let asked = "";
   const toRules = el("button", { textContent: S.toRules, onclick: () => store.turnDiagram(false) });
-  bar.append(said, el("span", { class: "space" }), toRules);
+  bar.append(said, space(), toRules);
   body.append(picture, list);
 
   function build() {

@@ -79,12 +79,17 @@ export function setTools(bar, ...tools) {
 /** What keeps the tools behind it at the end of a bar. */
 export const space = () => el("span", { class: "space" });
 
-/** A list to choose from: pairs of a value and its words. */
+/** Fill a list with pairs of a value and its words; what was chosen stays where it still is. */
+export function refill(list, options, chosen = list.value) {
+  list.replaceChildren(...options.map(([value, text]) => el("option", { value, textContent: text })));
+  if (options.some(([value]) => value === chosen)) list.value = chosen;
+}
+
+/** A list to choose from. */
 export function select(options, chosen, properties = {}) {
-  const choices = options.map(([value, text]) =>
-    el("option", { value, textContent: text, selected: value === chosen }),
-  );
-  return el("select", properties, ...choices);
+  const list = el("select", properties);
+  refill(list, options, chosen);
+  return list;
 }
 
 /** The same with its label, for the bar of a pane. */
@@ -110,7 +115,7 @@ export function tableOf({ class: kind = "", caption, head, rows }) {
   return el(
     "table",
     { class: kind },
-    ...(caption ? [el("caption", {}, caption)] : []),
+    ...(caption ? [caption instanceof HTMLTableCaptionElement ? caption : el("caption", {}, caption)] : []),
     ...(head ? [el("thead", {}, el("tr", {}, ...head.map((content) => headCell("col", content))))] : []),
     el("tbody", {}, ...rows.map((cells) => (cells instanceof Node ? cells : row(cells)))),
   );

@@ -1,6 +1,6 @@
 // The page without a server: the terms can be moved, the text follows.
 
-import { el } from "./draw.js";
+import { el, space } from "./draw.js";
 import { frame } from "./frame.js";
 import { listingPane } from "./listing.js";
 import { Store } from "./store.js";
@@ -19,7 +19,7 @@ const actions = {
 const { root } = frame(model, /** @type {Page.Hand} */ (actions), listing.section, [
   el("strong", { textContent: given.scene.name }),
   el("span", { id: "status", textContent: given.scene.description }),
-  el("span", { class: "space" }),
+  space(),
   el("small", { textContent: S.madeBy(given.version) }),
 ]);
 document.body.append(root);

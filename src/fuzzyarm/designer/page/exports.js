@@ -1,8 +1,10 @@
 // Exports of the text as it is now: a dialog for each kind, with what the command has as options.
 
-import { clean, el, pane } from "./draw.js";
+import { clean, el, pairsOf, pane } from "./draw.js";
+import { showDialog } from "./dialogs.js";
 import { Form } from "./form.js";
 import { S } from "./strings.js";
+import { Task } from "./task.js";
 
 /** @type {Array<[string, string[]]>} */
 const GROUPS = [
@@ -64,13 +66,13 @@ export function exportPane(store, hand) {
  */
 function exportDialog(store, hand, suffix, fields) {
   const state = el("p", { class: "state", role: "status" });
-  const found = el("ul", { class: "made" });
+  const links = el("ul", { class: "made" });
   const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
-  const go = el("button", { type: "submit", textContent: S.exportNow });
+  const go = el("button", { type: "submit", textContent: S.exports });
   const close = el("button", { type: "button", textContent: S.close, onclick: () => dialog.close() });
   const asked = new Form();
   asked.open(fields);
-  const outputs = (store.scene?.outputs ?? []).map((each) => [each.name, each.name]);
+  const outputs = pairsOf((store.scene?.outputs ?? []).map((each) => each.name));
   const every = [".h", ".c", ".st", ".png", ".svg"].includes(suffix) ? [["", S.everyOutput]] : [];
   asked.choices("output", [...every, ...outputs]);
   asked.show(["output"], outputs.length > 1);
@@ -80,31 +82,27 @@ function exportDialog(store, hand, suffix, fields) {
     el("strong", { textContent: S.exportTitle(S.exportKinds[suffix], hand.file()) }),
     asked.view,
     state,
-    found,
+    links,
     lines,
     el("div", { class: "row" }, close, go),
   );
-  const dialog = el("dialog", { "aria-label": S.exports }, form);
-  let job = null;
-  form.addEventListener("submit", async (event) => {
+  const task = new Task(hand, "export");
+  form.addEventListener("submit", (event) => {
     event.preventDefault();
-    if (job) return;
-    const options = asked.values();
+    if (go.disabled) return;
     asked.mark("");
     go.disabled = true;
-    found.replaceChildren();
+    links.replaceChildren();
     lines.hidden = true;
     state.textContent = S.working;
     state.classList.remove("error");
-    await hand.settled(); // what is typed is exported
-    job = hand.start("export", { suffix, options }, hear);
+    task.beginSettled(() => ({ suffix, options: asked.values() }), hear); // what is typed is exported
   });
 
   function hear(news) {
     if (news.doing) state.textContent = clean(`${news.doing} …`);
     if (news.files) show(news);
     if (!news.end) return;
-    job = null;
     go.disabled = false;
     if (news.end === "failed") {
       state.textContent = asked.mark(news.field ?? "", news.message) ? "" : clean(news.message);
@@ -112,21 +110,17 @@ function exportDialog(store, hand, suffix, fields) {
     } else if (news.end === "done") state.textContent = S.exported;
   }
 
-  function show(news) {
-    const links = news.files.map(({ name, bytes, href }) =>
+  function show({ files, lines: said }) {
+    const loads = files.map(({ name, bytes, href }) =>
       el("a", { href, download: name, textContent: S.download(clean(name), bytes) }),
     );
-    found.replaceChildren(...links.map((link) => el("li", {}, link)));
-    lines.textContent = clean(news.lines.join("\n"));
-    lines.hidden = !news.lines.length;
-    if (links.length === 1) links[0].click();
+    links.replaceChildren(...loads.map((link) => el("li", {}, link)));
+    lines.textContent = clean(said.join("\n"));
+    lines.hidden = !said.length;
+    if (loads.length === 1) loads[0].click();
   }
 
-  dialog.addEventListener("close", () => {
-    job?.stop();
-    dialog.remove();
-  });
-  document.body.append(dialog);
-  dialog.showModal();
+  const { dialog, closed } = showDialog(S.exports, {}, form);
+  closed.then(() => task.drop());
   if (!fields.length) form.requestSubmit();
 }

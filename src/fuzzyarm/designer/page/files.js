@@ -1,6 +1,6 @@
 // Files: what stands in the folder, new files, other names, and what is dropped on the page.
 
-import { clean, el, keepFocus, pane } from "./draw.js";
+import { clean, el, keepFocus, pairsOf, pane, space, tableOf } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
 import { exportPane } from "./exports.js";
 import { invitation, offers } from "./starts.js";
@@ -28,7 +28,6 @@ class FolderPane {
 
     const { section, bar, body } = pane("folder", S.files);
     this.section = section;
-    this.list = el("tbody");
     this.said = el("p", { class: "note", role: "status" });
     this.chosen = el("input", {
       type: "file",
@@ -48,15 +47,13 @@ class FolderPane {
     // Until the folder is known there is nothing to choose from.
     this.create = el("button", { textContent: S.newFile, disabled: true, onclick: () => this.begin() });
     bar.append(
-      el("span", { class: "space" }),
+      space(),
       this.create,
       el("button", { textContent: S.importFile, title: S.importHint, onclick: () => this.chosen.click() }),
       this.chosen,
     );
-    const heads = [S.file, S.kind, S.description, S.findings, ""].map((words) =>
-      words ? el("th", { scope: "col", textContent: words }) : el("td"),
-    );
-    this.table = el("table", { class: "files" }, el("thead", {}, el("tr", {}, ...heads)), this.list);
+    this.table = tableOf({ class: "files", head: [S.file, S.kind, S.description, S.findings, ""], rows: [] });
+    this.list = this.table.tBodies[0];
     this.below = el("div", { class: "beginning" });
     body.append(this.said, this.table, this.below);
 
@@ -129,7 +126,7 @@ class FolderPane {
         "td",
         { class: "acts" },
         act(S.duplicate, S.duplicateOf, () => this.duplicate(each.name)),
-        act(S.renameFile, S.renameOf, () => this.rename(each.name)),
+        act(S.rename, S.renameOf, () => this.rename(each.name)),
         act(S.deleteFile, S.deleteOf, () => this.remove(each)),
       ),
     );
@@ -140,15 +137,15 @@ class FolderPane {
     for (const each of this.files) {
       if (mine !== this.round || this.store.view !== "files") return;
       const found = await this.hand.folder({ what: "findings", file: each.name });
-      const words = found.error ?? found.summary;
-      each.findings.textContent = clean(found.sound ? words : `${S.notSound}: ${words}`);
+      const words = found.sound ? found.summary : `${S.notSound}: ${found.summary}`;
+      each.findings.textContent = clean(found.error ?? words);
       each.findings.classList.toggle("error", !found.sound);
     }
   };
 
   /** Make a file: its kind is chosen before, or in the dialog. */
   begin = async (kind = "") => {
-    const ruleBases = this.files.filter((each) => each.kind === "rule base").map((each) => [each.name, each.name]);
+    const ruleBases = pairsOf(this.files.filter((each) => each.kind === "rule base").map((each) => each.name));
     const kinds = Object.entries(this.starts).map(([name, words]) => [name, `${S.startTitles[name]}: ${words}`]);
     const around = {
       name: "around",
@@ -159,7 +156,7 @@ class FolderPane {
     const made = await fill(
       kind ? S.startTitles[kind] : S.newFile,
       [
-        { name: "name", label: S.nameOfFile, value: S.startNames[kind] ?? S.unnamed },
+        { name: "name", label: S.name, value: S.startNames[kind] ?? S.unnamed },
         ...(kind ? [] : [{ name: "kind", label: S.template, options: kinds, value: "pd" }]),
         ...(kind && kind !== "controller" ? [] : [around]),
       ],
@@ -179,7 +176,7 @@ class FolderPane {
   duplicate = async (file) => {
     const made = await fill(
       S.duplicateOf(file),
-      [{ name: "name", label: S.nameOfFile, value: S.copyOf(file) }],
+      [{ name: "name", label: S.name, value: S.copyOf(file) }],
       S.duplicate,
       (values) => this.ask({ what: "duplicate", file, ...values }),
     );
@@ -194,8 +191,8 @@ class FolderPane {
   rename = async (file) => {
     await fill(
       S.renameOf(file),
-      [{ name: "name", label: S.nameOfFile, value: file }],
-      S.renameFile,
+      [{ name: "name", label: S.name, value: file }],
+      S.rename,
       (values) => this.ask({ what: "rename", file, ...values }),
       await this.users(file),
     );

@@ -1,18 +1,12 @@
 // The form of a request: a field for each of its JSON Schemas, whatever the job. What a field takes, its words and its
 // default are those of the record in Python; what is wrong with a value is said beside it, in the words of the command.
 
-import { clean, el } from "./draw.js";
+import { clean, el, field as labelled, refill, select } from "./draw.js";
 import { choicesOf, controlOf, isOptional, quoted, optionsOf, shownDefault, typeOf, valueOf } from "./fields.js";
 import { S } from "./strings.js";
 
 const JUDGED = { check: "change", choice: "change", lines: "input", text: "input" };
 let forms = 0; // each has ids of its own
-
-/** Fill a choice; what was chosen stays where it still is. */
-export function refill(select, options, chosen = select.value) {
-  select.replaceChildren(...options.map(([value, text]) => el("option", { value, textContent: text })));
-  if (options.some(([value]) => value === chosen)) select.value = chosen;
-}
 
 export class Form {
   /**
@@ -61,10 +55,8 @@ export class Form {
     input.dataset.key = `${this.id}-${field.name}`;
     input.addEventListener(JUDGED[kind], () => this.touched(field.name));
     const words = field.unit ? `${field.title}, ${field.unit}` : field.title;
-    const label =
-      kind === "check"
-        ? el("label", { class: "check", title: field.description }, input, words)
-        : el("label", { class: "field", title: field.description }, el("span", { textContent: words }), input);
+    const label = kind === "check" ? el("label", { class: "check" }, input, words) : labelled(words, input);
+    label.title = input.title;
     this.rows.set(field.name, { field, input, label });
     return label;
   }
@@ -72,11 +64,7 @@ export class Form {
   control(field, kind) {
     const shown = shownDefault(field);
     if (kind === "check") return el("input", { type: "checkbox", checked: shown });
-    if (kind === "choice") {
-      const select = el("select");
-      refill(select, choicesOf(field, { usual: S.usual, yes: S.yes, no: S.no }), shown);
-      return select;
-    }
+    if (kind === "choice") return select(choicesOf(field, { usual: S.usual, yes: S.yes, no: S.no }), shown);
     const plain = { value: shown, spellcheck: false, autocomplete: "off" };
     const isNumber = ["integer", "number"].includes(typeOf(field));
     const placeholder = isNumber || !field.placeholder ? (isOptional(field) ? S.usual : "") : field.placeholder;
@@ -121,11 +109,10 @@ export class Form {
     const row = this.rows.get(name);
     if (!row) return;
     if (row.input.tagName !== "SELECT") {
-      const select = el("select", { title: row.input.title });
-      select.dataset.key = row.input.dataset.key;
-      select.addEventListener("change", () => this.touched(name));
-      row.input.replaceWith(select);
-      row.input = select;
+      const { title, dataset } = row.input;
+      const list = el("select", { title, "data-key": dataset.key, onchange: () => this.touched(name) });
+      row.input.replaceWith(list);
+      row.input = list;
     }
     refill(row.input, pairs, chosen);
   }

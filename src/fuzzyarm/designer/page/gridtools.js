@@ -1,11 +1,10 @@
 // Grids by hand: a new one, its rows and columns, and a rule put together from lists.
 
-import { el, shortNumber } from "./draw.js";
+import { el, pairsOf, select, shortNumber } from "./draw.js";
 import { S } from "./strings.js";
 import { newShape } from "./variables.js";
 import { rangeOf } from "./geometry/shapes.js";
 
-const pairs = (names) => names.map((name) => [name, name]);
 const named = (variables) => variables.filter((each) => each.terms.length).map((each) => each.name);
 
 /** Whether there is something to conclude from something. */
@@ -17,14 +16,14 @@ export function addGrid({ fill, attempt }, { inputs, outputs }) {
   return fill(
     S.newGrid,
     [
-      { name: "output", label: S.concludes, options: pairs(named(outputs)) },
+      { name: "output", label: S.concludes, options: pairsOf(named(outputs)) },
       {
         name: "row",
         label: S.vertical,
-        options: [["", S.oneRow], ...pairs(across)],
+        options: [["", S.oneRow], ...pairsOf(across)],
         value: across.length > 1 ? across[0] : "",
       },
-      { name: "column", label: S.horizontal, options: pairs(across), value: across[1] ?? across[0] },
+      { name: "column", label: S.horizontal, options: pairsOf(across), value: across[1] ?? across[0] },
       { name: "fill", label: S.cells, options: S.fills },
     ],
     S.add,
@@ -52,7 +51,7 @@ export function addHead({ fill, attempt }, { inputs }, { line, row, variable: na
   return fill(
     row ? S.addRowOf(name) : S.addColumnOf(name),
     [
-      ...(absent.length ? [{ name: "chosen", label: S.term, options: [...pairs(absent), ["", S.newTerm]] }] : []),
+      ...(absent.length ? [{ name: "chosen", label: S.term, options: [...pairsOf(absent), ["", S.newTerm]] }] : []),
       { name: "name", label: S.newTermName, value: "", ...isNew },
       { name: "peak", label: S.peak, value: shortNumber(0.5 * (low + high)), ...isNew },
     ],
@@ -68,20 +67,14 @@ export function addHead({ fill, attempt }, { inputs }, { line, row, variable: na
 
 /** Lists to put a rule together: a term of each input or none, and what follows. */
 export function composer(attempt, { inputs, outputs }) {
-  const choices = (variable, none) =>
-    el(
-      "select",
-      { "aria-label": variable.name, "data-variable": variable.name },
-      ...(none ? [el("option", { value: "", textContent: "…" })] : []),
-      ...variable.terms.map(({ name }) => el("option", { value: name, textContent: name })),
-    );
+  const choices = ({ name, terms }, none) =>
+    select([...(none ? [["", "…"]] : []), ...pairsOf(terms.map((term) => term.name))], "", {
+      "aria-label": name,
+      "data-variable": name,
+    });
   const asked = inputs.filter((each) => each.terms.length).map((each) => choices(each, true));
   const concluded = outputs.filter((each) => each.terms.length).map((each) => choices(each, outputs.length > 1));
-  const join = el(
-    "select",
-    { "aria-label": S.join },
-    ...["and", "or"].map((word) => el("option", { value: word, textContent: word })),
-  );
+  const join = select(pairsOf(["and", "or"]), "and", { "aria-label": S.join });
   const wrong = el("span", { class: "wrong", role: "alert" });
   const part = (select) => el("label", {}, `${select.dataset.variable} is`, select);
   const values = (selects) => selects.filter((each) => each.value).map((each) => [each.dataset.variable, each.value]);

@@ -1,38 +1,20 @@
 // Help: what is where, and every key, in a dialogue of the page.
 
-import { el } from "./draw.js";
+import { el, space, tableOf } from "./draw.js";
+import { showDialog } from "./dialogs.js";
 import { S } from "./strings.js";
 
 /** Show the help; `views` are the names of those that the page has. */
 function showHelp(views) {
   if (document.querySelector("dialog[open]")) return;
   const close = el("button", { value: "", textContent: S.close, type: "submit" });
+  const key = (each) => (/^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each }));
+  const words = (keys) => keys.split(" ").flatMap((each, i) => [...(i ? [" "] : []), key(each)]);
   const keys = (rows) =>
-    el(
-      "table",
-      { class: "keys" },
-      el(
-        "tbody",
-        {},
-        ...rows.map(([key, words]) =>
-          el(
-            "tr",
-            {},
-            el(
-              "th",
-              { scope: "row" },
-              ...key
-                .split(" ")
-                .flatMap((each, i) => [
-                  ...(i ? [" "] : []),
-                  /^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each }),
-                ]),
-            ),
-            el("td", { textContent: words }),
-          ),
-        ),
-      ),
-    );
+    tableOf({
+      class: "keys",
+      rows: rows.map(([pressed, does]) => [el("th", { scope: "row" }, ...words(pressed)), does]),
+    });
   const parts = S.help
     .filter(({ view }) => !view || views.includes(view))
     .map(({ title, words, rows }) =>
@@ -45,19 +27,8 @@ function showHelp(views) {
       ),
     );
   const body = el("div", { class: "parts", tabIndex: 0, role: "group", "aria-label": S.helpTitle }, ...parts);
-  const dialog = el(
-    "dialog",
-    { class: "help", "aria-label": S.helpTitle },
-    el(
-      "form",
-      { method: "dialog" },
-      el("div", { class: "row" }, el("strong", { textContent: S.helpTitle }), el("span", { class: "space" }), close),
-      body,
-    ),
-  );
-  dialog.addEventListener("close", () => dialog.remove());
-  document.body.append(dialog);
-  dialog.showModal();
+  const title = el("div", { class: "row" }, el("strong", { textContent: S.helpTitle }), space(), close);
+  showDialog(S.helpTitle, { class: "help" }, el("form", { method: "dialog" }, title, body));
   body.focus();
 }
 

@@ -1,8 +1,7 @@
 // Learn: an SOC table that grows cell by cell while passes run, its visits, the error of each pass.
 
 import { stage } from "./charts.js";
-import { clean, colourOf, el, field, pairsOf, pane, placeWords, shortNumber, space } from "./draw.js";
-import { refill } from "./form.js";
+import { clean, colourOf, el, field, pairsOf, pane, placeWords, refill, select, shortNumber, space } from "./draw.js";
 import { cellAt, cellsPanel, gridOf, outlineOf } from "./geometry/panel.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
@@ -37,11 +36,11 @@ class LearnWork extends Work {
     this.errors = []; // RMS of each pass, for each axis
     this.axis = 0;
     this.cell = null; // [row, column] that is read out
-    this.speed = el("select", { onchange: () => this.task.say({ speed: this.speed.value }) });
-    refill(this.speed, [
+    const speeds = [
       ["watch", S.watch],
       ["fast", S.fast],
-    ]);
+    ];
+    this.speed = select(speeds, "watch", { onchange: () => this.task.say({ speed: this.speed.value }) });
     this.step = el("button", { textContent: S.onePass, title: S.onePassHint, onclick: () => this.stepped() });
     this.start.after(this.step);
     this.actions.append(field(S.speed, this.speed));

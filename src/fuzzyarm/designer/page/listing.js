@@ -1,6 +1,6 @@
 // The text of a page without a server: to be read, with the numbers that a hand has changed.
 
-import { clean, el, pane } from "./draw.js";
+import { clean, el, pane, space } from "./draw.js";
 import { S } from "./strings.js";
 
 /** A number as the language writes it. */
@@ -24,7 +24,7 @@ export function listingPane({ text, colours, places }) {
   const { section, bar, body } = pane("text", S.text);
   const area = el("pre", { class: "listing", tabIndex: 0, "aria-label": S.editor });
   const edits = new Map();
-  bar.append(el("span", { class: "space" }), el("span", { class: "small", textContent: S.readOnly }));
+  bar.append(space(), el("span", { class: "small", textContent: S.readOnly }));
   body.append(area);
 
   const starts = [0];

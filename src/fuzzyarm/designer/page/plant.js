@@ -1,7 +1,7 @@
 // The plant of a run: its drawing, and the hand that pushes it.
 
 import { stage as canvasStage } from "./charts.js";
-import { el, pane, colourOf } from "./draw.js";
+import { colourOf, el, pane, space } from "./draw.js";
 import { S } from "./strings.js";
 
 /**
@@ -32,7 +32,7 @@ class PicturePane {
     this.open = false;
     this.held = null; // where the pointer is, in the stage
     this.scale = null;
-    bar.append(el("span", { class: "space" }), this.said);
+    bar.append(space(), this.said);
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("aria-label", S.runPictureLabel);
     store.on("theme", () => this.colours.clear());

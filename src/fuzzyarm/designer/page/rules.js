@@ -1,7 +1,7 @@
 // Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list; findings
 // of the check where they are.
 
-import { el, keepFocus, pane, heat, shortNumber, eachFrame } from "./draw.js";
+import { eachFrame, el, heat, keepFocus, pane, select, shortNumber, space, tableOf } from "./draw.js";
 import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
 import { methodLines } from "./methods.js";
 import { S } from "./strings.js";
@@ -43,7 +43,7 @@ class RulesPane {
       title: S.gridHint,
       onclick: () => addGrid(this.hand, this.store.scene),
     });
-    if (this.attempt) bar.append(el("span", { class: "space" }), this.grid);
+    if (this.attempt) bar.append(space(), this.grid);
     this.lit = []; // for each rule its element
     this.shown = []; // and the strength that it shows
     this.fresh = { rule: null, text: "" }; // what stands in the line of a new rule
@@ -254,34 +254,28 @@ class RulesPane {
     const output = outputs.find((each) => each.name === grid.output);
     const when = grid.condition ? ` when ${grid.condition}` : "";
     const corner = grid.row ? `${grid.row} \\ ${grid.column}` : grid.column;
-    const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-    for (const name of grid.columns) head.append(el("th", { scope: "col" }, this.label(grid, name, false, k)));
     const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...this.tools(grid, k));
     const found = this.findingsOf(grid.range);
     if (found.length) caption.append(" ", this.sign(found));
-    const made = el("table", {}, caption, el("thead", {}, head));
-    const rows = el("tbody");
-    for (const row of grid.rows) {
-      const line = el(
-        "tr",
-        {},
-        el("th", { scope: "row" }, grid.row ? this.label(grid, row.label, true, k) : row.label),
-      );
-      row.cells.forEach((cell, i) => {
-        const label = S.ruleOf(row.label, grid.columns[i]);
-        const change = editable && !(grid.joined && cell.term === null);
-        const content = change ? this.picker(cell, output, label, grid.joined) : this.plain(cell);
-        content.dataset.key = `cell ${k} ${row.label}, ${grid.columns[i]}`;
-        this.paint(content, cell.term, output);
-        const td = el("td", {}, content);
-        this.mark(td, content, this.findingsOf(cell.range));
-        if (cell.rule !== null) this.lit[cell.rule] = td;
-        line.append(td);
-      });
-      rows.append(line);
-    }
-    made.append(rows);
-    return made;
+    return tableOf({
+      caption,
+      head: [corner, ...grid.columns.map((name) => this.label(grid, name, false, k))],
+      rows: grid.rows.map((row) => [
+        grid.row ? this.label(grid, row.label, true, k) : row.label,
+        ...row.cells.map((cell, i) => this.cell(cell, grid, output, editable, [k, row.label, grid.columns[i]])),
+      ]),
+    });
+  };
+
+  cell = (cell, grid, output, editable, [k, row, column]) => {
+    const change = editable && !(grid.joined && cell.term === null);
+    const content = change ? this.picker(cell, output, S.ruleOf(row, column), grid.joined) : this.plain(cell);
+    content.dataset.key = `cell ${k} ${row}, ${column}`;
+    this.paint(content, cell.term, output);
+    const td = el("td", {}, content);
+    this.mark(td, content, this.findingsOf(cell.range));
+    if (cell.rule !== null) this.lit[cell.rule] = td;
+    return td;
   };
 
   /** What names a row or a column, and leads to what is done with it. */
@@ -338,19 +332,18 @@ class RulesPane {
   };
 
   picker = (cell, output, label, joined) => {
-    const select = el("select", { "aria-label": label, title: label });
     const names = output.terms.map((term) => term.name);
-    for (const name of names) {
-      const text = name === cell.term ? this.said(cell) : name;
-      select.append(el("option", { value: name, textContent: text, selected: name === cell.term }));
-    }
-    if (!joined) select.append(el("option", { value: "", textContent: "·", selected: cell.term === null }));
-    select.addEventListener("change", () => {
-      const chosen = select.selectedIndex < names.length ? names[select.selectedIndex] : null;
-      this.paint(select, chosen, output);
-      this.setCell(cell.at, chosen);
+    const options = names.map((name) => [name, name === cell.term ? this.said(cell) : name]);
+    const list = select([...options, ...(joined ? [] : [["", "·"]])], cell.term ?? "", {
+      "aria-label": label,
+      title: label,
+      onchange: () => {
+        const chosen = names[list.selectedIndex] ?? null;
+        this.paint(list, chosen, output);
+        this.setCell(cell.at, chosen);
+      },
     });
-    return select;
+    return list;
   };
 
   paint = (element, name, output) => {

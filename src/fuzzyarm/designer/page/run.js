@@ -2,12 +2,14 @@
 
 import { aroundLine, unsavedLine } from "./around.js";
 import { curvePane } from "./curves.js";
-import { el, pane, shortNumber } from "./draw.js";
+import { el, pane, select, shortNumber, tableOf } from "./draw.js";
 import { quoted } from "./fields.js";
 import { Form } from "./form.js";
 import { picturePane } from "./plant.js";
 import { splitter } from "./split.js";
 import { S } from "./strings.js";
+import { Task } from "./task.js";
+import { showGrounds } from "./work.js";
 
 const SPEEDS = [0.2, 1, 5, 60, 600];
 const FIRST = ["rms", "max", "final", "chatter"];
@@ -36,6 +38,7 @@ class RunView {
     this.store = store;
     this.hand = hand;
 
+    this.plants = new Task(hand, "plants");
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     this.state = { job: null, ready: null, paused: false, over: false, sent: "", described: "", reached: "" };
     this.picture = picturePane(this.store, (pull) => this.state.job?.say({ pull }));
@@ -164,7 +167,7 @@ class RunView {
     const text = this.hand.text();
     if (this.store.view !== RUN.name || !this.store.sound || text === this.state.described) return;
     this.state.described = text;
-    this.hand.start("plants", { text }, (news) => {
+    this.plants.begin({ text }, (news) => {
       if (news.uses) this.form.uses(news.uses);
       if (news.plants) this.form.offer(news);
       if (news.end !== "failed") return;
@@ -258,23 +261,18 @@ class RunForm {
       changed: (name) => (name === "plant" ? this.chosen(true) : this.changed()),
       judge: (values) => this.hand.askNow("judge", { form: "run", values }),
     });
-    this.speed = el(
-      "select",
-      {},
-      ...SPEEDS.map((each) => el("option", { value: each, textContent: S.runTimes(each) })),
-      el("option", { value: "", textContent: S.runFastest }),
-    );
+    this.speed = select([...SPEEDS.map((each) => [String(each), S.runTimes(each)]), ["", S.runFastest]]);
     this.makeControls();
     this.arrange();
   }
 
   makeControls() {
     const [start, pause, step, again, stop] = [
-      this.button(S.runStart, S.runStartHint),
-      this.button(S.runPause, S.runPauseHint),
+      this.button(S.start, S.runStartHint),
+      this.button(S.pause, S.runPauseHint),
       this.button(S.runStep, S.runStepHint),
       this.button(S.runAgain, S.runAgainHint),
-      this.button(S.runStop, S.runStopHint),
+      this.button(S.stop, S.runStopHint),
     ];
     this.start = start;
     this.pause = pause;
@@ -301,7 +299,7 @@ class RunForm {
       this.step,
       this.again,
       this.stop,
-      el("label", { class: "small" }, S.runSpeed, this.speed),
+      el("label", { class: "small" }, S.speed, this.speed),
       this.clock,
     );
     this.body.append(this.around.line, this.unsaved.line, this.form.view, this.details, this.said);
@@ -350,13 +348,9 @@ class RunForm {
   /** Show the fields of a plant: its trajectories, or references. */
   show = (one) => {
     const moves = one.trajectories.length > 0;
-    this.form.show(["trajectory"], moves);
-    this.form.show(["payload"], moves && one.carries);
-    this.form.show(["reference", "duration"], !moves);
     this.openEnd.hidden = moves;
     const before = this.form.shown("trajectory");
-    const names = one.trajectories.map((name) => [name, name]);
-    this.form.choices("trajectory", names, one.trajectories.includes(before) ? before : one.shown);
+    showGrounds(this.form, one, [], one.trajectories.includes(before) ? before : one.shown);
     this.form.set("reference", one.reference);
     const port = one.reference.split("=")[0];
     this.form.suggest(
@@ -436,7 +430,7 @@ class RunForm {
     this.again.hidden = !job;
     for (const each of [this.pause, this.step]) each.disabled = !job || (over && !paused);
     this.stop.disabled = !job;
-    this.pause.textContent = paused ? S.runResume : S.runPause;
+    this.pause.textContent = paused ? S.goOn : S.pause;
   };
 
   time = (seconds, behind) => {
@@ -547,37 +541,21 @@ function metricPane() {
     if (!outputs.length) return;
     const names = Object.keys(metrics[outputs[0]]);
     const sorted = [...FIRST, ...names.filter((name) => !FIRST.includes(name))];
-    const cell = (name, output) => {
+    const valueOf = (name, output) => {
       const value = metrics[output][name];
-      return el("td", {
-        textContent: value === null ? "–" : `${shortNumber(value)} ${units[output]?.[name] ?? ""}`.trim(),
-      });
+      return value === null ? "–" : `${shortNumber(value)} ${units[output]?.[name] ?? ""}`.trim();
     };
-    table.replaceChildren(
-      el("caption", { class: "unseen", textContent: S.runMetrics }),
-      el(
-        "thead",
-        {},
-        el(
-          "tr",
-          {},
-          el("th", { scope: "col", textContent: S.runErrorOf }),
-          ...outputs.map((output) => el("th", { scope: "col", textContent: output })),
-        ),
-      ),
-      el(
-        "tbody",
-        {},
-        ...sorted.map((name) =>
-          el(
-            "tr",
-            { class: FIRST.includes(name) ? "first" : "" },
-            el("th", { scope: "row", textContent: S.runMetric[name] ?? name, title: S.runMetricHint[name] ?? "" }),
-            ...outputs.map((output) => cell(name, output)),
-          ),
-        ),
-      ),
-    );
+    const next = tableOf({
+      caption: el("span", { class: "unseen", textContent: S.runMetrics }),
+      head: [S.runErrorOf, ...outputs],
+      rows: sorted.map((name) => {
+        const words = S.runMetric[name] ?? name;
+        const head = el("th", { scope: "row", textContent: words, title: S.runMetricHint[name] ?? "" });
+        const cells = outputs.map((output) => el("td", { textContent: valueOf(name, output) }));
+        return el("tr", { class: FIRST.includes(name) ? "first" : "" }, head, ...cells);
+      }),
+    });
+    table.replaceChildren(...next.childNodes);
   }
 
   return { section, open, show };

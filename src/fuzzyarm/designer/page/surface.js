@@ -4,7 +4,7 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { choice, clean, colourOf, context, eachFrame, el, pane, SHADES, shortNumber } from "./draw.js";
+import { choice, clean, colourOf, context, eachFrame, el, pane, SHADES, shortNumber, space } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
 import { farToNear, fillTriangle, limitsOf, linePanel, planePanel, projectionOf } from "./geometry/surface.js";
 import { drawPanel } from "./panel.js";
@@ -125,7 +125,7 @@ class SurfacePane {
   build = () => {
     const focused = [...this.bar.querySelectorAll("select")].indexOf(document.activeElement);
     while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
-    this.bar.append(el("span", { class: "space" }));
+    this.bar.append(space());
     const { inputs, outputs, missing } = this.store.scene;
     if (missing.length) {
       this.below.hidden = true;
@@ -150,7 +150,7 @@ class SurfacePane {
         ["contour", S.contour],
       ];
       const cuts = [
-        ["", S.noCut],
+        ["", S.none],
         ["x", inputs[this.store.axes.x].name],
         ["y", inputs[this.store.axes.y].name],
       ];

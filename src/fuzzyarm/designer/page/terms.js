@@ -1,6 +1,6 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
-import { el, svg, pane, hue, shortNumber, eachFrame } from "./draw.js";
+import { eachFrame, el, hue, pairsOf, pane, select, shortNumber, space, svg } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
@@ -20,8 +20,7 @@ export const plotHeight = (room, count) =>
 
 /**
  * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable.
- * Where the text can be edited, `change` removes and renames terms, `askFor` asks, and `attempt`
- * makes the edits of dialogs.
+ * Where the text can be edited, `change` removes terms, and `rename` and `attempt` make the edits of dialogs.
  *
  * @param {Page.Store} store
  * @param {Page.Hand} hand
@@ -42,7 +41,6 @@ class TermsPane {
     this.edit = this.hand.edit;
     this.numbers = this.hand.numbers;
     this.change = this.hand.change;
-    this.askFor = this.hand.askFor;
     const { section, bar, body: all } = pane("terms", S.terms);
     this.section = section;
     this.bar = bar;
@@ -56,7 +54,7 @@ class TermsPane {
       hidden: true,
       onclick: () => this.store.turnDiagram(true),
     });
-    this.bar.append(toDiagram, el("span", { class: "space" }));
+    this.bar.append(toDiagram, space());
     this.partition = this.option(S.partition, S.partitionHint, false);
     this.mirror = this.option(S.mirror, S.mirrorHint, false);
     this.snap = this.option(S.snap, S.snapHint, true);
@@ -341,7 +339,7 @@ class TermsPane {
     if (this.change) {
       const button = (text, act) => el("button", { textContent: text, onclick: act });
       parts.push(
-        el("span", { class: "space" }),
+        space(),
         button(S.rename, () => this.rename(variable, term)),
         button(S.remove, () => this.change("term", { variable: variable.name, term: term.name })),
       );
@@ -371,21 +369,16 @@ class TermsPane {
     const kinds = this.store.scene.kinds.includes(term.kind)
       ? this.store.scene.kinds
       : [term.kind, ...this.store.scene.kinds];
-    const select = el(
-      "select",
-      {
-        class: "kind",
-        title: S.kindHint,
-        "aria-label": S.kindOf(variable.name, term.name),
-        onchange: async () => {
-          const taken = await this.change("term", { variable: variable.name, term: term.name, kind: select.value });
-          if (!taken) select.value = term.kind; // the status says why
-        },
+    const list = select(pairsOf(kinds), term.kind, {
+      class: "kind",
+      title: S.kindHint,
+      "aria-label": S.kindOf(variable.name, term.name),
+      onchange: async () => {
+        const taken = await this.change("term", { variable: variable.name, term: term.name, kind: list.value });
+        if (!taken) list.value = term.kind; // the status says why
       },
-      ...kinds.map((kind) => el("option", { value: kind, textContent: kind })),
-    );
-    select.value = term.kind;
-    return select;
+    });
+    return list;
   };
 
   fieldsOf = (variable, term, shape) => {
@@ -441,12 +434,12 @@ class TermsPane {
     this.finish(variable.name);
   };
 
-  rename = async (variable, term) => {
-    const name = await this.askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
-    if (!name || name === term.name) return;
-    const taken = await this.change("term", { variable: variable.name, term: term.name, name });
-    if (taken) this.chosen = `${variable.name}\n${name}`;
-  };
+  rename = (variable, term) =>
+    this.hand.rename(term.name, async (name) => {
+      const answer = await this.hand.attempt("term", { variable: variable.name, term: term.name, name });
+      if (!answer.error) this.chosen = this.termKey(variable, { name });
+      return answer;
+    });
 
   // --- moving ---
 

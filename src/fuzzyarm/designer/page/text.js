@@ -30,8 +30,8 @@ import {
   receiveUpdates,
   getSyncedVersion,
 } from "./vendor/codemirror.js";
-import { el, pane } from "./draw.js";
-import { ask, choose } from "./dialogs.js";
+import { el, pane, space } from "./draw.js";
+import { choose, rename } from "./dialogs.js";
 import { S } from "./strings.js";
 
 const FROZEN = [EditorState.readOnly.of(true), EditorView.editable.of(false)];
@@ -111,7 +111,7 @@ class TextPane {
     this.sending = false;
     let waiting = 0;
     bar.append(
-      el("span", { class: "space" }),
+      space(),
       this.quick(S.undo, "Ctrl+Z", () => undo(this.view)),
       this.quick(S.redo, "Ctrl+Shift+Z", () => redo(this.view)),
       this.revert,
@@ -306,8 +306,11 @@ class TextPane {
     const at = this.position(this.head());
     const found = await this.question("rename", { at });
     if (!found.name) return;
-    const name = await ask(`${S.renameTo} ${found.name}`, found.name, S.rename);
-    if (name && name !== found.name) this.apply(await this.question("rename", { at, name }), "input.rename");
+    await rename(found.name, async (name) => {
+      const answer = await this.question("rename", { at, name });
+      if (!answer.error) this.apply(answer, "input.rename");
+      return answer;
+    });
     this.view.focus();
   };
 
@@ -315,14 +318,16 @@ class TextPane {
   fixes = async (offsetOfFinding, name = null) => {
     const found = await this.question("fixes", { at: this.position(offsetOfFinding), name });
     if (!found.fixes?.length) {
-      this.link.say(S.noFix);
+      this.link.say(found.error ?? S.noFix);
       return;
     }
+    const version = getSyncedVersion(this.view.state);
     const picked = await choose(
       S.fixes,
       found.fixes.map((fix) => fix.title),
     );
-    if (picked !== null) this.apply(found.fixes[picked], "input.fix");
+    const isSame = version === getSyncedVersion(this.view.state);
+    if (picked !== null) this.apply(isSame ? found.fixes[picked] : { error: S.changedMeanwhile }, "input.fix");
     this.view.focus();
   };
 

@@ -1,6 +1,6 @@
 // Variables: the line above the plot of each, and the dialogs that add, stretch, rename and remove them.
 
-import { el, shortNumber } from "./draw.js";
+import { el, shortNumber, space } from "./draw.js";
 import { S } from "./strings.js";
 import { rangeOf, sendable } from "./geometry/shapes.js";
 
@@ -25,7 +25,7 @@ export function addVariable({ fill, attempt }, role) {
   return fill(
     S.addRole[role],
     [
-      { name: "variable", label: S.nameOfVariable, value: "" },
+      { name: "variable", label: S.name, value: "" },
       { name: "low", label: S.lowEnd, value: role === "input" ? "-1" : "0" },
       { name: "high", label: S.highEnd, value: "1" },
       { name: "terms", label: S.namesOfTerms, value: S.threeTerms },
@@ -64,14 +64,8 @@ function stretch({ fill, attempt }, variable) {
   );
 }
 
-function rename({ fill, attempt }, variable) {
-  return fill(
-    `${S.renameTo} ${variable.name}`,
-    [{ name: "name", label: S.nameOfVariable, value: variable.name }],
-    S.rename,
-    ({ name }) =>
-      name.trim() === variable.name ? {} : attempt("variable", { variable: variable.name, name: name.trim() }),
-  );
+function renameVariable({ rename, attempt }, variable) {
+  return rename(variable.name, (name) => attempt("variable", { variable: variable.name, name }));
 }
 
 function remove({ fill, attempt }, variable) {
@@ -97,7 +91,7 @@ function addTerm({ fill, attempt }, variable, peak) {
   return fill(
     S.nameOfTerm(variable.name),
     [
-      { name: "term", label: S.nameOfFile, value: "" },
+      { name: "term", label: S.name, value: "" },
       { name: "peak", label: S.peak, value: shortNumber(peak, 6) },
     ],
     S.add,
@@ -125,10 +119,10 @@ export function variableHead(hand, peakOf) {
     : [
         button(S.addTerm, S.addTermHint, addTerm),
         button(S.range, S.rangeHint, stretch),
-        button(S.renameDots, S.renameVariable, rename),
+        button(S.renameDots, S.renameVariable, renameVariable),
         button("×", S.removeVariableHint, remove),
       ];
-  const element = el("div", { class: "head" }, name, words, el("span", { class: "space" }), ...tools);
+  const element = el("div", { class: "head" }, name, words, space(), ...tools);
   return {
     element,
     show(now, role) {

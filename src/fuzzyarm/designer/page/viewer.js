@@ -1,7 +1,7 @@
 // Inference: sliders for the inputs, the rules with their sets filled to where the point lies, what
 // they conclude, the aggregate, the value and why. Of interval type 2 both readings, and both ends.
 
-import { clean, el, svg, pane, choice, shortNumber, eachFrame } from "./draw.js";
+import { choice, clean, eachFrame, el, pane, shortNumber, space, svg } from "./draw.js";
 import { S } from "./strings.js";
 import { rangeOf, sidesOf } from "./geometry/shapes.js";
 
@@ -10,18 +10,23 @@ const ROW = 27; // pixels of a rule
 const SPARE = 2; // rules drawn beyond what is seen
 
 /**
+ * The pane; with `start` the server computes what the page does not.
+ *
  * @param {Page.Store} store
+ * @param {Page.Hand} hand
  */
-export function viewerPane(store) {
-  return new ViewerPane(store).section;
+export function viewerPane(store, { start }) {
+  return new ViewerPane(store, start).section;
 }
 
 class ViewerPane {
   /**
    * @param {Page.Store} store
+   * @param {Page.Hand["start"]} start
    */
-  constructor(store) {
+  constructor(store, start) {
     this.store = store;
+    this.start = start;
 
     const { section, bar, body } = pane("inference", S.inference);
     this.section = section;
@@ -33,7 +38,7 @@ class ViewerPane {
     this.inputs = [];
     this.order = "strength";
     bar.append(
-      el("span", { class: "space" }),
+      space(),
       choice(
         S.order,
         [
@@ -133,9 +138,9 @@ class ViewerPane {
     const isKnown = found || this.store.running;
     for (const part of [this.head, this.rows, this.foot]) part.hidden = !found;
     if (!isKnown) {
-      this.why.replaceChildren(
-        el("p", { class: "note", textContent: this.store.refused || S.notHere(this.store.scene.reason) }),
-      );
+      const { refused, scene } = this.store;
+      const words = refused || (this.start ? S.asking : S.notHere)(scene.reason);
+      this.why.replaceChildren(el("p", { class: "note", textContent: words }));
       return;
     }
     this.why.replaceChildren(...this.reasons(found));

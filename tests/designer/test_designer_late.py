@@ -1,0 +1,113 @@
+"""The designer's page while the server is slow: what a view shows and offers before it is told."""
+
+import json
+import shutil
+
+import pytest
+from test_designer_page import put, pytestmark, until  # noqa: F401
+
+from fuzzyarm.shipped_files import shipped
+
+FORMS = {"Sweep": "Start", "Learn": "Start", "Fit": "Fit", "Tune": "Start", "Prove": "Prove"}
+"""Views with a form, and what their button says."""
+
+
+class SlowServer:
+    """What a page hears while `holds` is true waits until `release`."""
+
+    def __init__(self, page, folder):
+        self.page, self.folder = page, folder
+        self.held, self.holds, self.socket = [], False, None
+        page.route_web_socket("**/socket", self.connect)
+
+    def connect(self, socket):
+        self.socket = socket
+        socket.connect_to_server().on_message(self.hear)
+
+    def hear(self, text):
+        if self.holds:
+            self.held.append(text)
+        else:
+            self.socket.send(text)
+
+    def release(self):
+        self.holds = False
+        for text in self.held:
+            self.socket.send(text)
+        self.held.clear()
+
+    def wait(self, words):
+        """Wait until something with these words is held back."""
+        until(lambda: self.page.wait_for_timeout(20) or self.has(words), words)
+
+    def has(self, words):
+        return any(words in text for text in self.held)
+
+
+@pytest.fixture
+def slow(served, page):
+    for name in ("servo.frb", "pd7.frb"):
+        shutil.copy(shipped(name), served.folder)
+    server = SlowServer(page, served.folder)
+    _, address = put(served, "late.frb", shipped("servo.frb").read_text())
+    page.goto(address)
+    page.locator(".findings").get_by_text("no findings").wait_for()
+    return server
+
+
+def button(page, view):
+    return page.locator(f"#view-{view.lower()}").get_by_role("button", name=FORMS[view], exact=True)
+
+
+def test_nothing_is_begun_before_it_is_known_what_may_be_asked(page, slow):
+    slow.holds = True
+    for view in FORMS:
+        page.get_by_role("tab", name=view, exact=True).click()
+        assert button(page, view).is_disabled(), view
+        for name in ("One pass", "Stop"):
+            others = page.locator(f"#view-{view.lower()}").get_by_role("button", name=name)
+            assert all(other.is_disabled() for other in others.all()), (view, name)
+    assert page.get_by_label("Certificate").is_hidden()
+    for facts in ('"gains"', '"texts"', '"says"', '"outputs"'):
+        slow.wait(facts)
+    assert button(page, "Prove").is_disabled()
+    slow.release()
+    for view in ("Sweep", "Learn", "Tune", "Prove"):
+        page.get_by_role("tab", name=view, exact=True).click()
+        until(button(page, view).is_enabled, view)
+    assert page.get_by_label("Certificate").is_visible()
+
+
+def test_what_was_asked_for_when_the_line_went_is_asked_again(page, slow):
+    slow.holds = True
+    page.get_by_role("tab", name="Sweep").click()
+    slow.wait('"gains"')
+    page.evaluate("designer.drop()")
+    sweep = page.locator("#view-sweep")
+    sweep.get_by_text("The server does not answer").wait_for()
+    slow.held.clear()
+    slow.holds = False
+    until(button(page, "Sweep").is_enabled, "it is asked again")
+    page.get_by_role("tab", name="Compare").click()
+    compare = page.locator("#view-compare")
+    compare.get_by_text("Choose the file").wait_for()
+
+
+def test_of_two_comparisons_the_last_is_shown(page, slow):
+    shutil.copy(shipped("roompi.frb"), slow.folder)
+    shutil.copy(slow.folder / "pd7.frb", slow.folder / "same.frb")
+    page.locator("header select").select_option("pd7.frb")
+    page.get_by_role("tab", name="Compare").click()
+    compare = page.locator("#view-compare")
+    other = compare.get_by_label("with")
+    until(lambda: other.locator("option[value='same.frb']").count(), "the files")
+    slow.holds = True
+    other.select_option("roompi.frb")
+    slow.wait('"job"')
+    other.select_option("same.frb")
+    slow.wait('"largest"')
+    slow.wait('"end"')
+    slow.held.sort(key=lambda text: -json.loads(text).get("id", 0))  # the first speaks last
+    slow.release()
+    compare.get_by_text("Both mean the same.").wait_for()
+    assert compare.get_by_role("status").inner_text().startswith("Largest difference here: 0 at")
