@@ -225,7 +225,7 @@ above.register(
         "html_of": "fuzzyarm.notebook",
         "infer": "fuzzyarm.inference",
         "rulebase_figure": "fuzzyarm.show.figures",
-        "table_asked": "fuzzyarm.api",
+        "table_of_request": "fuzzyarm.api",
         "text_in": "fuzzyarm.formats",
         "text_of": "fuzzyarm.notebook",
         "write": "fuzzyarm.language",

@@ -279,7 +279,7 @@ def load_sampled(path: str) -> LookupTable:
     return compile_table(model, source=path)
 
 
-def table_asked(request: CompileRequest) -> LookupTable:
+def table_of_request(request: CompileRequest) -> LookupTable:
     """Return the table that a request asks for; `fuzzyarm.compile_table` asks for it here."""
     from fuzzyarm.proof.compiled import compiled, making_of
     from fuzzyarm.requests.making import ExportRequest

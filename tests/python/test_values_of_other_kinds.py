@@ -14,7 +14,7 @@ from fuzzyarm.language import load_rulebase
 from fuzzyarm.plant import reach
 from fuzzyarm.proof.verdicts import read_property
 from fuzzyarm.show import figures
-from fuzzyarm.text.mistaken import MistakenKindError, wrong_kind
+from fuzzyarm.text.value_kinds import MistakenKindError, wrong_kind
 
 RULES = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
 TABLE = fuzzyarm.load(fuzzyarm.shipped("thesis-6.1.lut"))

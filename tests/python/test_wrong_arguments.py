@@ -12,7 +12,7 @@ from fuzzyarm.loop.simulation import ManyKeywords, RunKeywords
 from fuzzyarm.plant import PlantError
 from fuzzyarm.table.fidelity import ReportKeywords
 from fuzzyarm.text.keywords import ArgumentError, _annotations
-from fuzzyarm.text.mistaken import MistakenKindError
+from fuzzyarm.text.value_kinds import MistakenKindError
 from fuzzyarm.tuning.tune import TuneKeywords
 
 PD7 = fuzzyarm.load_rulebase(fuzzyarm.shipped("pd7.frb"))

@@ -57,14 +57,14 @@ def _run(request: FitWords) -> int:
     require_suffix(request.out, (".frb",))
     demand_places(request.out)
     from fuzzyarm.learning.fit import fit
-    from fuzzyarm.learning.orders import is_model, options_asked, samples_asked, test_asked
+    from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of
     from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
     from fuzzyarm.text.files import write_atomically
 
     request = request.replaced(name=request.name or Path(request.out).stem)
-    options = options_asked(request)
-    samples = samples_asked(request)
-    test = test_asked(request, samples)
+    options = fit_options_of(request)
+    samples = samples_of(request)
+    test = test_samples_of(request, samples)
     for note in samples.notes:
         say(f"note: {note}", to_errors=True)
     with busy(f"fitting {request.data}") as tell:

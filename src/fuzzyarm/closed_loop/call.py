@@ -24,8 +24,8 @@ from fuzzyarm.proof.verdicts import Verdict
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_arguments, wrong_argument
-from fuzzyarm.text.mistaken import CONTROLLER, MODEL, RULE_BASE, wrong_kind
 from fuzzyarm.text.names import nearest
+from fuzzyarm.text.value_kinds import CONTROLLER, MODEL, RULE_BASE, wrong_kind
 
 __all__ = ["prove"]
 

@@ -9,8 +9,8 @@ from fuzzyarm.language.reading import Parsed
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.folders import READABLE
-from fuzzyarm.text.mistaken import CONTROLLER, RULE_BASE, TABLE, MistakenKindError
 from fuzzyarm.text.names import quote, typed
+from fuzzyarm.text.value_kinds import CONTROLLER, RULE_BASE, TABLE, MistakenKindError
 
 TEXT = ".frb"
 

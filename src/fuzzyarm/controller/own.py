@@ -24,7 +24,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import executed, failure
 from fuzzyarm.plant.setting import Clock, Pair, Reference, State
-from fuzzyarm.text.mistaken import wrong_kind
+from fuzzyarm.text.value_kinds import wrong_kind
 
 
 class OwnControllerError(FuzzyarmError, RuntimeError):

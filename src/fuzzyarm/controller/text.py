@@ -43,9 +43,9 @@ from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
 from fuzzyarm.text.files import demand_allowed
-from fuzzyarm.text.mistaken import CONTROLLER, OfKind
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import Shown
+from fuzzyarm.text.value_kinds import CONTROLLER, OfKind
 
 Change = Callable[[ControllerModel], ControllerModel]
 

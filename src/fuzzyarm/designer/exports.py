@@ -145,7 +145,7 @@ def files_of(
     suffix : str
         One of `kinds_of`.
     options : dict
-        See `making_asked`; ``what`` of a picture is ``all``, ``terms`` or ``surface``.
+        See `making_on_page`; ``what`` of a picture is ``all``, ``terms`` or ``surface``.
     progress : callable
         Called with a word on what is going on; what it raises ends it.
 
@@ -158,7 +158,7 @@ def files_of(
         raise ExportRefusedError(f"{Path(session.path).name} is not exported as {suffix}")
     model = model_of(session)
     out = clean_name(Path(session.path).name, suffix)
-    how = making_asked(session, options)
+    how = making_on_page(session, options)
     if isinstance(model, RuleBase | LookupTable):
         return _sheet(session, model, out, how, options, progress)
     # What a head says of its source is read from the file: that is the text as it is now.
@@ -180,7 +180,7 @@ def _content(session: Session) -> bytes:
     return session.text.encode()
 
 
-def making_asked(session: Session, options: FormValues) -> Making:
+def making_on_page(session: Session, options: FormValues) -> Making:
     """Return what the fields of a dialog say; an empty field is as without the option."""
     request = form_of(ExportRequest, **{**options, "file": Path(session.path).name})
     try:

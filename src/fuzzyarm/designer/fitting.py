@@ -67,15 +67,15 @@ def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -
 def _learned(request: FitRequest, job: WindowJob) -> Fit:
     """Learn, and tell what came of it."""
     from fuzzyarm.learning.fit import fit as fit_it
-    from fuzzyarm.learning.orders import is_model, options_asked, samples_asked, test_asked
+    from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of
     from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
 
     with at_field("time" if request.time else "words" if request.words else "terms"):
-        options = options_asked(request)
+        options = fit_options_of(request)
     with at_field("inputs" if request.inputs else "target" if request.target else "data"):
-        samples = samples_asked(request)
+        samples = samples_of(request)
     with at_field("test"):
-        test = test_asked(request, samples)
+        test = test_samples_of(request, samples)
     model = fit_it(samples, options, _Teller(job))
     report = report_of(f"{request.name}.frb", samples, model)
     if test is not None:

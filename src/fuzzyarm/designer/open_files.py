@@ -52,7 +52,7 @@ def _later(module: str, function: str) -> Work:
 WORKS: dict[str, Work] = {
     "compare": _later("comparison", "compare"),
     "export": _later("exports", "export"),
-    "surface": _later("computed", "surface"),
+    "surface": _later("surfaces", "surface"),
     "learnable": _later("learning", "learnable"),
     "learn": _later("learning", "learn"),
     "table-error": _later("tables", "table_error"),

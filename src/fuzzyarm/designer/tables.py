@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fuzzyarm.designer.exports import ExportRefusedError, making_asked, model_of
+from fuzzyarm.designer.exports import ExportRefusedError, making_on_page, model_of
 from fuzzyarm.designer.names import OutsideError
 from fuzzyarm.designer.requests import SurfaceAxes, TableErrorWork
 from fuzzyarm.errors import FuzzyarmError
@@ -123,7 +123,7 @@ def table_error(session: Session, request: TableErrorWork, job: WindowJob) -> No
         table, mode = model, str(options.get("mode") or model.default_mode)
         lines: list[str] = [words] if words else []
     elif isinstance(model, RuleBase):
-        rulebase, how = model, making_asked(session, options)
+        rulebase, how = model, making_on_page(session, options)
         report = compiled(rulebase, how.output, how, job.progress)
         table, mode, lines = report.table, how.mode or report.table.default_mode, []
     else:

@@ -314,24 +314,24 @@ def _stage(order: PageOrder, text: ControllerText) -> Stage:
     """Return where a controller runs, in the words of the page."""
     from fuzzyarm.designer.stage import Plants
     from fuzzyarm.loop.words import driven
-    from fuzzyarm.tuning.orders import stage_asked
+    from fuzzyarm.tuning.orders import stage_of_request
 
     request = order.request
     plant = plant_named(request.plant or "", text.model, Plants(order.plants))
     request = request_on(plant, request, ranges="vary")
-    return stage_asked(request, text, driven(request, plant))
+    return stage_of_request(request, text, driven(request, plant))
 
 
 def _samples(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
     """Return the samples for a rule base alone, its only output being what is to be met."""
-    from fuzzyarm.tuning.orders import samples_asked
+    from fuzzyarm.tuning.orders import samples_of
 
     if request.data is None:
         raise TextRefusedError(
             f"'{rulebase.name}' is a rule base alone: nothing says what is good",
             hint="put samples into the folder, or tune the controller that uses it",
         )
-    return samples_asked(request, rulebase)
+    return samples_of(request, rulebase)
 
 
 def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[str, Any]:

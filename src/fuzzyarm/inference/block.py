@@ -76,9 +76,9 @@ RANGE = 4
 OUTPUT_RANGE = 4
 """Floats of an output: low, high, value where no rule fires, centre of the moments.
 
-Where the defuzzifier finds the value itself the last says which number is wanted: of
-:mod:`.positions` one of its names; of :mod:`.reduced` -1 for the left end of a centroid, 1 for the
-right one, 0 for both.
+Where the defuzzifier finds the value itself, the last says which number is wanted: of
+:mod:`.positions` one of its names; of :mod:`.type_reduction_kernel` -1 for the left end of a
+centroid, 1 for the right one, 0 for both.
 """
 
 LINE = 3

@@ -84,7 +84,7 @@ def _figures_at_point(
         choose = chosen_at_point if record.of in CHOICES else weighted_at_point
         return choose(plan, fired, value_of)
     if plan.output.defuzzifier.joined:
-        from fuzzyarm.inference.joined import joined_at_point
+        from fuzzyarm.inference.polylines import joined_at_point
 
         return joined_at_point(plan, fired)
     exact = plan.output.defuzzifier.resolution is None
@@ -205,7 +205,7 @@ def defuzzify_over_arrays(
 def _figures_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFigures, Array]:
     """Return what a defuzzifier takes of sets, and something above 0 where a rule fired."""
     if plan.output.defuzzifier.joined:
-        from fuzzyarm.inference.joined import joined_over_arrays
+        from fuzzyarm.inference.polylines import joined_over_arrays
 
         return joined_over_arrays(plan, strengths)
     exact = plan.output.defuzzifier.resolution is None

@@ -1,7 +1,8 @@
 """What an output adds to a layout: its head, and what its defuzzifier reads.
 
 The picture of each stretch of numbers stands in the module of the kernel that reads it:
-:mod:`.closed_form`, :mod:`.enveloped`, :mod:`.integrated`, :mod:`.positions`, :mod:`.reduced`.
+:mod:`.closed_form`, :mod:`.centroid_kernel`, :mod:`.quadrature_kernel`, :mod:`.positions`,
+:mod:`.type_reduction_kernel`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,13 @@ from typing import NamedTuple, Protocol
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.nodes import Node, replace, symbol, trace
 from fuzzyarm.inference import block as at
-from fuzzyarm.inference import envelope, firing_intervals, integrated, positions, reduced
+from fuzzyarm.inference import (
+    envelope,
+    firing_intervals,
+    positions,
+    quadrature_kernel,
+    type_reduction_kernel,
+)
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import TermNumbers
 from fuzzyarm.inference.overlap import Layers
@@ -291,7 +298,7 @@ class OutputWriter:
         return begin
 
     def _write_panels(self) -> int:
-        """Write what the quadrature reads; see :mod:`fuzzyarm.inference.integrated`."""
+        """Write what the quadrature reads; see :mod:`fuzzyarm.inference.quadrature_kernel`."""
         plan, whole = self.plan, self.base.whole
         for i, member in enumerate(plan.members):
             curve = self.base.addresses.curve(member.term.shape, member.hedges)
@@ -327,8 +334,8 @@ class OutputWriter:
         each_rule = 1 if plan.output.aggregation == "max" else len(plan.contributions)
         most = len(edges) + 4 * len(crossing)
         most += 2 * each_rule * sum(len(member.pieces) for member in plan.members)
-        deepest = integrated.PANEL * (most + DEEPEST + 2)
-        self.samples = (4 * integrated.ROW + len(plan.members) + most + deepest) // 2 + 1
+        deepest = quadrature_kernel.PANEL * (most + DEEPEST + 2)
+        self.samples = (4 * quadrature_kernel.ROW + len(plan.members) + most + deepest) // 2 + 1
         return detail
 
     def _floats(self, numbers: Iterable[float]) -> int:
@@ -351,7 +358,7 @@ class OutputWriter:
         return count
 
     def _write_pairs(self) -> int:
-        """Write values between two; see :mod:`fuzzyarm.inference.reduced`."""
+        """Write values between two; see :mod:`fuzzyarm.inference.type_reduction_kernel`."""
         count = len(self.base.plan.rulebase.inputs)
         for number, pair in enumerate(self.plan.pairs):
             upper, lower = (self._value(member, count) for member in pair)
@@ -359,7 +366,7 @@ class OutputWriter:
                 self.consequents[member] = len(self.base.whole)
                 self.base.whole += [number, side, lower, upper]
                 self._mark("value", member, upper if side == firing_intervals.UPPER else lower, 1)
-        self.samples = reduced.PAIR_ROWS * len(self.plan.pairs) // 2 + 1
+        self.samples = type_reduction_kernel.PAIR_ROWS * len(self.plan.pairs) // 2 + 1
         return len(self.plan.pairs)
 
     def _value(self, member: int, count: int) -> int:

@@ -1,6 +1,6 @@
 """Maxima, bisectors and joined samples, and values that are found: defuzzifiers of the kernel.
 
-The mathematics stands in :mod:`fuzzyarm.inference.maxima`, :mod:`fuzzyarm.inference.joined` and
+The mathematics stands in :mod:`fuzzyarm.inference.maxima`, :mod:`fuzzyarm.inference.polylines` and
 :mod:`fuzzyarm.inference.weighted`; this is the same arithmetic in the same order, so the bits are
 those of one point in plain Python. All of them go point by point; what is done at one point is a
 function of its own, to which :func:`.kernel.point_by_point` is bound, and which exported programs
@@ -49,8 +49,8 @@ from fuzzyarm.inference.block import (
     WORK_ROWS,
     parts_of,
 )
+from fuzzyarm.inference.centroid_kernel import cut_in, sample
 from fuzzyarm.inference.envelope import insert
-from fuzzyarm.inference.enveloped import cut_in, sample
 from fuzzyarm.inference.firing_strengths import (
     join,
 )
@@ -58,7 +58,7 @@ from fuzzyarm.inference.kernel import (
     made_of,
 )
 from fuzzyarm.inference.maxima import SAME
-from fuzzyarm.inference.reduced import value_of
+from fuzzyarm.inference.type_reduction_kernel import value_of
 from fuzzyarm.kernels import call, kernel
 
 HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID = range(7)

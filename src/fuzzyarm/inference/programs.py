@@ -13,7 +13,14 @@ from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.expression.formulas import CONSTANTS
 from fuzzyarm.expression.kinds import SHAPES, TNORMS
-from fuzzyarm.inference import closed_form, enveloped, integrated, kernel, positions, reduced
+from fuzzyarm.inference import (
+    centroid_kernel,
+    closed_form,
+    kernel,
+    positions,
+    quadrature_kernel,
+    type_reduction_kernel,
+)
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan, has_envelope
@@ -70,34 +77,36 @@ CLOSED = DefuzzifierProgram(closed_form.closed_centroid, "layers", "own", whole=
 WEIGHTED = DefuzzifierProgram(closed_form.weighted, "values", "zero", whole=True)
 WEIGHTED_NUMBERS = DefuzzifierProgram(positions.weighted_values, "numbers", "zero", whole=True)
 POSITION_OF_NUMBERS = DefuzzifierProgram(positions.position_of_values, "numbers", whole=True)
-ENDS_OF_PAIRS = DefuzzifierProgram(reduced.karnik_mendel_values, "pairs", whole=True)
+ENDS_OF_PAIRS = DefuzzifierProgram(type_reduction_kernel.karnik_mendel_values, "pairs", whole=True)
 
 CHOICE_OF_ROWS = DefuzzifierProgram(positions.choice_of_values, "rows")
-ENDS_OF_ROWS = DefuzzifierProgram(reduced.ends_of_values, "rows")
+ENDS_OF_ROWS = DefuzzifierProgram(type_reduction_kernel.ends_of_values, "rows")
 """For values that somebody else has found: exported programs alone have these two."""
 
 SAMPLES = {
-    "gravity": DefuzzifierProgram(enveloped.sampled_centroid, "samples", "zero", whole=True),
+    "gravity": DefuzzifierProgram(centroid_kernel.sampled_centroid, "samples", "zero", whole=True),
     "area": DefuzzifierProgram(positions.position_of_samples, "samples"),
     "top": DefuzzifierProgram(positions.position_of_samples, "samples"),
-    "ends": DefuzzifierProgram(reduced.ends_of_samples, "samples"),
+    "ends": DefuzzifierProgram(type_reduction_kernel.ends_of_samples, "samples"),
 }
 JOINED = DefuzzifierProgram(positions.position_of_joined, "samples")
 LEVELS = DefuzzifierProgram(positions.position_of_maxima, "levels")
 LINES = {
-    "gravity": DefuzzifierProgram(enveloped.whole_envelope, "pieces", "zero"),
-    "ends": DefuzzifierProgram(reduced.ends_of_envelopes, "pieces"),
+    "gravity": DefuzzifierProgram(centroid_kernel.whole_envelope, "pieces", "zero"),
+    "ends": DefuzzifierProgram(type_reduction_kernel.ends_of_envelopes, "pieces"),
 }
 PANELS = {
-    "gravity": DefuzzifierProgram(integrated.integral_of_point, "panels", "middle"),
-    "area": DefuzzifierProgram(integrated.bisector_of_point, "panels"),
-    "ends": DefuzzifierProgram(reduced.ends_of_integrals, "panels"),
+    "gravity": DefuzzifierProgram(quadrature_kernel.integral_of_point, "panels", "middle"),
+    "area": DefuzzifierProgram(quadrature_kernel.bisector_of_point, "panels"),
+    "ends": DefuzzifierProgram(type_reduction_kernel.ends_of_integrals, "panels"),
 }
 """By what is taken of an aggregate."""
 
-BOTH_SAMPLES = DefuzzifierProgram(reduced.nie_tan_samples, "samples", "zero", whole=True)
-BOTH_LINES = DefuzzifierProgram(reduced.sum_of_envelopes, "pieces", "middle")
-BOTH_PANELS = DefuzzifierProgram(reduced.sum_of_integrals, "panels", "middle")
+BOTH_SAMPLES = DefuzzifierProgram(
+    type_reduction_kernel.nie_tan_samples, "samples", "zero", whole=True
+)
+BOTH_LINES = DefuzzifierProgram(type_reduction_kernel.sum_of_envelopes, "pieces", "middle")
+BOTH_PANELS = DefuzzifierProgram(type_reduction_kernel.sum_of_integrals, "panels", "middle")
 """Of the upper and the lower set of interval type 2 together."""
 
 PROGRAMS = (

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from fuzzyarm.inference import block as at
-from fuzzyarm.inference import reduced
+from fuzzyarm.inference import type_reduction_kernel
 from fuzzyarm.inference.block import TermNumbers
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter, made_by, wanted
 from fuzzyarm.inference.plan import OutputPlan, Plan
@@ -108,7 +108,7 @@ class _OneOutput:
         """Write what a choice among numbers reads, or the ends of an average: none is in it."""
         if self.output.record.of == "ends":
             program, count = ENDS_OF_ROWS, len(self.output.pairs)
-            rows = heap = reduced.PAIR_ROWS * count
+            rows = heap = type_reduction_kernel.PAIR_ROWS * count
             groups = tuple(member for pair in self.output.pairs for member in pair)
         else:
             program = CHOICE_OF_ROWS

@@ -31,7 +31,7 @@ from fuzzyarm.learning.model_text import (
     short_source,
     sugeno_rulebase,
 )
-from fuzzyarm.learning.orders import options_asked, samples_asked
+from fuzzyarm.learning.orders import fit_options_of, samples_of
 from fuzzyarm.learning.starts import grid_premises, merged, pruned
 from fuzzyarm.learning.structure import (
     SHRINKAGES,
@@ -181,8 +181,8 @@ def fit(
     """
     if isinstance(samples, FitRequest):
         demand_alone("fit", options)
-        options = options_asked(samples)
-        samples = samples_asked(samples)
+        options = fit_options_of(samples)
+        samples = samples_of(samples)
     if not isinstance(options, Options | None):
         raise wrong_argument("fit", "options", "fuzzyarm.learning.Options", options)
     if isinstance(samples, str | os.PathLike):

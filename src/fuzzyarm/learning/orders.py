@@ -27,7 +27,7 @@ OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
 _MAYBE = {"yes": True, "no": False, "auto": None}
 
 
-def options_asked(request: FitRequest) -> Options:
+def fit_options_of(request: FitRequest) -> Options:
     """Return how the model is found."""
     words = _words(request.words) if request.words else Options.words
     if request.words and (request.terms or request.start != "grid"):
@@ -75,8 +75,8 @@ def _numbers(text: str, option: str) -> tuple[int, ...]:
 # --- Samples ---
 
 
-def samples_asked(request: FitRequest) -> Samples:
-    """Return what is learned from: samples of a file, or of a model that is to be stood for."""
+def samples_of(request: FitRequest) -> Samples:
+    """Return the training samples: those of a file, or samples of a model to be approximated."""
     if is_model(request.data):
         return _samples_of_model(request)
     inputs = tuple(request.inputs.split(",")) if request.inputs else None
@@ -97,8 +97,8 @@ def _samples_of_model(request: FitRequest) -> Samples:
     return table_samples(model, request.data)
 
 
-def test_asked(request: FitRequest, samples: Samples) -> Samples | None:
-    """Return the samples to be judged by, where they are given, in the columns of the others."""
+def test_samples_of(request: FitRequest, samples: Samples) -> Samples | None:
+    """Return the test samples, in the columns of the training samples; None without `test`."""
     if not request.test:
         return None
     test = read_samples(request.test, Columns(samples.target, samples.names))

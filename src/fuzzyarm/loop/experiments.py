@@ -244,7 +244,7 @@ def set_points(request: ExperimentRequest, controller: Controller, plant: Plant)
         return motion_of(request, controller, plant)
     return trajectory_motion(
         plant,
-        trajectory_asked(request, plant),
+        trajectory_of_request(request, plant),
         controller,
         conventions_of(request),
         payload=bool(request.payload),
@@ -253,7 +253,7 @@ def set_points(request: ExperimentRequest, controller: Controller, plant: Plant)
     )
 
 
-def trajectory_asked(request: ExperimentRequest, plant: Plant) -> Trajectory:
+def trajectory_of_request(request: ExperimentRequest, plant: Plant) -> Trajectory:
     """Return the trajectory that is named; by default the first of the plant."""
     arguments: dict[str, Any] = {}
     if request.segment is not None:

@@ -64,8 +64,8 @@ from fuzzyarm.plant.setting import (
     SET_POINT_PERIOD,
     Conventions,
 )
-from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Plotted, one_line
+from fuzzyarm.text.value_kinds import CONTROLLER, wrong_kind
 
 # --- What came of a run ---
 

@@ -21,7 +21,7 @@ from fuzzyarm.loop.experiments import (
     controllers_of,
     files_named,
     follows,
-    trajectory_asked,
+    trajectory_of_request,
     with_drives,
     with_plant,
     with_settings,
@@ -76,7 +76,7 @@ def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Swe
     shared: dict[str, float] = {}
     on: Any
     if along:
-        trajectory = trajectory_asked(request, plant)
+        trajectory = trajectory_of_request(request, plant)
         if not request.way_points:
             request = request.replaced(
                 trajectory=request.trajectory or next(iter(plant.trajectories))

@@ -19,9 +19,9 @@ from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.mistaken import CONTROLLER, OfKind
 from fuzzyarm.text.placed import Figure
 from fuzzyarm.text.shown import one_line
+from fuzzyarm.text.value_kinds import CONTROLLER, OfKind
 
 __all__ = [
     "SOURCES",

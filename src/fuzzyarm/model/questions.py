@@ -14,8 +14,8 @@ from typing import Any
 
 from fuzzyarm.text import above
 from fuzzyarm.text.keywords import demand_path
-from fuzzyarm.text.mistaken import RULE_BASE, OfKind
 from fuzzyarm.text.shown import Shown
+from fuzzyarm.text.value_kinds import RULE_BASE, OfKind
 
 
 class Questions(Shown, OfKind):

@@ -16,10 +16,10 @@ from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES, DefuzzifierKind
 from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.model.questions import Questions, new_or_begun, of_builder
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
-from fuzzyarm.text.mistaken import RULE_BASE, wrong_kind
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.shown import Plotted, one_line
+from fuzzyarm.text.value_kinds import RULE_BASE, wrong_kind
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
 """How a sampled defuzzifier spreads N points over the range of an output.

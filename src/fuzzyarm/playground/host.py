@@ -35,7 +35,7 @@ WAITING = frozenset({"run", "learn", "tune"})
 """Long work that listens to a hand."""
 
 USED = (
-    "designer.scene", "designer.exports", "designer.run", "designer.tables", "designer.computed",
+    "designer.scene", "designer.exports", "designer.run", "designer.tables", "designer.surfaces",
     "designer.diagram", "export", "table", "table.fidelity", "formats", "plant.library",
     "controller.findings", "controller.catalogue", "loop.run", "loop.open_run",
 )  # fmt: skip

@@ -14,8 +14,8 @@ from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.folders import TABLES
-from fuzzyarm.text.mistaken import TABLE, OfKind
 from fuzzyarm.text.shown import Drawn, Plotted, one_line
+from fuzzyarm.text.value_kinds import TABLE, OfKind
 
 SUFFIXES = TABLES
 """The formats of files that are read back to an identical table."""

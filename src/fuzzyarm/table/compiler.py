@@ -20,9 +20,9 @@ from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import MAX_LEVELS
 from fuzzyarm.text.keywords import wrong_argument
-from fuzzyarm.text.mistaken import OfKind
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.numbers import evenly, number_text
+from fuzzyarm.text.value_kinds import OfKind
 from fuzzyarm.version import __version__
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def compile_table(
         from fuzzyarm.requests.making import CompileRequest
 
         if isinstance(rulebase, CompileRequest):
-            table: LookupTable = above.function("table_asked")(rulebase)
+            table: LookupTable = above.function("table_of_request")(rulebase)
             return table
     rulebase = model_of(rulebase)
     target = choose_output(rulebase, output)

@@ -39,9 +39,9 @@ from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_line
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.keywords import demand_path
-from fuzzyarm.text.mistaken import TABLE, wrong_kind
 from fuzzyarm.text.numbers import column_of_numbers, number_text
 from fuzzyarm.text.protected import note_source
+from fuzzyarm.text.value_kinds import TABLE, wrong_kind
 
 if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable

@@ -16,7 +16,7 @@ from fuzzyarm.loop.experiments import (
     ALONG,
     files_named,
     follows,
-    trajectory_asked,
+    trajectory_of_request,
     with_drives,
     with_plant,
 )
@@ -73,9 +73,9 @@ def order_of(request: TuneRequest) -> Order:
         if request.data:
             raise WordError("--data is for a rule base alone; a controller runs in its loop")
         request, plant = with_plant(request, [controller_of(subject)])
-        stage = stage_asked(request, subject, plant)
+        stage = stage_of_request(request, subject, plant)
     else:
-        samples = samples_asked(request, subject)
+        samples = samples_of(request, subject)
     journal = _journal(request, path, subject) if request.journal else None
     return Order(path, subject, stage, samples, conventions_of(request), journal)
 
@@ -110,7 +110,7 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
 # --- What it is tuned on ---
 
 
-def stage_asked(request: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
+def stage_of_request(request: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
     """Return where a controller runs."""
     along = follows(request, plant)
     plant, options = with_drives(request, plant)
@@ -119,7 +119,7 @@ def stage_asked(request: TuneRequest, text: ControllerText, plant: Plant) -> Sta
         payload = 0.0 if request.payload is False else 1.0
         first = plant_scenarios(plant, payload)
         if request.given((*ALONG, "loaded")):
-            way = trajectory_asked(request, plant)
+            way = trajectory_of_request(request, plant)
             if request.loaded:
                 way = replace(way, loaded=carried(way, segments=request.loaded))
             first = (scenario_along(plant, way, payload),)
@@ -130,7 +130,7 @@ def stage_asked(request: TuneRequest, text: ControllerText, plant: Plant) -> Sta
     return Stage(plant, first, options, vary, references, seconds(request), connect)
 
 
-def samples_asked(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
+def samples_of(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
     """Return the samples for a rule base alone, by ``data`` and ``test``."""
     if not request.data:
         if request.cost is not None and ".py:" in request.cost:

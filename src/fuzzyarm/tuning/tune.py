@@ -30,7 +30,7 @@ from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.keywords import demand_alone, demand_arguments
-from fuzzyarm.text.mistaken import MODEL, wrong_kind
+from fuzzyarm.text.value_kinds import MODEL, wrong_kind
 from fuzzyarm.tuning.cost import (
     ERRORS,
     OwnCost,

@@ -33,12 +33,12 @@ from fuzzyarm.inference.block import (
     WORK_ROWS,
     parts_of,
 )
+from fuzzyarm.inference.centroid_kernel import add_samples, envelop, sample
 from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
-from fuzzyarm.inference.enveloped import add_samples, envelop, sample
-from fuzzyarm.inference.integrated import integrate
 from fuzzyarm.inference.kernel import (
     made_of,
 )
+from fuzzyarm.inference.quadrature_kernel import integrate
 from fuzzyarm.inference.type_reduction import end_of_average
 from fuzzyarm.kernels import kernel
 

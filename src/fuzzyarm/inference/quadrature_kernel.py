@@ -31,8 +31,8 @@ from fuzzyarm.inference.block import (
     RULE_HEAD,
     WIDTH,
 )
+from fuzzyarm.inference.centroid_kernel import cut_in
 from fuzzyarm.inference.envelope import insert
-from fuzzyarm.inference.enveloped import cut_in
 from fuzzyarm.inference.sets import BELOW_ONE
 from fuzzyarm.kernels import call, kernel
 
