@@ -51,7 +51,7 @@ Lookup tables
     write_table         Write table whole or not at all; read_table gives back an equal table.
 
 Prove, and run on a plant
-    prove               Prove or refute what is said of a rule base, or of a controller in its loop.
+    prove               Prove or refute properties of a rule base, or of a controller in its loop.
     simulate            Run a controller on a plant, along a trajectory or references.
     simulate_many       Run a controller many times.
 
@@ -82,8 +82,8 @@ Packages with public names of their own
     loop                The closed loop: one run, or many at once, of a controller on a plant.
     model               What a rule base means, free of text: its data, its shapes, its
                         formulas.
-    picture             Pictures as data: what stands in one, in the coordinates of what it
-                        shows.
+    picture             Pictures as data: lines, areas, marks and words in the coordinates of
+                        the data.
     plant               Plants: the protocol, the two-link arm of the study and its
                         trajectories, shipped ones.
     proof               What holds of a rule base at every point: bounds, slopes, symmetry,

@@ -1,4 +1,4 @@
-"""The short way in: load any file, check it, whatever kind it is."""
+"""Load and check any file, whatever its kind."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ __all__ = [
 
 
 class FileWarning(UserWarning):
-    """What :func:`load` has to say of a file of another program that it could read.
+    """A warning of :func:`load` about a file of another program.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class FileWarning(UserWarning):
 
 
 class UnknownKindError(FuzzyarmError, ValueError):
-    """The suffix of a file says nothing that fuzzyarm knows.
+    """The suffix of a file is unknown.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
 
 
 class WrongKindError(FuzzyarmError, ValueError):
-    """A file is of another kind than the one that was asked for.
+    """A file is of another kind than the caller expects.
 
     Attributes
     ----------
@@ -102,8 +102,8 @@ class WrongKindError(FuzzyarmError, ValueError):
 def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerText:
     """Return the rule base, controller or lookup table in the file at `path`, by its suffix.
 
-    Where the kind is known, :func:`load_rulebase`, :func:`load_controller` and
-    :func:`fuzzyarm.read_table` tell a type checker, and a reader, which it is.
+    Where the kind is known, use :func:`load_rulebase`, :func:`load_controller` or
+    :func:`fuzzyarm.read_table`: their return types are exact.
 
     Parameters
     ----------
@@ -115,8 +115,8 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     Warns
     -----
     FileWarning
-        For every warning about a file of another program: what was dropped, or is read in
-        one of several ways. Errors are the same as those of :func:`check_file`.
+        For every warning about a file of another program: something was dropped, or could be
+        read in several ways. Errors are the same as those of :func:`check_file`.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
 
 
 def _load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerText:
-    """Load a file for a caller of the caller, whom warnings name."""
+    """Load a file; warnings name the caller of the caller."""
     name, suffix = _name_and_suffix(path)
     if suffix == ".frb":
         source = read_text(path)
@@ -280,7 +280,7 @@ def load_sampled(path: str) -> LookupTable:
 
 
 def table_of_request(request: CompileRequest) -> LookupTable:
-    """Return the table that a request asks for; `fuzzyarm.compile_table` asks for it here."""
+    """Return the table of a compile request; `fuzzyarm.compile_table` calls this."""
     from fuzzyarm.proof.compiled import compiled, making_of
     from fuzzyarm.requests.making import ExportRequest
 
@@ -297,23 +297,23 @@ def export_file(
     Parameters
     ----------
     file : str, path-like or ExportRequest
-        What is exported: a file, or a request that says how, too.
+        The file to export, or a request with all options.
     out : str or path-like
-        Its suffix is the language, as of ``fuzzyarm compile``: ``.h``, ``.c``, ``.st``, …
+        Its suffix selects the language, as in ``fuzzyarm compile``: ``.h``, ``.c``, ``.st``, …
     **fields
-        Of an `ExportRequest`, beside a file: ``q=15``, ``table=True``, ``name="servo"``, ….
+        Fields of an `ExportRequest`, if `file` is a path: ``q=15``, ``name="servo"``, ….
 
     Returns
     -------
     Exported or ExportedController
-        With the files that were written, and what their functions are called.
+        With the files that were written and the names of their functions.
 
     Raises
     ------
     ExportError
-        If something cannot be exported so.
+        If the file cannot be exported in this language.
     RequestError
-        If there is no such field, or it does not take its value.
+        If a field is unknown or its value is out of range.
 
     Examples
     --------
@@ -387,7 +387,7 @@ class PlantOf(NamedTuple):
     Attributes
     ----------
     plant : Plant
-        What it lacks is an error.
+        A port that it lacks is an error.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     """
@@ -404,7 +404,7 @@ class Review(NamedTuple):
     text : str
         The text, for showing the positions.
     diagnostics : tuple of Diagnostic
-        Mistakes, or, where there are none, doubts; in the order of the text.
+        Errors; without any, also warnings and remarks. In the order of the text.
     rulebase : RuleBase or None
         None where the text has errors, and for tables.
     """
@@ -414,7 +414,7 @@ class Review(NamedTuple):
     rulebase: RuleBase | None = None
 
     def _repr_html_(self) -> str:
-        # A tuple has no other base: what Shown has for the others.
+        # A named tuple cannot inherit from Shown, so it has the same method.
         drawing: str = above.function("html_of")(self)
         return drawing
 
@@ -475,7 +475,7 @@ def check_parsed(
     on_step: Callable[[], None] = lambda: None,
     on: PlantOf | None = None,
 ) -> Review:
-    """Check a text that has been parsed already; as :func:`check_text`.
+    """Check a text that has been parsed already; see :func:`check_text`.
 
     Parameters
     ----------
@@ -484,9 +484,9 @@ def check_parsed(
     text, path : str
         The text and its name.
     failed : list of Diagnostic, optional
-        The findings of :func:`judge`, where they are known already.
+        The findings of :func:`judge`, if it has run already.
     on_step : callable
-        Called now and then; what it raises ends the check.
+        Called now and then; an exception from it ends the check.
     on : PlantOf, optional
         The plant of a controller.
     """
@@ -494,7 +494,7 @@ def check_parsed(
     # Doubts about a controller beside a rule base are judged with those of the rules, below.
     if parsed.controller is not None:
         diagnostics, doubts = _of_controller(parsed, path, on)
-    elif parsed.whole is not None:  # its mistakes do not hide a file that is not there
+    elif parsed.whole is not None:  # errors in the rules must not hide a missing file
         from pathlib import Path
 
         from fuzzyarm.controller.text import used_files
@@ -521,7 +521,7 @@ def _position(finding: Diagnostic) -> tuple[object, str]:
 def _of_controller(
     parsed: Parsed, path: str, on: PlantOf | None
 ) -> tuple[list[Diagnostic], list[Diagnostic]]:
-    """Return what is wrong with a controller and its files, and what may be silenced."""
+    """Return the errors of a controller and its files, and the findings that may be silenced."""
     from pathlib import Path
 
     from fuzzyarm.controller.findings import doubts_of
@@ -563,7 +563,7 @@ def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Revie
             return Review(text, tuple(parse_lut(text, name).diagnostics))
         if suffix in READABLE:
             return _check_foreign(path, name)
-        # Other tables have no check of their own: to be read is all that is asked of them.
+        # Other formats of tables have no checks: reading them is the check.
         load(path)
     except RuleBaseError as error:
         return Review("", error.diagnostics)
@@ -577,7 +577,7 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     text = text_to_show(path)
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
-    # The other program computes the file, so that a contradiction in it is a doubt.
+    # The other program does compute the file, so a contradiction is only a warning.
     findings = [
         replace(diagnostic, severity=Severity.WARNING) if diagnostic.is_error else diagnostic
         for diagnostic in check(imported.rulebase, path=name)
@@ -586,7 +586,7 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
 
 
 class Judgement(NamedTuple):
-    """What became of the promises of a file.
+    """Whether a file keeps its ``expect`` and ``prove`` lines.
 
     Attributes
     ----------
@@ -606,19 +606,19 @@ PROOF_SECONDS = 1.0
 
 
 def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Judgement:
-    """Evaluate the ``expect`` lines of a rule base, and prove what it says in ``prove`` lines.
+    """Evaluate the ``expect`` lines of a rule base, and judge its ``prove`` lines.
 
     Parameters
     ----------
     rulebase : RuleBase
         With its lines.
     on_step : callable
-        Called now and then; what it raises ends it.
+        Called now and then; an exception from it ends it.
 
     Returns
     -------
     Judgement
-        What does not hold, and the verdicts on the ``prove`` lines.
+        The lines that do not hold, and the verdicts on the ``prove`` lines.
     """
     findings: list[Diagnostic] = []
     if rulebase.expectations:

@@ -1,6 +1,6 @@
-"""Pictures as data: what stands in one, in the coordinates of what it shows.
+"""Pictures as data: lines, areas, marks and words in the coordinates of the data.
 
-A picture is made once and drawn by whoever shows it: :mod:`fuzzyarm.show` in a terminal,
+A picture is made once and drawn by several renderers: :mod:`fuzzyarm.show` in a terminal,
 :mod:`fuzzyarm.show.figures` with matplotlib, the page of the designer by :func:`part_data` and
 :func:`panel_data`.
 Nothing here knows how wide a screen is, and nothing imports numpy; the numbers of a part may be
@@ -81,7 +81,7 @@ class Line:
     dash : str
         ``-``, ``--``, ``-.`` or ``:``.
     label : str
-        What it is; empty where that need not be said.
+        Its entry in the legend; empty for none.
     steps : bool
         Whether it goes level from each point to the next one.
     opacity : float
@@ -111,7 +111,7 @@ class Area:
     opacity : float
         From 0 to 1; in a chart.
     label : str
-        What it is; empty where that need not be said.
+        Its entry in the legend; empty for none.
     """
 
     x: Numbers
@@ -153,7 +153,7 @@ class Words:
     x, y : float
         Where it begins.
     text : str
-        Anybody's; a renderer shows it as it is.
+        Free text; a renderer shows it literally.
     size : float
         Points of print.
     """
@@ -178,7 +178,7 @@ class Drawing:
     parts : sequence of Line, Area, Mark or Words
         From the back to the front.
     grip : tuple of float, optional
-        Where a hand takes hold of it; by default in the middle.
+        Where the mouse can drag it; by default the middle.
     """
 
     stage: tuple[float, float, float, float]
@@ -187,7 +187,7 @@ class Drawing:
 
     @property
     def held_at(self) -> tuple[float, float]:
-        """Where a hand takes hold of it."""
+        """Where the mouse can drag it."""
         left, right, bottom, top = self.stage
         return self.grip or (0.5 * (left + right), 0.5 * (bottom + top))
 
@@ -210,7 +210,7 @@ class Dots:
     size : float
         Points of print.
     label : str
-        What they are; empty where that need not be said.
+        Their entry in the legend; empty for none.
     opacity : float
         From 0 to 1.
     edge : float
@@ -283,7 +283,7 @@ class Axis:
     Parameters
     ----------
     name : str
-        What is measured along it; may be anybody's text.
+        The quantity along it; may be text from a file.
     unit : str
         Its unit; empty, or ``1``, for none.
     low, high : float, optional
@@ -293,7 +293,7 @@ class Axis:
     about : str
         What the name means.
     whole : bool
-        Whether it counts: numbers between whole ones say nothing.
+        Whether it counts something: only whole numbers get a tick.
     """
 
     name: str = ""
@@ -313,20 +313,20 @@ class Axis:
 
 @dataclass(frozen=True)
 class Cells:
-    """Values over a grid, told by colours.
+    """Values over a grid, shown as colours.
 
     Parameters
     ----------
     x, y : sequence of float
-        Where the columns and the rows stand; of cells of uneven widths their edges, one more.
+        Centres of the columns and rows, or their edges (one more) if widths differ.
     values : array_like, shape (rows, columns)
-        Row by row; NaN where there is none.
+        Row by row; NaN for a missing value.
     value : Axis
-        What they are, and between what colours are spread at least.
+        What the values are, and the least range that the colours cover.
     downward : bool
         Whether the first row stands at the top, as in a file.
     signed : bool
-        Whether they are differences, whose colours part at zero.
+        Whether they are differences: the colour scale diverges at zero.
     missing : str
         What a cell without a value means, as in ``diverged``: such cells are hatched. Empty
         where they stay blank.
@@ -367,11 +367,11 @@ class Panel:
     across, up : Axis
         The axes.
     title : str
-        Above it.
+        Drawn above it.
     key : str
-        Where what the labels say stands: ``upper left`` and so on; empty for nowhere.
+        Where the legend stands: ``upper left`` and so on; empty for no legend.
     name : str
-        What it is, in a few words, where there is no room for axes.
+        A short name, for where there is no room for axes.
     """
 
     parts: Sequence[ChartPart]
@@ -403,12 +403,12 @@ class Chart:
     size : tuple of float
         Width and height on paper, inches.
     title : str
-        Above all of them.
+        Drawn above all of them.
     key : bool
-        Whether the labels stand once, below all panels.
+        Whether one legend stands below all panels.
     below : str
-        What all panels have across, written below the last ones alone; empty where each has its
-        own.
+        Label of the shared horizontal axis, written below the last row only; empty where each
+        panel has its own.
     heading : bool
         Whether the title is a heading, in larger letters.
     stretched : bool
@@ -470,11 +470,11 @@ def frame(left: float, bottom: float, width: float, height: float, tone: str = "
 
 
 ROOM = 0.05
-"""Beyond what is drawn, of its width."""
+"""Margin beyond what is drawn, as a share of its width."""
 
 
 def ends_with_room(values: Numbers, *, logarithmic: bool = False) -> tuple[float, float]:
-    """Return the ends of an axis a little beyond some values, where signs are not cut off.
+    """Return the ends of an axis a little beyond some values, so that marks are not cut off.
 
     Parameters
     ----------
@@ -496,7 +496,7 @@ def ends_with_room(values: Numbers, *, logarithmic: bool = False) -> tuple[float
 
 
 def drawing_data(drawing: Drawing) -> dict[str, Any]:
-    """Return a drawing fit for JSON; parts with a number that is not finite are left out."""
+    """Return a drawing as JSON data; parts with a number that is not finite are left out."""
     parts = map(part_data, drawing.parts)
     return {
         "stage": list(drawing.stage),
@@ -506,7 +506,7 @@ def drawing_data(drawing: Drawing) -> dict[str, Any]:
 
 
 def part_data(part: Part) -> dict[str, Any] | None:
-    """Return a part fit for JSON; None where a number of it is not finite."""
+    """Return a part as JSON data; None if one of its numbers is not finite."""
     if isinstance(part, Line | Area):
         points = [[short(x), short(y)] for x, y in zip(part.x, part.y, strict=True)]
         if any(None in point for point in points):
@@ -563,7 +563,7 @@ PartData = TypedDict(
     },
     total=False,
 )
-"""A part of a panel as a page draws it: what there is of it depends on what it ``is``.
+"""A part of a panel as a page draws it; its fields depend on ``is``.
 
 Numbers that are not finite are null. A tone is one of `TONES`, ``series`` and an index of
 `COLOURS`, or ``#rrggbb``.
@@ -580,7 +580,7 @@ class PanelData(TypedDict):
 
 
 def panel_data(panel: Panel) -> PanelData:
-    """Return a panel fit for JSON: its parts, and its axes with both ends."""
+    """Return a panel as JSON data: its parts, and its axes with both ends."""
     across, up = with_ends(panel)
     return {
         "title": panel.title,
@@ -591,13 +591,13 @@ def panel_data(panel: Panel) -> PanelData:
 
 
 def chart_data(chart: Chart) -> list[PanelData]:
-    """Return the panels of a chart fit for JSON; those without a title have that of the chart."""
+    """Return the panels of a chart as JSON data; a panel without a title gets that of the chart."""
     panels = map(panel_data, chart.panels)
     return [{**data, "title": data["title"] or chart.title} for data in panels]
 
 
 def with_ends(panel: Panel) -> tuple[Axis, Axis]:
-    """Return both axes of a panel with both ends: those that they say, or those of its parts."""
+    """Return both axes of a panel with both ends: their own, or those of the parts."""
     along = [_reach_of(part) for part in panel.parts]
     return (
         _with_ends(panel.across, [x for xs, _ in along for x in xs]),
@@ -606,7 +606,7 @@ def with_ends(panel: Panel) -> tuple[Axis, Axis]:
 
 
 def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
-    """Return what a part takes along both axes: all its numbers."""
+    """Return the extent of a part along both axes: all its numbers."""
     if isinstance(part, Level):
         return ([part.at], []) if part.upright else ([], [part.at])
     if isinstance(part, Band):
@@ -615,7 +615,7 @@ def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
 
 
 def _with_ends(axis: Axis, along: Iterable[float]) -> Axis:
-    """Return an axis with the ends that it says, or those of what lies along it."""
+    """Return an axis with its own ends, or those of what lies along it."""
     usable = [x for x in along if math.isfinite(x) and (x > 0.0 or not axis.logarithmic)]
     low = min(usable, default=0.1 if axis.logarithmic else 0.0) if axis.low is None else axis.low
     high = max(usable, default=1.0) if axis.high is None else axis.high
@@ -658,7 +658,7 @@ def _corners(line: Line) -> Line:
     """Return a line of steps without the points within its level stretches."""
     y = _flat(line.y)
     last = len(y) - 1
-    # A level stretch is drawn from where it begins: its other points say nothing.
+    # A level stretch needs only its first point: the others add nothing.
     indices = [k for k, value in enumerate(y) if k in (0, last) or value != y[k - 1]]
     x = _flat(line.x)
     return replace(line, x=[x[k] for k in indices], y=[y[k] for k in indices])

@@ -119,7 +119,7 @@ def prove(
     statement: str | LoopClaim | Property | None = None,
     **keywords: Any,
 ) -> LoopVerdict | Verdict | tuple[Proof, ...]:
-    """Prove or refute what is said of a rule base, or of a controller in its loop.
+    """Prove or refute properties of a rule base, or of a controller in its loop.
 
     Parameters
     ----------

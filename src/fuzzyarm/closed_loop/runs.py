@@ -127,7 +127,7 @@ def run_of(
     steps: int = 1,
     duration: float = 0.0,
 ) -> Run | None:
-    """Return a run of a loop; None where there is none.
+    """Return a run of a loop; None if there is none.
 
     Parameters
     ----------

@@ -188,7 +188,7 @@ def symmetric(size: float) -> Interval:
 
 
 class _LineWalk:
-    """What is known on the way; `axis` is the one at hand, `index` its number."""
+    """What is known on the way; `axis` is the current one, `index` its number."""
 
     def __init__(self, text: ControllerText, site: Site | None) -> None:
         self.text = text

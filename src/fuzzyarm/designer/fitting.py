@@ -90,7 +90,7 @@ def _learned(request: FitRequest, job: WindowJob) -> Fit:
 
 
 class _Teller:
-    """Says how far it is; a hand that has enough ends it, and keeps the best."""
+    """Says how far it is; the user may end it, which keeps the best."""
 
     def __init__(self, job: WindowJob) -> None:
         self.job = job

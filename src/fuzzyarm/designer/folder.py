@@ -266,7 +266,7 @@ class Workspace:
         self._checked[name] = stamp, verdict
         return verdict
 
-    # --- What a hand does ---
+    # --- What the user does ---
 
     def _list(self, _request: requests.BareMessage) -> dict[str, Any]:
         return {}

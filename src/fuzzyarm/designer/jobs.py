@@ -1,7 +1,7 @@
 """Long work that a page watches: it runs beside the answering of questions, and can be stopped.
 
 A piece of work is a function of the text as it was, of what the page asked for, and of a
-`WindowJob`. It runs in a thread of its own, which may wait for a hand as long as it likes:
+`WindowJob`. It runs in a thread of its own, which may wait for the user as long as it likes:
 questions are answered by other threads. Its news wait until the window has been sent them, so
 that a slow window slows the work and not the server.
 """
@@ -158,7 +158,7 @@ class WindowJob:
         return {"end": "done"}
 
     def hear(self, message: dict[str, Any]) -> None:
-        """Take what a hand does."""
+        """Take what the user does."""
         self._messages.put(message)
 
     def stop(self) -> None:

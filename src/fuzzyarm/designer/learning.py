@@ -1,4 +1,4 @@
-"""Learning, watched and held by a hand: an SOC table that grows cell by cell, and is kept.
+"""Learning, watched and paused by the user: an SOC table that grows cell by cell, and is kept.
 
 The training is that of ``fuzzyarm learn`` (`Trainee`), the file that is written has its bits. A
 page says ``go`` (``run``, ``pause``, ``step`` for one pass, ``stop``), ``speed`` and ``save``.

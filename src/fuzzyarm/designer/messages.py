@@ -55,7 +55,7 @@ class SceneCurve(TypedDict):
 
 
 class SceneShape(TypedDict):
-    """A shape of a term, as a page draws it and lets a hand move it."""
+    """A shape of a term, as a page draws it and lets the user move it."""
 
     kind: str
     parameters: list[Number]

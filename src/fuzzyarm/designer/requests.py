@@ -183,7 +183,7 @@ class TermShape(ShapeOf):
 
 @dataclass(frozen=True)
 class Shapes:
-    """Terms that a hand has moved."""
+    """Terms that the user has moved."""
 
     shapes: tuple[TermShape, ...]
 
@@ -286,14 +286,14 @@ class RuleEdit:
 
 @dataclass(frozen=True)
 class OfVariable:
-    """The numbers of a rule base while a hand moves the terms of a variable."""
+    """The numbers of a rule base while the user moves the terms of a variable."""
 
     variable: str
 
 
 @dataclass(frozen=True)
 class FormQuestion:
-    """What of a form is wrong, which a hand is filling in."""
+    """What is wrong with a form that the user is filling in."""
 
     form: str
     values: FormValues
@@ -566,7 +566,7 @@ WORKS: Mapping[str, type] = {
 
 @dataclass(frozen=True)
 class RunWord:
-    """What a hand does to a run.
+    """What the user does to a run.
 
     Attributes
     ----------
@@ -599,7 +599,7 @@ class RunWord:
 
 @dataclass(frozen=True)
 class LearnWord:
-    """What a hand does to a training; `save` is the name of a table."""
+    """What the user does to a training; `save` is the name of a table."""
 
     go: Literal["run", "pause", "step", "stop"] | None = None
     speed: Literal["watch", "fast"] | None = None
@@ -609,7 +609,7 @@ class LearnWord:
 
 @dataclass(frozen=True)
 class TuneWord:
-    """What a hand does to a search: end it, or take what it has found."""
+    """What the user does to a search: end it, or take what it has found."""
 
     enough: bool = False
     take: bool = False
@@ -618,7 +618,7 @@ class TuneWord:
 
 @dataclass(frozen=True)
 class FitWord:
-    """What a hand does to a fit: end it; `save` is the name of a rule base."""
+    """What the user does to a fit: end it; `save` is the name of a rule base."""
 
     enough: bool = False
     save: str | None = None

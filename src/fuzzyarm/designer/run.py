@@ -1,9 +1,9 @@
 """A controller that runs while it is watched: the long work behind the view *Run*.
 
 A run is stepped by the loop of ``fuzzyarm simulate`` in parts that last as long as a picture is
-shown; between two parts a hand may pause it, push the plant, move a gain, or change the text.
+shown; between two parts the user may pause it, push the plant, move a gain, or change the text.
 
-What a hand does meanwhile is a `RunWord`. The page hears, under ``news``: ``ready`` (what is
+What the user does meanwhile is a `RunWord`. The page hears, under ``news``: ``ready`` (what is
 drawn), ``samples`` (what came since the last ones, with the picture), ``metrics``, ``reached``,
 ``over``, ``text`` (whether a text was taken up) and ``note`` (with ``field``, where a field of the
 page is wrong).
@@ -330,7 +330,7 @@ class LiveRun:
             self._try_again(before)
 
     def _pull(self, x: float, y: float) -> None:
-        """Have a hand push the plant; one that stands at its time goes on."""
+        """Let the user push the plant; a run that has reached its time continues."""
         self.pull = (x, y)
         if self.reached and any(self.pull):
             self.paused = self.reached = False
@@ -371,7 +371,7 @@ class LiveRun:
         self.job.tell({"news": "text", "taken": True, "gains": self._gains()})
 
     def _forget_written(self) -> None:
-        """Drop the gains of a hand that the text has now; those that it cannot have stay."""
+        """Drop gains set by the user that the text has now; keep those that it cannot have."""
         declared = {gain.name for gain in self._own_gains()}
         self.gains = {name: gain for name, gain in self.gains.items() if name not in declared}
 

@@ -114,7 +114,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
 
 
 def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
-    """Return the numbers of a rule base while a hand moves the terms of a variable."""
+    """Return the numbers of a rule base while the user moves the terms of a variable."""
     output = rulebase.variable(variable)
     middles = isinstance(output, Output) and output.defuzzifier.record.both
     if middles and any(term.lower and is_value(term.lower) for term in output.terms):
@@ -154,7 +154,7 @@ def _term(
         "name": term.name,
         "at": positions.of(term.span)[0],
         **_shape(term.shape, variable, functions),
-        # In an output with two ends a term of type 1 stands twice; a hand moves both.
+        # In an output with two ends a term of type 1 stands twice; the user moves both.
         "marks": [term.name, *([lower] if lower and term.lower is None else [])],
         "lower": None,
     }

@@ -368,7 +368,7 @@ class SharedText:
 
     @property
     def _rules(self) -> Reading:
-        """The text of a rule base or a controller, which a hand may edit."""
+        """The text of a rule base or a controller, which the user may edit."""
         if not isinstance(self.session.reading, Reading):
             raise ReshapeError("a table is not edited in a picture")
         return self.session.reading
@@ -513,7 +513,7 @@ class SharedText:
         return {"forms": forms_of(self.session)}
 
     def _judge(self, request: requests.FormQuestion) -> dict[str, Any]:
-        """Say what is wrong with a form while a hand fills it in."""
+        """Say what is wrong with a form while the user fills it in."""
         from fuzzyarm.designer.forms import judged
 
         return judged(request.form, request.values, Path(self.session.path).parent)

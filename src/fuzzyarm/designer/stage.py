@@ -1,4 +1,4 @@
-"""The plants of a page: which there are, how they are drawn, and how a hand pushes them."""
+"""The plants of a page: which there are, how they are drawn, and how the user pushes them."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     return {"why": "", **followable(name, plant, label(followed)), "ports": ports}
 
 
-# --- What a hand does ---
+# --- What the user does ---
 #
 # A pull is an arrow of a length between -1 and 1 each way. It becomes loads of inputs, which the
 # loop adds behind the limits of the drives: the same as --disturb.

@@ -47,7 +47,7 @@ def can_take_turns() -> bool:
 
 
 async def run_to_its_end(function: Callable[[], Result]) -> Result:
-    """Run work that may wait for a hand as long as it likes."""
+    """Run work that may wait for the user as long as it likes."""
     if IN_A_PAGE:
         await asyncio.sleep(0.0)
         return function()

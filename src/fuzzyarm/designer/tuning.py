@@ -1,4 +1,4 @@
-"""Tuning, watched and stopped by a hand: the search of ``fuzzyarm tune`` on the text that is open.
+"""Tuning, watched and stopped by the user: the search of ``fuzzyarm tune`` on the open text.
 
 The search runs in a process of its own, so that key strokes are answered meanwhile, and it gives
 way to the server. A page says ``enough``, which keeps the best so far, and ``take``: the change

@@ -34,7 +34,7 @@ class SampleSums:
     moment: str
     height: str
     index: str
-    # Numbers for each sample, by the symbol that stands for the one at hand.
+    # Numbers for each sample, by the symbol that stands for the current one.
     columns: Mapping[str, tuple[float, ...]]
     stems: Mapping[str, str]  # what the arrays of the columns are to be called
     # Parts of the program, by the symbol that stands for one in `steps`.

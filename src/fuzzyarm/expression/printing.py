@@ -236,7 +236,7 @@ class Language(NamedTuple):
         A statement that sets a variable, and one that makes it as well; holes ``name`` and
         ``value``.
     declare_only : str
-        A statement that makes a variable without a value; empty where there is none.
+        A statement that makes a variable without a value; empty if there is none.
     choose : tuple of str
         Lines before the branches, between and after them; the first has a hole
         ``condition``.

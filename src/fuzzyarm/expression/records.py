@@ -461,7 +461,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         return kind
 
     def remove(self, name: str) -> None:
-        """Take back one of the user's own kinds; KeyError where there is none."""
+        """Take back one of the user's own kinds; KeyError if there is none."""
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]

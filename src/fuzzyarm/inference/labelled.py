@@ -35,7 +35,7 @@ def gathered(
     given : dict of str to float or array_like
         Without labels.
     labels : Labels or None
-        Which put them on the results; None where there are none.
+        Which put them on the results; None if there are none.
 
     Raises
     ------

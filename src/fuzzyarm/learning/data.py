@@ -461,7 +461,7 @@ def _spans(number: int, line: str, mark: str) -> tuple[Span, ...]:
 
 
 def _number(cell: str, *, comma: bool = False) -> float | None:
-    """Return the number in a cell, which may be infinite or NaN; None where there is none."""
+    """Return the number in a cell, which may be infinite or NaN; None if there is none."""
     try:
         return float(cell.replace(",", ".") if comma else cell)
     except ValueError:

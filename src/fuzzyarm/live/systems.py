@@ -241,7 +241,7 @@ class System:
     rulebase : RuleBase or None
         None where any diagnostic is an error.
     text : str
-        The rule base as a ``.frb`` text; empty where there is none.
+        The rule base as a ``.frb`` text; empty if there is none.
     diagnostics : tuple of Diagnostic
         What was found, the comparison of numbers last.
     """

@@ -254,7 +254,7 @@ class Variable(Plotted):
         return f"<{type(self).__name__} {shortened(self.name)} {ends}: {terms}>"
 
     def term(self, name: str) -> Term:
-        """Return the term called `name`; raise NotInModelError where there is none."""
+        """Return the term called `name`; raise NotInModelError if there is none."""
         for term in self.terms:
             if term.name == name:
                 return term
@@ -647,7 +647,7 @@ class RuleBase(AnyRuleBase):
         return tuple(rule for block in self.blocks for rule in block.rules)
 
     def variable(self, name: str) -> Input | Output:
-        """Return the input or output called `name`; raise NotInModelError where there is none."""
+        """Return the input or output called `name`; raise NotInModelError if there is none."""
         variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
         for variable in variables:
             if variable.name == name:
@@ -663,7 +663,7 @@ class RuleBase(AnyRuleBase):
         )
 
     def output(self, name: str) -> Output:
-        """Return the output called `name`; raise NotInModelError where there is none."""
+        """Return the output called `name`; raise NotInModelError if there is none."""
         for output in self.outputs:
             if output.name == name:
                 return output

@@ -346,7 +346,7 @@ class Extremum(NamedTuple):
     Attributes
     ----------
     reached : number
-        A value that is attained, or a limit; None where there is none.
+        A value that is attained, or a limit; None if there is none.
     bound : number
         What no value exceeds; None where there is no value.
     corner : ndarray or None

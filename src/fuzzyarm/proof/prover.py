@@ -314,7 +314,7 @@ class Prover:
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
     def uncovered(self, region: Mapping[str, tuple[float, float]]) -> dict[str, Fraction] | None:
-        """Return a point at which no rule fires, or None where there is none.
+        """Return a point at which no rule fires; None if there is none.
 
         Raises
         ------

@@ -137,7 +137,7 @@ class AxisLines:
         return prover
 
     def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
-        """Return bounds of an output; None where there are none."""
+        """Return bounds of an output; None if there are none."""
         key = "value", id(prover), tuple(sorted(region.items()))
         if key not in self._cache:
             if prover.model is None:

@@ -239,7 +239,7 @@ class TableHeader(Plotted, Drawn, OfKind):
         return "bins" if any(axis.bins is not None for axis in self.axes) else "nearest"
 
     def axis(self, name: str) -> Axis:
-        """Return the axis called `name`; raise KeyError where there is none."""
+        """Return the axis called `name`; raise KeyError if there is none."""
         for axis in self.axes:
             if axis.name == name:
                 return axis

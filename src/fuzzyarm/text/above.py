@@ -1,8 +1,8 @@
-"""Functions that stand above whoever calls them.
+"""Calls from lower packages to functions of higher ones.
 
-A value answers questions (``rulebase.table()``) by packages that know the value, and which the
-value must not know. So it asks by the name of the function, and the package at the top, which
-knows them all, has said where each is (:func:`register`).
+A value has methods (``rulebase.table()``) that need packages above it, which it must not import.
+So it looks the function up by name, and the package at the top registers where each function is
+(:func:`register`).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _HOMES: dict[str, str] = {}
 
 
 def register(homes: Mapping[str, str]) -> None:
-    """Say where functions are.
+    """Register the modules of functions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A mistake or a doubt with its position, how it is shown, and when a text is absurd."""
+"""Diagnostics with their positions, how they are shown, and the size limits of a text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fuzzyarm.text.names import printable
 
 
 class Severity(StrEnum):
-    """How grave a diagnostic is: only errors keep a file from being used."""
+    """Severity of a diagnostic: only errors keep a file from being used."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -39,7 +39,7 @@ NOWHERE = Span(1, 1, 1, 1)
 
 
 class Related(NamedTuple):
-    """Another position that a diagnostic speaks of, for instance the first of two duplicates."""
+    """Another position that a diagnostic refers to, for instance the first of two duplicates."""
 
     message: str
     span: Span
@@ -56,11 +56,11 @@ class Diagnostic:
     message : str
         One sentence to a person.
     span : Span
-        Exactly the text that is at fault.
+        The text at fault, exactly.
     severity : Severity
         An error keeps the file from being used; a warning and an info do not.
     hint : str
-        What was probably meant, or what to do; empty where nothing is certain.
+        What was probably meant, or what to do; empty if neither is certain.
     replacement : str or None
         The text to put in place of `span` where the hint is certain enough for a quick fix.
     path : str
@@ -68,7 +68,7 @@ class Diagnostic:
     related : tuple of Related
         Other positions that belong to the finding.
     argument : str
-        Of what is made in Python: the call or the argument at fault, in place of a position.
+        For values built in Python: the call or argument at fault, in place of a position.
     lines : tuple of str
         Lines that a quick fix can put below it.
     """
@@ -96,7 +96,7 @@ class Diagnostic:
 
     @property
     def is_error(self) -> bool:
-        """Whether the file cannot be used as it stands."""
+        """Whether it keeps the file from being used."""
         return self.severity is Severity.ERROR
 
     @property
@@ -140,7 +140,7 @@ class RuleBaseError(FuzzyarmError, ValueError):
         hint: str = "",
         replacement: str | None = None,
     ) -> RuleBaseError:
-        """Return the error of one argument of what is made in Python.
+        """Return the error about one argument of a call from Python.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class RuleBaseError(FuzzyarmError, ValueError):
         return type(self), (self.diagnostics,)
 
 
-# --- What the language refuses as absurd, so that no file can exhaust time or memory ---
+# --- Limits of the language, so that no file can exhaust time or memory ---
 
 MAX_CHARACTERS = 4_000_000
 """Longest text that is read at all."""
@@ -187,7 +187,7 @@ MIN_WIDTH = 1e-100
 """Smallest width of a range, and smallest spread of a shape."""
 
 MAX_DIAGNOSTICS = 1_000
-"""Most findings that one run reports; after them reading stops."""
+"""Most findings of one run; reading stops after them."""
 
 
 # --- Show a diagnostic to a person: position, source line, caret, hint. Plain text ---

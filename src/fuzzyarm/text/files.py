@@ -1,4 +1,4 @@
-"""Files are replaced whole or not at all; whether one has changed on disk; which may be used."""
+"""Atomic replacement of files, stamps of their content, and confinement to folders."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.protected import demand_no_source
 
 _roots: list[Path] = []
-"""Folders of which this process may use files; all, where there are none here."""
+"""Folders whose files this process may use; all files, if this is empty."""
 
 
 class OutsideFolderError(FuzzyarmError, ValueError):
-    """A text names a file that it may not use."""
+    """A text names a file outside the folders that it may use."""
 
 
 @contextlib.contextmanager
 def confined(*folders: str | Path) -> Iterator[None]:
-    """Have texts use only files below some folders, in all threads, as long as this lasts.
+    """Confine texts to files below some folders, in all threads, within this context.
 
     A process that takes texts from elsewhere is confined as a whole: what a text uses is read in
     many places (checked, hovered over, run, tuned, exported), and none of them can forget it.
@@ -37,14 +37,14 @@ def confined(*folders: str | Path) -> Iterator[None]:
 
 
 def demand_allowed(path: str | Path) -> None:
-    """Raise `OutsideFolderError` where a file, or what a link leads to, may not be used."""
+    """Raise `OutsideFolderError` if a file, or the target of a link, may not be used."""
     resolved = Path(path).resolve()
     if _roots and not any(resolved.is_relative_to(root) for root in _roots):
         raise OutsideFolderError("it is outside the folder that is open")
 
 
 Stamp = tuple[int, int, int]
-"""What changes when a file does: time, size and inode."""
+"""Changes whenever the file does: time, size and inode."""
 
 
 def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
@@ -85,7 +85,7 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
 def demand_writable(path: str | Path) -> None:
     """Raise the OSError that :func:`write_atomically` would raise, as far as it can be foreseen.
 
-    For what is written after long work; that the disk is full then, nobody knows now.
+    Called before long work whose result is written at its end; a full disk cannot be foreseen.
     """
     _demand_leave(path)
     if not _stays(path):
@@ -97,7 +97,7 @@ def demand_writable(path: str | Path) -> None:
 
 def _demand_leave(path: str | Path) -> None:
     demand_no_source(path)
-    # Replacing needs no leave from the old file, so a file that may not be written is asked.
+    # Replacing a file does not need permission to write it, so that is checked here.
     if os.path.isdir(path):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if os.path.exists(path) and not os.access(path, os.W_OK):
@@ -106,7 +106,7 @@ def _demand_leave(path: str | Path) -> None:
 
 @contextlib.contextmanager
 def _named(path: str | Path) -> Iterator[None]:
-    """Have errors name the file that was meant, and not a part of it."""
+    """Let errors name the file itself, not its temporary part."""
     try:
         yield
     except OSError as error:

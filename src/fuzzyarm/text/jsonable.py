@@ -8,7 +8,7 @@ from typing import Any
 
 
 def jsonable(data: Any) -> Any:
-    """Return data as JSON can hold it.
+    """Return data that JSON can hold.
 
     Parameters
     ----------
@@ -19,7 +19,7 @@ def jsonable(data: Any) -> Any:
     Returns
     -------
     dict, list, str, int, float, bool or None
-        What is not a finite number is None, for which JSON has ``null``.
+        Numbers that are not finite are None, which is ``null`` in JSON.
     """
     if data is None or isinstance(data, str | int):
         return data

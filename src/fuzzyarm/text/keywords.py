@@ -1,4 +1,4 @@
-"""Arguments of public calls: names and kinds of many keywords stand in one `TypedDict` each."""
+"""Checks of the keyword arguments of public calls, whose names and types a `TypedDict` declares."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = [
 
 
 class ArgumentError(FuzzyarmError, TypeError):
-    """A call has no such argument, lacks one, or was given one of another kind.
+    """An argument is unknown, missing, or of another kind.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class ArgumentError(FuzzyarmError, TypeError):
 
 
 Kind: TypeAlias = type | Callable[..., object]
-"""Whose annotations say what arguments there are: a `TypedDict`, a data class, a function."""
+"""Its annotations declare the arguments: a `TypedDict`, a data class or a function."""
 
 RENAMED: Mapping[str, str] = MappingProxyType(
     {
@@ -122,7 +122,7 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
         "statement": "as in 'u odd'",
     }
 )
-"""What an argument may be, by its name: a name means the same in every call."""
+"""Hints for an argument, by its name, which means the same in every call."""
 
 
 def demand_path(call: str, path: object, name: str = "path") -> str:
@@ -156,7 +156,7 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def _is_a(value: object, annotation: Any) -> bool:
-    """Whether a value is of a kind; of one that cannot be told, yes."""
+    """Whether a value is of a kind; true for kinds that cannot be checked."""
     origin = get_origin(annotation) or annotation
     if origin is float:  # numbers of NumPy among them
         is_single = not getattr(value, "ndim", 0)
@@ -192,12 +192,12 @@ def _words(annotation: Any) -> str:
 
 
 def unknown_argument(call: str, name: str, keywords: tuple[str, ...]) -> ArgumentError:
-    """Return the error of an argument that a call does not have, with the nearest that it has."""
+    """Return the error of an unknown argument, with the nearest known one as the hint."""
     hint = near_hint(name, keywords)[0] or f"it has {', '.join(keywords)}"
     return ArgumentError(f"{call} has no argument '{name}'", argument=name, hint=hint)
 
 
 def demand_alone(call: str, *others: object) -> None:
-    """Raise ArgumentError where anything is given beside a request."""
+    """Raise ArgumentError if other arguments accompany a request."""
     if any(other is not None and other != {} for other in others):
         raise ArgumentError(f"{call}() takes a request alone: it says all of the job")

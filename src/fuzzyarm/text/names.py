@@ -1,4 +1,4 @@
-"""Names as text: in quotes where they must be, fit to be shown, and what a misspelt one meant."""
+"""Names as text: quoting, printable forms, and suggestions for misspelt names."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from itertools import islice
 
 _LENGTHS = 4
 _MOST = 300
-"""Guessing must stay quick in a file with a thousand terms and a thousand mistakes."""
+"""Limits the time for suggestions in a file with a thousand terms and a thousand mistakes."""
 
 
 def nearest(word: str, choices: Iterable[str]) -> str | None:
-    """Return the one of `choices` that `word` most likely stands for, or None.
+    """Return the most likely meaning of `word` among `choices`, or None.
 
     Difference in case alone is nearest; after that, few edits relative to the length.
     """
@@ -30,7 +30,7 @@ def nearest(word: str, choices: Iterable[str]) -> str | None:
 
 @lru_cache(maxsize=2048)
 def _closest(word: str, options: tuple[str, ...]) -> str | None:
-    # Remembered: a mistake is looked at again at every key stroke until it is mended.
+    # Cached: an editor checks the same mistake at every key stroke until it is corrected.
     import difflib
 
     cutoff = 0.5 if len(word) <= 3 else 0.6
@@ -49,11 +49,11 @@ def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
 
     Choices that know what other programs call them (`foreign`) are found by those names first.
     """
-    word = str(word)  # a call from Python may bring anything
+    word = str(word)  # a call from Python may pass any object
     spelling = getattr(choices, "foreign", {}).get(word.casefold())
     if spelling is not None:
         ours, order = spelling
-        if order:  # to put the one word for the other would change what the numbers mean
+        if order:  # replacing the word would change what the numbers mean
             return f"'{word}' of other programs is '{ours}' here: {ours} {order}", None
         return f"'{word}' of other programs is '{ours}' here", ours
     near = nearest(word, choices)
@@ -75,7 +75,7 @@ def quote(text: str, mark: str) -> str:
 
 
 def printable(text: str) -> str:
-    """Return `text`, which may be anybody's, so that a terminal or a figure can only show it.
+    """Return untrusted `text` so that a terminal or a figure only displays it.
 
     Controls, line ends and marks that turn the direction of writing become U+FFFD, tabs and
     the other spaces become spaces: all that is not printable is either dangerous or unseen.
@@ -105,7 +105,7 @@ def is_plain_name(text: str) -> bool:
 
 
 def typed(path: str | os.PathLike[str]) -> str:
-    """Return a path as it is to be typed on a command line."""
+    """Return a path as one types it on a command line."""
     text = os.fspath(path)
     if os.name == "nt":
         return f'"{text}"' if re.search(r"[ &()^,;=]", text) else text

@@ -1,7 +1,7 @@
-"""Names and numbers that know where they stand in a text.
+"""Names and numbers that carry their position in a text.
 
-They are what they stand for: a model whose names are words and whose numbers are figures equals
-one that was made in Python, and computes alike.
+They are strings and floats: a model whose names are words and whose numbers are figures equals
+one built in Python, and computes the same.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Word(str):
     span: Span
 
     def __new__(cls, text: str, span: Span = NOWHERE) -> Word:
-        """Return a text at a place."""
+        """Return a name with its position."""
         word = super().__new__(cls, text)
         word.span = span
         return word
@@ -38,7 +38,7 @@ class Figure(float):
     span: Span
 
     def __new__(cls, value: float, span: Span = NOWHERE) -> Figure:
-        """Return a number at a place."""
+        """Return a number with its position."""
         figure = super().__new__(cls, value)
         figure.span = span
         return figure
@@ -48,6 +48,6 @@ class Figure(float):
 
 
 def span_of(value: object) -> Span:
-    """Return where a name or a number stands; nowhere for one that was made in Python."""
+    """Return the position of a name or a number; NOWHERE for one built in Python."""
     span = getattr(value, "span", NOWHERE)
     return span if isinstance(span, Span) else NOWHERE

@@ -1,4 +1,4 @@
-"""Which files a command has read: its results may not be written over them."""
+"""The files that a command has read: its results must not overwrite them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from fuzzyarm.errors import FuzzyarmError
 __all__ = ["SourceFileError", "demand_no_source", "note_source", "sources_kept"]
 
 _notes: list[set[str]] = []
-"""Real paths of the files that a command has read; nothing is noted where there is no set."""
+"""A stack of sets of real paths that commands have read; empty outside :func:`sources_kept`."""
 
 
 class SourceFileError(FuzzyarmError, ValueError):
-    """A result would be written over a file that it was computed from.
+    """A result would overwrite a file that it was computed from.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class SourceFileError(FuzzyarmError, ValueError):
 
 @contextlib.contextmanager
 def sources_kept() -> Iterator[None]:
-    """Have files that are read as long as this lasts refused where something is written."""
+    """Refuse to overwrite any file that is read within this context."""
     _notes.append(set())
     try:
         yield

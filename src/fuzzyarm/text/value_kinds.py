@@ -1,7 +1,7 @@
-"""A value that is taken for one of another kind: a rule base for a controller, a table for either.
+"""Values passed where another kind is expected: a rule base for a controller, a table for either.
 
-What wants a kind of value asks it for what only that kind has. The answer of another kind is one
-sentence that says which it is and what to do, in place of Python's "has no attribute".
+A function uses an attribute that only the expected kind has. A value of another kind then raises
+one sentence that says which kind it is and what to do, in place of Python's "has no attribute".
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from fuzzyarm.text.names import shortened
 RULE_BASE, CONTROLLER, TABLE = "rule base", "controller", "lookup table"
 
 MODEL, WHOLE = "rule base or a controller", "controller with its files"
-"""What has a `model`."""
+"""The kinds that have a `model`."""
 
 HINTS = {
     (RULE_BASE, CONTROLLER): (
@@ -31,7 +31,7 @@ HINTS = {
     (TABLE, MODEL): "its method `lookup` gives its values",
     (CONTROLLER, WHOLE): "fuzzyarm.load reads it with its files",
 }
-"""What to do, by what a value is and what is wanted."""
+"""Hints, by the kind of the value and the expected kind."""
 
 HAS = {
     **dict.fromkeys(
@@ -53,11 +53,11 @@ HAS = {
     ),
     "model": MODEL,
 }
-"""What a value is asked for, by which one sees what is wanted."""
+"""Attributes from which the expected kind follows."""
 
 
 class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
-    """A value or a file of one kind stands where one of another is wanted.
+    """A value or a file of another kind than the one expected.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
 
 
 def wrong_kind(value: object, expected: str) -> MistakenKindError:
-    """Return the error of a value that is not of the kind that is wanted."""
+    """Return the error of a value that is not of the expected kind."""
     if isinstance(value, OfKind):
         kind = type(value).kind_of_value
         other = expected
@@ -95,7 +95,7 @@ def wrong_kind(value: object, expected: str) -> MistakenKindError:
 
 
 class OfKind:
-    """A base of values that can be mistaken for one another."""
+    """Base of the values that users mix up."""
 
     __slots__ = ()
 
@@ -105,7 +105,7 @@ class OfKind:
         """Return its name, for a message."""
         return str(getattr(self, "name", ""))
 
-    if not TYPE_CHECKING:  # what no class has is an error before anything runs
+    if not TYPE_CHECKING:  # no class has it: a type checker must not accept it
 
         def __getattr__(self, name: str) -> object:
             kind = type(self).kind_of_value

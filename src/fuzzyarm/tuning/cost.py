@@ -1,4 +1,4 @@
-"""What is to become small: a formula of metrics, a function of the user's, an error on samples."""
+"""Costs to minimise: a formula of metrics, a function of the user, an error on samples."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from fuzzyarm.tuning.movement import TuneError
 Vector = NDArray[np.float64]
 
 LOST = 1e6
-"""Of a run that diverges at its end; twice as much of one that does so at once."""
+"""Cost of a run that diverges at its end; a run that diverges at once costs twice as much."""
 
 ERRORS = {
     "rmse": "root mean square error",
     "mae": "mean magnitude of the error",
     "worst": "largest magnitude of the error",
 }
-"""What a cost on samples may consist of."""
+"""Metrics of a cost on samples."""
 
 
 class CostFormulaError(TuneError):
-    """A cost that cannot be read, or that has no value."""
+    """A cost cannot be read, or has no value."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Cost:
         As in ``rms + 0.002*variation``. A metric is the mean over what is tracked; of one axis it
         is written ``'joint1.rms'``.
     metrics : tuple of str
-        The names that it may have.
+        The names that the formula may use.
 
     Raises
     ------
@@ -70,7 +70,7 @@ class Cost:
 
     @cached_property
     def formula(self) -> Formula:
-        """The formula as it was read."""
+        """The parsed formula."""
         try:
             return read_formula(self.text)
         except FormulaError as error:
@@ -79,7 +79,7 @@ class Cost:
 
     @property
     def is_brief(self) -> bool:
-        """Whether errors and chatter of a run are all that it asks for."""
+        """Whether it uses nothing but errors and chatter of a run."""
         return all(name.rpartition(".")[2] in (*BRIEF, *CONSTANTS) for name in self.formula.names)
 
     def of(self, values: Mapping[str, float]) -> float:
@@ -99,8 +99,8 @@ class Cost:
 def values_of(run: Run) -> dict[str, float]:
     """Return the metrics of a run by name: means over what is tracked, and those of each axis.
 
-    A step that is not reached or has not settled counts with the whole time of the run; what only
-    a step has is left out where the reference is none.
+    A step that is never reached or does not settle counts with the whole time of the run.
+    Metrics of steps are left out if the reference is not a step.
     """
     numbers_by_name: dict[str, list[float]] = {}
     labelled: dict[str, float] = {}
@@ -110,7 +110,7 @@ def values_of(run: Run) -> dict[str, float]:
             if value is None and metrics.overshoot is None:
                 continue
             number = span if value is None else float(value)
-            # A largest or a last error counts by its magnitude, whatever its sign.
+            # Extreme and final errors have a sign; a cost counts their magnitude.
             number = abs(number) if name in ("max", "final") else number
             numbers_by_name.setdefault(name, []).append(number)
             labelled[f"{label}.{name}"] = number
@@ -118,7 +118,7 @@ def values_of(run: Run) -> dict[str, float]:
 
 
 BRIEF = ("rms", "chatter")
-"""Metrics for which a run need not be kept."""
+"""Metrics that do not need the whole run."""
 
 
 def brief_values_of(judged: Judged) -> dict[str, float]:
@@ -161,11 +161,11 @@ def errors_between(predicted: Vector, observed: Vector) -> dict[str, float]:
 # --- A function of the user's ---
 
 OwnCost = Callable[[Any], float]
-"""Takes the runs, a list of :class:`fuzzyarm.loop.Run`; of a rule base alone the rule base."""
+"""Takes a list of :class:`fuzzyarm.loop.Run`, or the rule base if that is tuned alone."""
 
 
 def read_cost(text: str, metrics: tuple[str, ...] = METRICS) -> Cost | OwnCost:
-    """Return the cost that a user names: a formula, or ``FILE.py:FUNCTION``, which is executed."""
+    """Return the cost of the user: a formula, or ``FILE.py:FUNCTION``, which is executed."""
     path, _, name = text.rpartition(":")
     if not path.endswith(".py"):
         if text.endswith(".py"):
@@ -188,7 +188,7 @@ def _functions(module: Any) -> Iterator[str]:
 
 
 def asked(function: OwnCost, what: Any) -> float:
-    """Return what a function of the user's says; what it raises becomes one sentence."""
+    """Return the value of a function of the user; an exception becomes one sentence."""
     try:
         value = float(function(what))
     except USERS as error:

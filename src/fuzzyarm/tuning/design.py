@@ -1,7 +1,7 @@
-"""What may move in a file: numbers between 0 and 1, and the controller or rule base at them.
+"""The free numbers of a file as shares from 0 to 1, and the file at given shares.
 
-What may move is said by the ``tune`` blocks of rule bases and by ``tune`` behind the gains of a
-controller. Where nothing is said, everything moves that can, and what is even now stays even.
+The ``tune`` blocks of rule bases and ``tune`` behind the gains of a controller say what may move.
+Without any, everything moves that can, and what is even now stays even.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from fuzzyarm.tuning.movement import NARROWEST, Movement, TuneError, is_movable,
 Vector = NDArray[np.float64]
 
 Scale = Literal["linear", "log", "logit"]
-"""In which steps a number moves: even, of its logarithm, or of that of share / (1 - share)."""
+"""Scales on which a number moves: linear, logarithmic, or logit of its share."""
 
 MOST_PARAMETERS = 500
 
@@ -48,9 +48,9 @@ class MovingNumber:
     name : str
         ``G_e``, ``G_e[2]`` of the second axis, ``pd7.e PS`` of a peak.
     low, high, start : float
-        Of the number itself; of a peak they are shares of its way.
+        Of the number itself; for a peak, shares of its way.
     scale : str
-        In which steps it moves.
+        The scale on which it moves.
     """
 
     name: str
@@ -66,12 +66,12 @@ class MovingNumber:
         if share in ends:
             return ends[share]
         first, last = self._steps(self.low), self._steps(self.high)
-        # A power of e may round beyond the end whose logarithm it was made of.
+        # exp(log(x)) may round beyond x, which is the end of the range.
         return min(max(self._number(first + (last - first) * share), self.low), self.high)
 
     @property
     def share(self) -> float:
-        """Where the file has it, 0 to 1; at an end where it lies outside its range."""
+        """Share of the value in the file, 0 to 1, clamped to the range."""
         first, last = self._steps(self.low), self._steps(self.high)
         within = min(max(self.start, self.low), self.high)
         return (self._steps(within) - first) / (last - first)
@@ -99,14 +99,14 @@ class MovingNumber:
 
 @dataclass(frozen=True)
 class Candidate:
-    """What comes of a point: gains by name, and the rule bases that differ from the file's.
+    """The numbers at a point: gains by name, and the rule bases that differ from those of the file.
 
     Attributes
     ----------
     gains : mapping of str to tuple of float
         One value, or one for each axis.
     rulebases : mapping of str to RuleBase
-        By the name in the controller; of a rule base alone by its own name.
+        By their names in the controller; a rule base tuned alone by its own name.
     """
 
     gains: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
@@ -129,21 +129,21 @@ class Design:
     Parameters
     ----------
     subject : ControllerText or RuleBase
-        As the file has it.
+        As in the file.
     tuning : Tuning, optional
-        What may move, in place of what the file says.
+        Replaces the ``tune`` lines of the file.
 
     Attributes
     ----------
     parameters : tuple of MovingNumber
         The numbers that move.
     start : ndarray
-        Their shares in the file.
+        Their shares at the values in the file.
 
     Raises
     ------
     TuneError
-        If nothing may move, or not so.
+        If nothing may move, or a line asks for something impossible.
     """
 
     def __init__(self, subject: ControllerText | RuleBase, tuning: Tuning | None = None) -> None:
@@ -151,7 +151,7 @@ class Design:
         self.sheets = rulebases_of(subject)
         model = subject.model if isinstance(subject, ControllerText) else None
         blocks = blocks_of(subject, tuning)
-        is_default = tuning is None  # ranges behind gains are part of what the file says
+        is_default = tuning is None  # replaced together with the blocks
         parts = [*_gains(model, blocks, with_file_ranges=is_default)] if model is not None else []
         for sheet, block in blocks.items():
             parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
@@ -166,9 +166,9 @@ class Design:
         self.start = np.array([parameter.share for parameter in self.parameters])
 
     def at(self, point: Sequence[float] | Vector, digits: int | None = None) -> Candidate:
-        """Return what the file is at a point, its numbers rounded to so many digits.
+        """Return the file at a point, its numbers rounded to some significant digits.
 
-        Where it starts it is the file itself, even where that breaks its own ranges.
+        At the start this is the file itself, even if it breaks its own ranges.
         """
         if digits is None and np.array_equal(point, self.start):
             return self.as_it_is()
@@ -196,20 +196,20 @@ class Design:
         return Candidate(gains, sheets)
 
     def rulebase_at(self, candidate: Candidate) -> RuleBase:
-        """Return the rule base of a candidate, where the subject is one alone."""
+        """Return the rule base of a candidate, if a rule base is tuned alone."""
         if isinstance(self.subject, ControllerText):
             raise TuneError("a controller is not a rule base alone")
         return candidate.rulebases.get(self.subject.name, self.subject)
 
     def as_it_is(self) -> Candidate:
-        """Return what the file itself says, in the same words."""
+        """Return the file itself as a candidate."""
         gains = {part.gain: tuple(p.start for p in part.parameters) for part in self._parts}
         gains.pop("", None)
         touched = {part.sheet for part in self._parts if part.movement is not None}
         return Candidate(gains, {name: self.sheets[name] for name in touched})
 
     def on_a_bound(self, point: Vector) -> list[str]:
-        """Return which numbers ended on a bound of their range."""
+        """Return the numbers that ended on a bound of their range."""
         return [
             parameter.name
             for parameter, share in zip(self.parameters, point, strict=True)
@@ -229,7 +229,7 @@ def rulebases_of(subject: ControllerText | RuleBase) -> dict[str, RuleBase]:
 
 
 def blocks_of(subject: ControllerText | RuleBase, tuning: Tuning | None) -> dict[str, Tuning]:
-    """Return what is said of each rule base: beside the file, in it, or else that all may move."""
+    """Return the ``tune`` lines of each rule base: those passed in, its own, or all movable."""
     sheets = rulebases_of(subject)
     if tuning is not None:
         return dict(_divided(tuning, sheets))
@@ -264,7 +264,7 @@ def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> Rul
 
 
 def everything(rulebase: RuleBase) -> Tuning:
-    """Return what lets all peaks move, and keeps what is even now: order, images, partitions."""
+    """Return a block that moves all peaks and keeps their order, mirror images and partitions."""
     peaks = []
     for variable in (*rulebase.inputs, *rulebase.outputs):
         finite = math.isfinite(variable.low) and math.isfinite(variable.high)
@@ -273,7 +273,7 @@ def everything(rulebase: RuleBase) -> Tuning:
             continue
         even = not any(mirror_faults(variable))
         whole = PeakTuning((variable.name,), even, True, partition_faults(variable) == [])
-        # Of N Z P nothing could move that stays mirrored: the middle one may then.
+        # With N Z P mirrored nothing could move, since Z stays in the middle: then it may move.
         stuck = even and not Movement(variable, whole, ()).names
         peaks.append(replace(whole, mirrored=False) if stuck else whole)
     alike = groupby(peaks, lambda peak: replace(peak, variables=()))
@@ -286,11 +286,11 @@ def everything(rulebase: RuleBase) -> Tuning:
 
 
 WIDE = 5.0
-"""By what a gain may be multiplied or divided, where a range is to be written."""
+"""Factor of the ranges that are written behind gains."""
 
 
 def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
-    """Return ranges to begin with for the gains that have none and are above zero."""
+    """Return first ranges for the positive gains that have none."""
     ranges = {}
     for gain in model.gains:
         values = [value.value(math.pi) for value in gain.values]
@@ -301,7 +301,7 @@ def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
 
 
 def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[str, Tuning]]:
-    """Yield what lines that are given beside a file say of each rule base that they fit."""
+    """Yield, for each rule base, the lines passed in that fit it."""
     names = {key: {v.name for v in (*r.inputs, *r.outputs)} for key, r in sheets.items()}
     for name in (*(v for peaks in tuning.peaks for v in peaks.variables), *dict(tuning.kept)):
         if not any(name in names_of_sheet for names_of_sheet in names.values()):
@@ -310,7 +310,7 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
                 near_hint(name, names_there)[0] or f"there are {', '.join(names_there) or 'none'}"
             )
             raise TuneError(f"no rule base has a variable '{name}'", name=name, hint=hint)
-    # Gains belong to the controller: they are said once.
+    # Gains belong to the controller, so only the first block has them.
     yield "", Tuning((), tuning.gains)
     for sheet, names_of_sheet in names.items():
         peaks = tuple(
@@ -337,21 +337,21 @@ def _gains(
 def gain_ranges(
     model: ControllerModel, blocks: Iterable[Tuning], *, with_file_ranges: bool
 ) -> dict[str, GainTuning]:
-    """Return how each gain may move; what a rule base says goes before the gain's own range.
+    """Return how each gain may move; lines of a rule base override the range behind the gain.
 
     Parameters
     ----------
     model : ControllerModel
         Whose gains they are.
     blocks : iterable of Tuning
-        What rule bases say, or lines that are given beside the file.
+        The ``tune`` blocks of rule bases, or lines passed in.
     with_file_ranges : bool
         Whether ``tune`` behind a gain counts.
 
     Raises
     ------
     TuneError
-        If there is no such gain, or two lines tune one differently.
+        If a gain is unknown, or two lines tune the same gain differently.
     """
     tunings: dict[str, GainTuning] = {}
     for block in blocks:

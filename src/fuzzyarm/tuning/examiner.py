@@ -1,4 +1,4 @@
-"""Candidates examined: what each costs, on all scenarios or samples, here or on other machines.
+"""Evaluation of candidates on all scenarios or samples, here or on other machines.
 
 Every examination depends on the point and on the problem, and on nothing else: neither on how
 many workers there are nor on what was examined before.
@@ -55,24 +55,24 @@ Over = Literal["mean", "worst"]
 """How the costs of several scenarios become one."""
 
 REFUSED = 1e9
-"""The cost of a candidate that breaks a promise of its file, or that fails."""
+"""Cost of a candidate that breaks a promise of its file, or that fails."""
 
 
 class Score(NamedTuple):
-    """What a candidate costs.
+    """The cost of a candidate.
 
     Attributes
     ----------
     cost : float
         Over all scenarios.
     parts : tuple of float
-        Of each scenario; empty for a function of the user's and for samples.
+        For each scenario; empty for a function of the user and for samples.
     error, chatter : float
         Means of RMS error and chatter, for the front of both; not a number for samples.
     diverged : int
-        Runs that did.
+        Number of runs that diverged.
     fault : str
-        What failed, of a candidate that has no cost for that.
+        What failed, if the candidate has no cost.
     """
 
     cost: float
@@ -85,16 +85,16 @@ class Score(NamedTuple):
 
 @dataclass(frozen=True)
 class TuningProblem:
-    """What is tuned on what; it travels as it is.
+    """A subject, its cost and its scenarios; it is sent to workers as it is.
 
     Attributes
     ----------
     subject : ControllerText or RuleBase
         As in the file.
     tuning : Tuning or None
-        What may move, where the file is not to say it.
+        Replaces the ``tune`` lines of the file.
     cost : Cost or callable
-        What is to become small.
+        The cost to minimise.
     scenarios : tuple of Scenario
         Of a controller.
     samples : Samples or None
@@ -117,7 +117,7 @@ class TuningProblem:
 
 
 class Examiner:
-    """A problem made ready, in the process that examines.
+    """A prepared problem, in the process that examines candidates.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class Examiner:
         self.lock = threading.Lock()
         self.stands: list[_Stand] = []
         if isinstance(problem.subject, ControllerText):
-            # With as many values for each gain as are tuned, so that new ones fit in.
+            # A gain with a value for each axis needs room for all of them.
             gains = Candidate(self.design.as_it_is().gains)
             base = controller_of(controller_at(problem.subject, gains))
             self.stands = [_Stand(scenario, base, problem) for scenario in problem.scenarios]
@@ -154,7 +154,7 @@ class Examiner:
         return self.folded([self.run(ready, at) for at in range(len(self.stands))], candidate)
 
     def tried(self, point: Vector, digits: int | None = None) -> Score:
-        """Examine a point of a search, which goes on where a candidate fails."""
+        """Examine a point of a search, which continues if a candidate fails."""
         try:
             return self.score(point, digits)
         except FuzzyarmError as error:
@@ -181,7 +181,7 @@ class Examiner:
         try:
             if stand.bench.loop.compiled:
                 return self._examined(program, stand)
-            with self.lock:  # what a user wrote may remember things
+            with self.lock:  # code of a user may have state
                 return self._examined(program, stand)
         except FuzzyarmError as error:
             error.at(f"scenario {stand.scenario.name}")
@@ -243,7 +243,7 @@ def failed(error: FuzzyarmError) -> Score:
 
 
 class ScenarioOutcome(NamedTuple):
-    """What a scenario came to."""
+    """The result of a scenario."""
 
     cost: float
     error: float = math.nan
@@ -253,7 +253,7 @@ class ScenarioOutcome(NamedTuple):
 
 
 class _Stand:
-    """A scenario made ready: set points, plant, sensors."""
+    """A prepared scenario: set points, plant, sensors."""
 
     def __init__(self, scenario: Scenario, controller: Controller, problem: TuningProblem) -> None:
         self.scenario = scenario
@@ -295,9 +295,9 @@ class ExaminerPool:
     problem : TuningProblem
         What is to be examined.
     workers : int, optional
-        How many examine at a time; one for each processor by default.
+        Candidates examined at a time; by default one for each processor.
     executor : Executor, optional
-        Any of :mod:`concurrent.futures`, where not this process is to work.
+        An executor of :mod:`concurrent.futures` that does the work in place of this process.
 
     Notes
     -----
@@ -318,8 +318,8 @@ class ExaminerPool:
         self._question = b""
 
     def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
-        """Examine points, in their order; one that fails says so, and the others go on."""
-        # A point alone would keep one process busy, which may as well be this one.
+        """Examine points in order; if one fails its score says so, and the others continue."""
+        # A single point would keep one process busy: that may be this one.
         alone = self.workers == 1 or (len(points) == 1 and not self._in_threads)
         if alone and self.executor is None:
             return [self.examiner.tried(point, digits) for point in points]
@@ -345,7 +345,7 @@ class ExaminerPool:
         return self.examiner.compiled or not self.examiner.stands
 
     def _begun(self, candidate: Candidate) -> Callable[[], Score]:
-        """Let the workers begin with a candidate; return what waits for its score."""
+        """Submit a candidate to the workers; return a function that waits for its score."""
         examiner = self.examiner
         pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
         # The longest first, so that all workers finish together.
@@ -399,7 +399,7 @@ def panel(
 
 
 def _outcome_of(begun: Callable[[], Score] | FuzzyarmError) -> Score:
-    """Wait for a score; what has failed says why."""
+    """Wait for a score; a failure becomes a score that says why."""
     try:
         return failed(begun) if isinstance(begun, FuzzyarmError) else begun()
     except FuzzyarmError as error:

@@ -1,7 +1,7 @@
-"""What follows a search: numbers rounded, judged by what was not seen, and beside an opponent.
+"""After a search: round the numbers, judge them on unseen scenarios, and tune an opponent.
 
-By then hours may have gone into the search. So its result is handed over first, and what fails
-afterwards is one sentence beside it.
+The search may have taken hours. So its result is handed over first, and a later failure
+becomes one sentence beside it.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from fuzzyarm.tuning.result import ALL_DIGITS, JUDGEMENT, ComparedRow, Tuned, Tu
 from fuzzyarm.tuning.search import Found, Journal, Search, Watch
 
 WORSE = 0.01
-"""How much a cost may grow when numbers are rounded, before a digit more is kept."""
+"""Relative growth of the cost by rounding, above which one more digit is kept."""
 
 
 class TuningJob(NamedTuple):
-    """What is tuned on what, and judged by what.
+    """The problems of a tuning: search, judgement and opponent.
 
     Attributes
     ----------
     problem : TuningProblem
-        What is tuned.
+        The problem of the search.
     judged : dict of str to TuningProblem
         The same on ``unseen`` and ``noisy`` scenarios or samples.
     linear : dict of str to TuningProblem
-        All of these of the opponent; empty without one.
+        The same problems for the opponent; empty without one.
     cost : str
-        What becomes small.
+        The cost that is minimised, in words.
     names : dict of str to tuple of str
-        What was tuned on, ``train``, and what is judged by, ``unseen``.
+        Names of the scenarios: ``train`` of the search, ``unseen`` of the judgement.
     regression : dict
         Errors of linear regression on samples.
     alone : str
-        Why there is no opponent, where one was asked for.
+        Why there is no opponent although one was requested.
     """
 
     problem: TuningProblem
@@ -60,9 +60,9 @@ class TuningJob(NamedTuple):
 
 
 class Means(NamedTuple):
-    """By what is searched, and who is told.
+    """How to search, and the callbacks.
 
-    `take` gets the result before it is judged, and `tell` in words what follows the search.
+    `take` gets the result before it is judged; `tell` hears about the steps after the search.
     """
 
     workers: int | None
@@ -94,9 +94,9 @@ def rounded(
             candidate = design.at(best.point, count)
             if promises.expected(candidate) or promises.proof(candidate):
                 continue
-            score = _rescored(examining, candidate)  # here: a cluster may have gone
+            score = _rescored(examining, candidate)  # in this process: the cluster may be gone
             worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
-            worse |= score.cost > result.trials[0].score.cost  # what was won is not rounded away
+            worse |= score.cost > result.trials[0].score.cost  # keep the improvement
             if not score.fault and not worse:
                 return candidate, count, score
     except KeyboardInterrupt:
@@ -119,7 +119,7 @@ def _rescored(examining: ExaminerPool, candidate: Candidate) -> Score:
 def with_judgement(
     job: TuningJob, plan: TuningPlan, means: Means, tuned: Tuned, which: tuple[Candidate, Candidate]
 ) -> Tuned:
-    """Return what came of a search with the rest of its table."""
+    """Return the result of a search with the rest of its table."""
     search, faults = tuned.found, list(tuned.faults)
     rows = [ComparedRow(row.name, dict(row.scores)) for row in tuned.rows]
     linear, line = None, None
@@ -134,7 +134,7 @@ def with_judgement(
             if line is not None:
                 others = {name: job.linear[name] for name in job.judged}
                 _judge(rows[-1], others, line, means, faults)
-    except KeyboardInterrupt:  # what was found is kept, judged or not
+    except KeyboardInterrupt:  # keep the result even without its judgement
         search.interrupted = True
     if job.regression:
         assert isinstance(job.problem.cost, Cost)
@@ -186,7 +186,7 @@ def _judge(
     means: Means,
     faults: list[str],
 ) -> None:
-    """Add to a row what a candidate costs on what was not seen."""
+    """Add to a row the costs of a candidate on unseen scenarios."""
     for name, problem in sets.items():
         means.tell(f"{row.name}: {_what(problem, name)}")
         with (
@@ -204,7 +204,7 @@ def _what(problem: TuningProblem, name: str) -> str:
 
 @contextmanager
 def _told(faults: list[str], what: str) -> Iterator[None]:
-    """Make a sentence of what fails, whatever it is."""
+    """Turn any exception into a sentence."""
     try:
         yield
     except Exception as error:

@@ -55,16 +55,16 @@ from fuzzyarm.tuning.design import blocks_of, gain_ranges
 from fuzzyarm.tuning.movement import TuneError
 
 NAME = "linear PD"
-"""What reports call it."""
+"""Its name in reports."""
 
 SPAN = 50.0
-"""Gains of the opponent move between a fiftieth and fifty times where they begin."""
+"""Gains of the opponent move between 1/50 and 50 times their first values."""
 
 
 def opponent(
     text: ControllerText, plant: Plant, tuning: Tuning | None = None
 ) -> tuple[ControllerText, Tuning]:
-    """Return the linear controller that a fuzzy one has to beat, and what of it may move.
+    """Return the linear controller that a fuzzy one has to beat, and its ``tune`` lines.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def opponent(
     plant : Plant
         Where it runs.
     tuning : Tuning, optional
-        What may move in it, where the file is not to say it.
+        Replaces the ``tune`` lines of the file.
 
     Raises
     ------
@@ -132,7 +132,7 @@ class _Planes:
     text : ControllerText
         With rules.
     tuning : Tuning, optional
-        What may move in it, where the file is not to say it.
+        Replaces the ``tune`` lines of the file.
     """
 
     def __init__(self, text: ControllerText, tuning: Tuning | None) -> None:
@@ -314,7 +314,7 @@ def nearest_plane(rulebase: RuleBase, output: str) -> tuple[list[float], float]:
     *slopes, constant = np.linalg.lstsq(columns, np.asarray(values), rcond=None)[0].tolist()
     widths = [high - low for low, high in ranges]
     height = float(np.ptp(values)) or 1.0
-    # What is left of a slope by rounding alone is none.
+    # A slope within rounding errors is 0.
     slopes = [0.0 if abs(s) * w < 1e-9 * height else s for s, w in zip(slopes, widths, strict=True)]
     return slopes, 0.0 if abs(constant) < 1e-9 * height else constant
 

@@ -28,11 +28,11 @@ from fuzzyarm.model.arrangement import (
 from fuzzyarm.model.rulebase import PeakTuning, Shape, Term, Variable
 
 NARROWEST = 5e-4
-"""The least share of its way that a knot keeps from either end."""
+"""Least distance of a knot from either end, as a share of its way."""
 
 
 class TuneError(FuzzyarmError, ValueError):
-    """What is to be tuned cannot be, or not so; `name` is what."""
+    """Something cannot be tuned, or not in this way; `name` says what."""
 
     def __init__(self, message: str, *, name: str = "", hint: str = "") -> None:
         super().__init__(message, hint=hint)

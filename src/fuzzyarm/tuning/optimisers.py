@@ -1,8 +1,8 @@
-"""Ways to the smallest cost: Nelder-Mead, CMA-ES, differential evolution; points in the unit cube.
+"""Optimisers: Nelder-Mead, CMA-ES, differential evolution; points in the unit cube.
 
-Each asks for the costs of points, one or many at a time, until what it asks ends it. With one
-seed each asks for the same points in the same order, whatever the number of workers; so a search
-that was interrupted goes on by being told again what it has asked already.
+Each asks for the costs of points, one or many at a time, until `ask` raises to end it. With one
+seed each asks for the same points in the same order, whatever the number of workers; so an
+interrupted search is resumed by answering its first questions from the journal.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fuzzyarm.errors import demand_extra
 Vector = NDArray[np.float64]
 
 Ask = Callable[[Sequence[Vector]], list[float]]
-"""From points to their costs. What it raises ends the search."""
+"""From points to their costs. An exception from it ends the search."""
 
 
 class Optimiser(NamedTuple):
@@ -27,7 +27,7 @@ class Optimiser(NamedTuple):
     Attributes
     ----------
     run : callable
-        Takes `ask`, the first point and a seed; goes on until `ask` ends it.
+        Takes `ask`, the first point and a seed; runs until `ask` raises.
     doc : str
         One line.
     source : str
@@ -43,14 +43,14 @@ class Optimiser(NamedTuple):
 
 
 FIRST_SIMPLEX = 0.08
-"""How far the corners of the first simplex lie from the file's values, of the cube."""
+"""Distance of the corners of the first simplex from the start, as a share of the unit cube."""
 
 SMALLEST_SIMPLEX = 2e-4
-"""A simplex that has shrunk to this is begun again."""
+"""Size of the simplex below which it is restarted."""
 
 
 def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
-    """Let a simplex crawl downhill; begin again at the best point where it has shrunk.
+    """Nelder-Mead simplex; restarted at the best point when it has shrunk.
 
     Adaptive to the number of dimensions (Gao and Han, Computational Optimization and Applications
     51, 2012), within bounds.
@@ -82,14 +82,14 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
                 "maxfev": 10**9,
             },
         )
-        # The search may have left the best point behind, as a corner that was cut off.
+        # The best point so far need not be a corner of the simplex any more.
         value, best = min(trials, key=lambda trial: trial[0])
         trials = [(value, best)]
         size = float(generator.uniform(0.2, 1.0)) * FIRST_SIMPLEX
 
 
 def simplex(corner: Vector, steps: Vector) -> Vector:
-    """Return a corner and, along each axis, one beside it: inwards where there is no room."""
+    """Return a corner and a neighbour along each axis, inwards if there is no room outwards."""
     values = np.tile(corner, (len(corner) + 1, 1))
     for at, step in enumerate(steps):
         beside = corner[at] + step
@@ -98,15 +98,15 @@ def simplex(corner: Vector, steps: Vector) -> Vector:
 
 
 FIRST_DEVIATION = 0.1
-"""Of the first generation about the file's values, of the cube."""
+"""Standard deviation of the first generation, as a share of the unit cube."""
 
 
 SEEDS = 2**32
-"""That the package ``cma`` takes."""
+"""Seeds of the package ``cma`` are below this."""
 
 
 def cma_es(ask: Ask, start: Vector, seed: int) -> NoReturn:
-    """Draw generations from a normal distribution that learns its own covariance.
+    """CMA-ES: generations from a normal distribution whose covariance adapts.
 
     Hansen, The CMA evolution strategy: a tutorial (arXiv 1604.00772); the package ``cma``. Where
     it has converged it begins again at the best point with half the deviation.
@@ -132,11 +132,11 @@ def cma_es(ask: Ask, start: Vector, seed: int) -> NoReturn:
 
 
 PEOPLE = 4
-"""Members of a population for each dimension."""
+"""Members of the population for each dimension."""
 
 
 def differential_evolution(ask: Ask, start: Vector, seed: int) -> NoReturn:
-    """Let a population breed from its differences, a generation at a time.
+    """Differential evolution, a generation at a time.
 
     Storn and Price, Journal of Global Optimization 11, 1997; the implementation is SciPy's. The
     file's values are a member of the first generation, the others are spread about them: half of

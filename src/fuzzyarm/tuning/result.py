@@ -1,4 +1,4 @@
-"""What came of tuning: the plan, the table, what can be claimed of it, and its files."""
+"""The result of tuning: the plan, the table, the claims that it supports, and its files."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ UNSEEN = 24
 """Scenarios of the judgement."""
 
 ALL_DIGITS = 17
-"""Of numbers that are written as they were found."""
+"""Digits of numbers that are not rounded."""
 
 JUDGEMENT = 0.2
-"""Share of the time of the whole for the judgement, where there is a limit."""
+"""Share of a time limit that is reserved for the judgement."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class TuningPlan:
     linear: bool = True
 
     def shared(self, *, judged: bool, linear: bool) -> Budget:
-        """Return the budget of one search: an opponent's is the same, and both are judged."""
+        """Return the budget of one search; the opponent gets the same, and both are judged."""
         seconds = self.budget.seconds * (1.0 - JUDGEMENT if judged else 1.0)
         return replace(self.budget, seconds=0.5 * seconds if linear else seconds)
 
@@ -73,7 +73,7 @@ class TuningPlan:
 
 
 class ComparedRow(NamedTuple):
-    """A controller in the table: what it costs on each set of scenarios.
+    """A row of the table: the costs of a controller on each set of scenarios.
 
     Attributes
     ----------
@@ -89,44 +89,44 @@ class ComparedRow(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Tuned:
-    """What came of tuning.
+    """The result of tuning.
 
     Attributes
     ----------
     subject : ControllerText or RuleBase
-        As it was.
+        As it was before.
     candidate : Candidate
         The numbers that are written.
     parameters : tuple of MovingNumber
-        What moved.
+        The numbers that moved.
     found : Found
         The search: all trials, the best, what was refused.
     digits : int
-        Of the numbers: more than were asked for where rounding broke a promise.
+        Significant digits; more than requested if rounding broke a promise.
     rows : tuple of ComparedRow
         The table.
     on_a_bound : tuple of str
         Parameters that ended on a bound of their range.
     changes : tuple of TextChange
-        What differs, in the words of the file.
+        The differences, in the words of the file.
     files : tuple of Rewritten
-        The texts.
+        The new texts.
     cost : str
-        What became small.
+        The cost that was minimised.
     scenarios, unseen : tuple of str
-        Names of what was tuned on, and of what was judged by.
+        Names of the scenarios of the search, and of the judgement.
     linear : Found or None
         The search of the linear opponent.
     plan : TuningPlan
-        How it was done.
+        Method, budget and seed.
     over : str
         How the costs of scenarios became one.
     notes : tuple of str
-        What stands in the files.
+        Comments that are written into the files.
     faults : tuple of str
-        What failed, in sentences; the numbers stand whatever it was.
+        Sentences about what failed after the search; the numbers are valid all the same.
     alone : str
-        Why there is no linear opponent, where one was asked for.
+        Why there is no linear opponent although one was requested.
     line : Candidate or None
         The numbers of the linear opponent.
     """
@@ -174,7 +174,7 @@ class Tuned:
         return next((row for row in self.rows if row.name == name), None)
 
     def wins(self, over: str) -> tuple[int, int]:
-        """Return on how many unseen scenarios it costs less than another row, and of how many."""
+        """Return on how many unseen scenarios it beats another row, and the number of scenarios."""
         own_row, other = self.row("tuned"), self.row(over)
         if own_row is None or other is None:
             return 0, 0
@@ -188,7 +188,7 @@ class Tuned:
 
     @property
     def comparisons(self) -> list[Comparison]:
-        """How it compares with the file and with a linear opponent on what was not seen."""
+        """Comparisons with the file and with a linear opponent on unseen scenarios."""
         return comparisons_of(self)
 
     def diff(self) -> str:
@@ -196,22 +196,22 @@ class Tuned:
         return "\n".join(file.diff() for file in self.files if file.changed)
 
     def claim(self) -> str:
-        """Return what can be said of it: no more than the unseen scenarios show."""
+        """Return what the unseen scenarios allow to claim."""
         return _claim(self)
 
     def remarks(self) -> Iterator[str]:
-        """Yield what else is to be known of it, a line each."""
+        """Yield further remarks, one line each."""
         yield from _remarks(self)
 
     def as_data(self) -> dict[str, Any]:
-        """Return the report as JSON takes it; what has no value is None."""
+        """Return the report as JSON data; missing values are None."""
         data: dict[str, Any] = jsonable(_as_data(self))
         return data
 
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the texts; rule bases of their own files go beside, as ``STEM-NAME.frb``.
 
-        Written over the file that was tuned, rule bases beside it keep their names. Shipped files
+        If the tuned file is overwritten, rule bases beside it keep their names. Shipped files
         are never written over.
         """
         return _write(self, Path(path))
@@ -241,15 +241,15 @@ def front_of(result: Found) -> list[tuple[float, float]]:
 
 
 class Comparison(NamedTuple):
-    """The tuned file beside another row, on what was not seen.
+    """Comparison of the tuned file with another row on unseen scenarios.
 
     Attributes
     ----------
     other : str
         Name of the row.
     better, of : int
-        On how many scenarios it costs less, and of how many; 0 of 0 where the cost is one number
-        for all of them.
+        On how many scenarios it costs less, of how many; 0 of 0 if the cost is one number for all
+        of them.
     own, theirs : float
         The costs.
     """
@@ -262,7 +262,7 @@ class Comparison(NamedTuple):
 
     @property
     def share(self) -> float:
-        """By what share of the other cost its own is more; less than 0 where it is less."""
+        """Relative difference to the other cost; negative if it costs less."""
         return (self.own - self.theirs) / abs(self.theirs) if self.theirs else math.nan
 
     def words(self, over: str) -> str:
@@ -287,10 +287,10 @@ class Comparison(NamedTuple):
 
 
 MANIFOLD = 3.0
-"""From how many times a cost on it is said as such, and not in percent."""
+"""Ratio of costs from which it is given as a factor rather than in percent."""
 
 BEYOND_WORDS = 1000.0
-"""From where on the costs themselves say more."""
+"""Ratio of costs beyond which the costs themselves are given."""
 
 
 def comparisons_of(tuned: Tuned) -> list[Comparison]:
@@ -311,7 +311,7 @@ def comparisons_of(tuned: Tuned) -> list[Comparison]:
 
 
 def _claim(tuned: Tuned) -> str:
-    # Beside itself a file is as good as itself.
+    # Comparing a file with itself would say nothing.
     others = [x for x in tuned.comparisons if tuned.changes or x.other != "as in the file"]
     sentences = [comparison.words(tuned.over) for comparison in others]
     if not tuned.changes:
@@ -367,7 +367,7 @@ def _trials(count: int) -> str:
 
 
 def notes_of(tuned: Tuned) -> list[str]:
-    """Return what is written into the files: what became of the cost, and how it was done."""
+    """Return the comments for the files: the costs, and how they were reached."""
     from fuzzyarm.version import __version__
 
     columns = []

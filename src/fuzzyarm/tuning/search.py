@@ -1,4 +1,4 @@
-"""A search: what was asked, what is best so far, budgets, promises, and the journal of it all."""
+"""A search: its trials, the best so far, budget, promises and journal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Vector = NDArray[np.float64]
 
 
 class Trial(NamedTuple):
-    """A point that was examined, and what it came to."""
+    """A point that was examined, and its score."""
 
     point: Vector
     score: Score
@@ -41,7 +41,7 @@ class Budget:
     Attributes
     ----------
     evals : int
-        Candidates that are examined, the file's values among them.
+        Candidates examined, the file itself included.
     seconds : float
         Wall time.
     """
@@ -56,7 +56,7 @@ class Budget:
 
 
 BLOCK_SECONDS = 1.0
-"""How long points of a batch may take until the clock is asked again."""
+"""Seconds of examination between two looks at the clock."""
 
 
 class Over(Exception):  # noqa: N818 - it ends a search, and never leaves it
@@ -65,7 +65,7 @@ class Over(Exception):  # noqa: N818 - it ends a search, and never leaves it
 
 @dataclass
 class Found:
-    """What a search has found so far.
+    """The result of a search so far.
 
     Attributes
     ----------
@@ -82,9 +82,9 @@ class Found:
     seconds : float
         Wall time, of all parts where it was resumed.
     fault : str
-        What ended it before its time; empty where nothing did.
+        The exception that ended it early; empty if none did.
     unwritten : str
-        Why the journal does not have all trials; empty where it has.
+        Why the journal lacks trials; empty if it has all of them.
     """
 
     trials: list[Trial]
@@ -98,7 +98,7 @@ class Found:
 
     @property
     def failure(self) -> str:
-        """What the first trial that failed says; empty where none did."""
+        """The message of the first failed trial; empty if none failed."""
         return next((trial.score.fault for trial in self.trials if trial.score.fault), "")
 
     @property
@@ -109,7 +109,7 @@ class Found:
 
 
 Watch = Callable[[Found], None]
-"""Told after each examination; what it raises ends the search."""
+"""Called after each examination; an exception from it ends the search."""
 
 
 class Search:
@@ -124,7 +124,7 @@ class Search:
     budget : Budget
         When to end.
     journal : Journal, optional
-        Where everything is written down, and what is known from before.
+        Where trials are recorded; may hold those of an earlier part.
     watch : callable, optional
         See :data:`Watch`.
     """
@@ -150,15 +150,14 @@ class Search:
     def run(self, method: str, seed: int) -> Found:
         """Search until the budget is spent or Ctrl-C comes; never raises for either.
 
-        Where the workers go, as those of a cluster may, it ends as with Ctrl-C; and whatever else
-        ends it, what it has found stays. Only where nothing but the file was examined there is
-        nothing to keep.
+        If the workers vanish, as those of a cluster may, it ends as with Ctrl-C. Any other
+        exception ends it too, but its result stays, unless only the file itself was examined.
         """
         start, search = self.panel.design.start, self.result
         try:
             self.ask([start])
             if search.trials[0].score.fault:
-                self.panel.examiner.score(start)  # raises what it is
+                self.panel.examiner.score(start)  # re-raises
                 raise TuneError(search.trials[0].score.fault)
             OPTIMISERS[method].run(self.ask, start, seed)
         except Over:
@@ -182,13 +181,13 @@ class Search:
         return self.before + time.monotonic() - self.begin
 
     def ask(self, points: Sequence[Vector]) -> list[float]:
-        """Return the costs of points; of a batch as many as the budget allows are examined."""
+        """Return the costs of points; a batch is cut at the budget."""
         remaining = self.budget.evals - len(self.result.trials)
         if remaining <= 0 or (self.result.trials and self._late()):  # the file is always examined
             raise Over
         costs: list[float] = []
         while len(costs) < min(len(points), remaining):
-            # A few at a time, so that Ctrl-C and the clock are heard and little is lost.
+            # A few at a time, so that Ctrl-C and the clock are heeded and little is lost.
             block = points[len(costs) : min(len(costs) + self._block_size(), remaining)]
             costs += self._block(block)
             if self._late() and len(costs) < len(points):
@@ -198,7 +197,7 @@ class Search:
         return costs
 
     def _block_size(self) -> int:
-        """Return how many points are examined before the clock is asked again."""
+        """Return how many points to examine before the next look at the clock."""
         workers, fresh = self.panel.workers, len(self.result.trials) - len(self.replay)
         if fresh <= 0:
             return 4 * workers
@@ -231,7 +230,7 @@ class Search:
         return [trial.score.cost for trial in self.result.trials[count:]]
 
     def _examined(self, points: Sequence[Vector]) -> list[Score]:
-        """Examine what keeps its expectations; the rest costs more than anything."""
+        """Examine candidates that keep their expectations; others get the highest cost."""
         design, promises = self.panel.design, self.promises
         broken = [bool(promises and promises.expected(design.at(point))) for point in points]
         sound = [point for point, fails in zip(points, broken, strict=True) if not fails]
@@ -239,9 +238,9 @@ class Search:
         return [Score(REFUSED) if fails else next(scores) for fails in broken]
 
     def _take(self, trial: Trial, *, is_replayed: bool) -> None:
-        """Count a trial; one that would be the best has its properties proved first.
+        """Count a trial; before it becomes the best its properties are proved.
 
-        Of a known one the journal says what came of that.
+        For a replayed trial the journal has the result of the proof.
         """
         search = self.result
         if trial.score.fault:
@@ -269,14 +268,14 @@ TRIAL = (
 
 
 class Journal:
-    """A file with a line for each trial, from which a search goes on.
+    """A file with a line for each trial, from which a search can be resumed.
 
     Parameters
     ----------
     path : path-like
         Of a text file.
     question : mapping
-        All that the search depends on, as JSON takes it.
+        Everything that the search depends on, as JSON data.
     resume : bool
         Whether to go on with what the file has.
 

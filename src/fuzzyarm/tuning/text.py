@@ -1,4 +1,4 @@
-"""The user's own files, changed: numbers put in their places, everything else left as it was."""
+"""New numbers in the files of the user; everything else stays as it is."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from fuzzyarm.text.protected import SourceFileError
 from fuzzyarm.tuning.design import Candidate
 
 MARK = "# tuned: "
-"""Before every line that says where numbers come from."""
+"""Prefix of every comment about the origin of numbers."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,9 @@ class Rewritten:
     Attributes
     ----------
     name : str
-        What a controller calls it; empty for the file that was tuned.
+        Its name in the controller; empty for the tuned file itself.
     path : str
-        Where it was read; empty where there is none.
+        Where it was read; empty if there is none.
     old, new : str
         Its text.
     """
@@ -51,7 +51,7 @@ class Rewritten:
 
     @property
     def changed(self) -> bool:
-        """Whether a number differs."""
+        """Whether any number differs."""
         return self.old != self.new
 
     def diff(self) -> str:
@@ -91,7 +91,7 @@ def changes_of(
             old = [amount.value(math.pi) for amount in gain.values]
             new = list(candidate.gains.get(gain.name, old))
             if new != old:
-                # What is written as 1080/pi has no shorter digits.
+                # A quotient such as 1080/pi has no shorter digits.
                 old_text = ", ".join(f"{value:.6g}" for value in old)
                 changes.append(TextChange(gain.name, old_text, _numbers(new)))
     for name, rulebase in candidate.rulebases.items():
@@ -127,7 +127,7 @@ def _shape_node(shape: Shape) -> ShapeNode:
 
 
 class Originals(NamedTuple):
-    """The texts of a subject before a search, during which they may change or go.
+    """The texts of a subject before a search; its files may change or vanish meanwhile.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ def rewritten(
 
 
 def _place(file: str, path: str) -> str:
-    """Return where a used file stands; empty where it is not a text of the language."""
+    """Return the path of a used file; empty if it is not a text of the language."""
     if not file.endswith(".frb"):
         return ""
     place = sheet_path(file, Path(path).parent)
@@ -199,7 +199,7 @@ def _place(file: str, path: str) -> str:
 
 
 def _says(place: str, rulebase: RuleBase) -> bool:
-    """Whether a file still says what was tuned, rather than something given in its place."""
+    """Whether a file is what was tuned, rather than a model passed in its place."""
     parsed = parse(read_text(place), place)
     return parsed.rulebase == rulebase
 
@@ -211,7 +211,7 @@ def _edited(
     moved: tuple[RuleBase, RuleBase] | None,
     notes: Sequence[str],
 ) -> str:
-    """Return a text with other numbers in their places, and notes in front of its heading."""
+    """Return a text with other numbers, and notes in front of its heading."""
     parsed = parse(text)
     edits: list[Edit] = []
     if model is not None:
@@ -222,7 +222,7 @@ def _edited(
         return text
     canonical = _is_canonical(text)
     changed = apply_edits(text, [*edits, *_note_edits(parsed.document, text, notes)])
-    # A text in canonical form stays in it.
+    # A text in canonical form stays canonical.
     return format_text(changed) if canonical else changed
 
 
@@ -274,7 +274,7 @@ def _spread_edits(
     moved: Mapping[tuple[str, str], Term],
     stated: set[tuple[str, str]],
 ) -> Iterator[Edit]:
-    """Write out the terms of variables that are no longer evenly spaced."""
+    """Yield edits that write out each term of variables that are no longer evenly spaced."""
     names = list(node.names)
     uneven = [
         word
@@ -297,7 +297,7 @@ def _spread_edits(
 
 
 def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator[Edit]:
-    """Put notes in front of the heading, and take out those of an earlier time."""
+    """Put notes in front of the heading, in place of earlier ones."""
     for number, words in enumerate(split_lines(text), 1):
         if words.startswith(MARK):
             yield Edit(Span(number, 1, number + 1, 1), "")

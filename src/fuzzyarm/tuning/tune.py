@@ -1,4 +1,4 @@
-"""Tune a controller or a rule base: search, round, judge by what was not seen, write it down."""
+"""Tune a controller or a rule base: search, round, judge on unseen scenarios."""
 
 from __future__ import annotations
 
@@ -179,9 +179,9 @@ def tune(
     Returns
     -------
     Tuned
-        Ctrl-C ends the search, not the way: the best so far is rounded and judged. A linear
-        opponent whose search was ended is left out. What fails once a candidate besides the file
-        was examined is not raised, but stands in `faults`.
+        Ctrl-C ends the search only: the best so far is rounded and judged. A linear opponent
+        whose search was interrupted is left out. Failures after the first candidate are not
+        raised; they are listed in `faults`.
 
     Raises
     ------
@@ -227,7 +227,7 @@ def tune(
 
 
 LISTENERS = ("watch", "watch_linear", "take", "tell")
-"""Keywords of who is told: the only ones that go with a request."""
+"""The callbacks: the only keywords that may accompany a request."""
 
 
 def _tuned_by(request: TuneRequest, plant: object, keywords: TuneKeywords) -> Tuned:
@@ -275,7 +275,7 @@ def _means(keywords: TuneKeywords, workers: int | None) -> Means:
 
 
 def _unheard(_news: object) -> None:
-    """Hear what nobody is told."""
+    """Do nothing: the default callback."""
 
 
 def _loaded(
@@ -296,7 +296,7 @@ def _loaded(
 
 
 def read_tuning(lines: Sequence[str]) -> Tuning:
-    """Read lines of a ``tune`` block that stand in no file; TuneError if one is not such a line."""
+    """Read lines of a ``tune`` block from Python; TuneError if one cannot be read."""
     from fuzzyarm.language.tokens import Fault
     from fuzzyarm.language.tune import TUNE_ROW
     from fuzzyarm.model.rulebase import GainTuning, PeakTuning
@@ -425,10 +425,10 @@ def _cost_name(cost: str | OwnCost) -> str:
 
 
 KEPT_BACK = 5
-"""Every how manyth sample is kept back, where no others are given to judge by."""
+"""One in so many samples is kept back for the judgement, without test samples."""
 
 NOISE_SHARE = 0.01
-"""Of the inputs' ranges: standard deviation of the noise by which is judged."""
+"""Standard deviation of the noise in the judgement, as a share of the ranges of the inputs."""
 
 
 def _on_samples(
@@ -513,7 +513,7 @@ def _with_noise(samples: Samples, seed: int) -> Samples:
 
 
 def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) -> Tuned:
-    """Search, round and tell; then judge: what fails then takes nothing back."""
+    """Search, round and report; then judge, whose failures do not undo the result."""
     with panel(job.problem, means.workers, means.executor) as examining:
         design = examining.design
         promises = Promises(design.as_it_is().rulebases)
@@ -551,7 +551,7 @@ def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) 
 
 
 def _written(tuned: Tuned, originals: Originals) -> Tuned:
-    """Return it with its texts and what stands in them."""
+    """Return it with its texts and their comments."""
     notes = tuple(notes_of(tuned))
     files = rewritten(tuned.subject, tuned.candidate, originals, notes)
     return replace(tuned, files=tuple(files), notes=notes)

@@ -18,7 +18,7 @@ SUFFIXES = (".frb", ".lut")
 
 
 class NotShownError(FuzzyarmError, ValueError):
-    """A file of a kind that is not shown while it is written.
+    """A file of a kind that cannot be watched.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class NotShownError(FuzzyarmError, ValueError):
 
 
 class WatchedFile:
-    """A file with what is known of it.
+    """A file, its findings and its scene.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Keys of a terminal, one at a time, and what they do to a scene."""
+"""Keys of a terminal, one at a time, and their effect on a scene."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from fuzzyarm.watch.scenes import WatchScene
 
 HELP = "arrows move the inputs (shift: further), c centre, x and y other inputs, o output, q ends"
-"""The keys that :func:`apply_key` knows, in one line."""
+"""The keys of :func:`apply_key`, in one line."""
 
 ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
 """The last letter of what a terminal sends for an arrow: ``ESC [ A``, ``ESC [ 1 ; 2 A``."""
@@ -23,7 +23,7 @@ WINDOWS_ARROWS = {"H": "up", "P": "down", "M": "right", "K": "left"}
 
 
 def apply_key(scene: WatchScene, key: str) -> bool:
-    """Change the crisp inputs of a scene, or what its axes are; return whether it has changed.
+    """Change the crisp inputs or the axes of a scene; return whether it has changed.
 
     Parameters
     ----------
@@ -51,14 +51,14 @@ def apply_key(scene: WatchScene, key: str) -> bool:
 
 
 ReadKey = Callable[[float], str]
-"""Returns the next key; an empty text where none comes within some seconds."""
+"""Returns the next key, or an empty text if none comes within some seconds."""
 
 
 @contextmanager
 def keys_of_terminal() -> Iterator[ReadKey]:
-    """Let keys arrive one by one, unseen; the terminal is given back as it was.
+    """Read keys one by one without echo; the terminal is restored afterwards.
 
-    Where the input is not a terminal there are no keys: what is yielded waits, and no more.
+    Without a terminal there are no keys: the reader that is yielded only waits.
     """
     if not (sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()):
         yield _no_key
@@ -86,7 +86,7 @@ def _key_of_posix(descriptor: int, seconds: float) -> str:
     letter = _letter(descriptor, seconds)
     if letter != "\x1b":
         return letter
-    # What follows an escape within a moment belongs to the same key.
+    # Characters that follow an escape at once belong to the same key.
     sequence = ""
     while not (len(sequence) > 1 and sequence[-1].isalpha()):
         letter = _letter(descriptor, 0.02)

@@ -1,4 +1,4 @@
-"""What is shown of a file: a model, the crisp inputs, and a drawing of them in a few views."""
+"""The scene of a file: a model, its crisp inputs, and a drawing of them in a few views."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class WatchScene:
         raise NotImplementedError
 
     def result(self) -> str:
-        """Return what comes out at the crisp inputs, in words."""
+        """Return the outputs at the crisp inputs, in words."""
         raise NotImplementedError
 
     def next_output(self) -> None:
@@ -79,7 +79,7 @@ class WatchScene:
         """Move a crisp input by some steps, to its ends at most."""
         low, high = self.ranges[name]
         width = (high - low) / (COARSE if coarse else FINE)
-        # Steps lie on a lattice from the lower end, so that round numbers are met again.
+        # Steps lie on a grid from the lower end, so that round numbers recur.
         step = round((self.point[name] - low) / width) + steps
         # Twelve digits are more than anybody reads, and hide the noise of the last ones.
         self.point[name] = min(high, max(low, float(f"{low + step * width:.12g}")))
@@ -109,7 +109,7 @@ class WatchScene:
         self.across, self.down = (new_input, other) if across else (other, new_input)
 
     def caption(self, *, keys: bool = True) -> Text:
-        """Return the crisp inputs, with `keys` those that move them, and what comes out."""
+        """Return the crisp inputs, with `keys` also the keys that move them, and the outputs."""
         from rich.text import Text
 
         text = Text(no_wrap=False)
@@ -168,7 +168,7 @@ class RulebaseScene(WatchScene):
         """Give the axes of the surface, and the keys, inputs that the output depends on."""
         try:
             part = part_for(self.rulebase, [self.output])
-        except FuzzyarmError:  # drawing it will say why
+        except FuzzyarmError:  # the drawing says why
             return
         names = [variable.name for variable in part.inputs]
         axes = [name for name in (self.across, self.down) if name in names]
@@ -176,7 +176,7 @@ class RulebaseScene(WatchScene):
             self.across, self.down = (*axes, *(x for x in names if x not in axes), "")[:2]
 
     def trace(self) -> Trace | str:
-        """Return the inference at the crisp inputs, or in a sentence why there is none."""
+        """Return the inference at the crisp inputs, or a sentence that says why it fails."""
         last_values = {
             output.name: 0.5 * (output.low + output.high) for output in self.rulebase.outputs
         }

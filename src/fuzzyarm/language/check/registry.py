@@ -308,7 +308,7 @@ CHECKS: dict[str, Check] = {
         ),
     )
 }
-"""Every check by its name, the gravest first."""
+"""Every check by its name, the most severe first."""
 
 
 def check(
@@ -360,7 +360,7 @@ def judged(findings: Iterable[Diagnostic], document: Document, path: str = "") -
     )
 
 
-# From the gravest to the mildest.
+# From the most to the least severe.
 _MILDER = list(Severity)
 
 

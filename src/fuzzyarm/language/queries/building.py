@@ -1,4 +1,4 @@
-"""What a hand adds to a rule base or takes from it: variables, settings, rules in words."""
+"""What the user adds to a rule base or takes from it: variables, settings, rules in words."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class Completion:
     detail : str
         A few words beside the label.
     snippet : str
-        The same text with parts to fill in, as ``${1:left}``; empty where there are none.
+        The same text with parts to fill in, as ``${1:left}``; empty if there are none.
     span : Span or None
         The text that has been typed already and is replaced; set by `complete`.
     """

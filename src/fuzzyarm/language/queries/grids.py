@@ -1,4 +1,4 @@
-"""What a hand does with grids of rules: new ones, their rows and columns."""
+"""What the user does with grids of rules: new ones, their rows and columns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small edits of a text by its statements and lines, of which those of a hand are made."""
+"""Small edits of a text by its statements and lines, of which the edits of the user are made."""
 
 from __future__ import annotations
 

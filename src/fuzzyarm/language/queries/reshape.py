@@ -1,4 +1,4 @@
-"""What a hand changes in a picture, as edits of the text: terms, cells, rules, what is tuned."""
+"""What the user changes in a picture, as edits of the text: terms, cells, rules, what is tuned."""
 
 from __future__ import annotations
 
