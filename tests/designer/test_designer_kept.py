@@ -117,7 +117,7 @@ def test_an_unsaved_text_is_not_closed_however_many_files_are_looked_at(page, se
     for name in names[1:]:
         turn(page, name)
     assert page.evaluate(LEAVING)
-    assert page.evaluate("designer.desks.get('f0.frb').isDirty()")
+    assert page.evaluate("designer.desks.get('f0.frb').dirty")
 
 
 def test_a_run_says_which_of_its_files_are_not_saved_until_they_are(page, server, folder):
@@ -175,7 +175,7 @@ def test_the_picture_of_a_used_file_is_that_of_its_saved_text(page, server):
     turn(page, "other.frb")
     write(page, "NB      NB  NB  NB  NM  NS  NS  ZE", "NB      PB  PB  PB  PB  PB  PB  PB")
     page.keyboard.press("Control+s")
-    until(lambda: not page.evaluate("designer.desks.get('other.frb').isDirty()"), "saved")
+    until(lambda: not page.evaluate("designer.desks.get('other.frb').dirty"), "saved")
     turn(page, "two.frb")
     until(lambda: page.evaluate(pictures)[1:] not in ([], before[1:]), "another picture")
     after = still(page, pictures)

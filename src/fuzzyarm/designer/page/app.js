@@ -1,7 +1,7 @@
 // The page of the server.
 
 import { COMPARE } from "./compare.js";
-import { diagramPane } from "./diagram.js";
+import { DiagramPane } from "./diagram.js";
 import { FILES } from "./files.js";
 import { FIT } from "./fit.js";
 import { DESIGN } from "./frame.js";
@@ -13,7 +13,7 @@ import { TABLE } from "./table.js";
 import { TUNE } from "./tune.js";
 import { expose, openWindow } from "./window.js";
 
-const DRAWN = { ...DESIGN, panes: [...DESIGN.panes, diagramPane] };
+const DRAWN = { ...DESIGN, panes: [...DESIGN.panes, DiagramPane] };
 const VIEWS = [DRAWN, RUN, TABLE, SWEEP, LEARN, FIT, TUNE, PROVE, COMPARE, FILES];
 
 const start = JSON.parse(document.getElementById("start").textContent);

@@ -17,16 +17,7 @@ import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
-/**
- * The pane; the file that is open comes first.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function comparePane(store, hand) {
-  return new ComparePane(store, hand).section;
-}
-
+/** The pane; the file that is open comes first. */
 class ComparePane {
   /**
    * @param {Page.Store} store
@@ -163,4 +154,4 @@ class ComparePane {
   };
 }
 
-export const COMPARE = { name: "compare", title: S.compare, drawn: false, panes: [comparePane] };
+export const COMPARE = { name: "compare", title: S.compare, drawn: false, panes: [ComparePane] };

@@ -27,13 +27,9 @@ export function socketLine({ opened, heard, closed }) {
   };
 }
 
-/** Connect; `opened` is called whenever there is a connection, `closed` when it is lost, `take` with what comes. */
-export function connect({ opened, closed, take }, line = socketLine) {
-  return new Connection({ opened, closed, take }, line).api();
-}
-
-class Connection {
-  constructor({ opened, closed, take }, line) {
+/** A connection; `opened` is called whenever there is one, `closed` when it is lost, `take` with what comes. */
+export class Connection {
+  constructor({ opened, closed, take }, line = socketLine) {
     this.opened = opened;
     this.closed = closed;
     this.take = take;
@@ -60,27 +56,24 @@ class Connection {
     };
   }
 
-  api() {
-    return {
-      open: this.open,
-      send: this.send,
-      /** Ask of the text of a file. */
-      ask: (file, asked_for) => this.question({ ...asked_for, do: "ask", file }),
-      /** Save a file; the answer has an `error` where it has not been saved. */
-      save: (file) => this.question({ do: "save", file }),
-      /** Ask of the folder, or have something done in it. */
-      folder: (asked_for) => this.question({ ...asked_for, do: "folder" }),
-      /** Begin long work on a file. `hear` takes its news, the last with `end`; what comes back tells and stops it. */
-      start: (file, what, asked_for, hear) => {
-        const id = ++this.asked;
-        if (this.send({ ...asked_for, do: "start", file, id, what })) this.jobs.set(id, hear);
-        else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
-        return { say: (words) => this.send({ ...words, do: "say", id }), stop: () => this.send({ do: "stop", id }) };
-      },
-      isOpen: this.isOpen,
-      drop: () => this.line.drop(),
-    };
-  }
+  /** Ask of the text of a file. */
+  ask = (file, asked_for) => this.question({ ...asked_for, do: "ask", file });
+
+  /** Save a file; the answer has an `error` where it has not been saved. */
+  save = (file) => this.question({ do: "save", file });
+
+  /** Ask of the folder, or have something done in it. */
+  folder = (asked_for) => this.question({ ...asked_for, do: "folder" });
+
+  /** Begin long work on a file. `hear` takes its news, the last with `end`; what comes back tells and stops it. */
+  start = (file, what, asked_for, hear) => {
+    const id = ++this.asked;
+    if (this.send({ ...asked_for, do: "start", file, id, what })) this.jobs.set(id, hear);
+    else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
+    return { say: (words) => this.send({ ...words, do: "say", id }), stop: () => this.send({ do: "stop", id }) };
+  };
+
+  drop = () => this.line.drop();
 
   isOpen = () => Boolean(this.line?.isOpen());
 

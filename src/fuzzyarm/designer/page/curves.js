@@ -10,16 +10,8 @@ const TIMES = 26; // below the last plot, px
 const VALUES = 56; // left of each plot, px
 const FONT = "11px system-ui, sans-serif";
 
-/**
- * A plot for each unit, one above the other, with one time.
- *
- * @param {Page.Store} store
- */
-export function curvePane(store) {
-  return new CurvePane(store).api();
-}
-
-class CurvePane {
+/** A plot for each unit, one above the other, with one time. */
+export class CurvePane {
   /**
    * @param {Page.Store} store
    */
@@ -38,10 +30,6 @@ class CurvePane {
     this.redraw = eachFrame(this.draw);
     new ResizeObserver(this.resize).observe(body);
     store.on("theme", this.build); // a legend keeps the colours that it was made with
-  }
-
-  api() {
-    return { section: this.section, open: this.open, add: this.add };
   }
 
   open = (news) => {

@@ -5,20 +5,16 @@
 
 import { choose, fill, rename } from "./dialogs.js";
 import { clean, el, pairsOf, refill, space } from "./draw.js";
-import { frame } from "./frame.js";
+import { Frame } from "./frame.js";
 import { askServer } from "./remote.js";
 import { Store } from "./store.js";
-import { textPane } from "./text.js";
+import { TextPane } from "./text.js";
 import { S } from "./strings.js";
 
 const FILES = "files"; // the view of the folder
 
-/** Make the desk of a file; `page` is what all desks share, `views` which views it has. */
-export function makeDesk(file, page, views) {
-  return new Desk(file, page, views).api();
-}
-
-class Desk {
+/** The desk of a file; `page` is what all desks share, `views` which views it has. */
+export class Desk {
   constructor(file, page, views) {
     this.file = file;
     this.page = page;
@@ -27,7 +23,12 @@ class Desk {
     this.connection = this.page.connection;
     this.store = new Store();
     this.status = el("span", { id: "status", role: "status" });
-    this.save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => this.link.save() });
+    this.saving = el("button", {
+      textContent: S.save,
+      title: "Ctrl+S",
+      disabled: true,
+      onclick: () => this.link.save(),
+    });
     this.files = el("select", {
       "aria-label": S.file,
       onchange: () => {
@@ -69,7 +70,7 @@ class Desk {
       writes: () => this.writes,
     };
 
-    this.text = textPane(this.link, this.page.nonce);
+    this.text = new TextPane(this.link, this.page.nonce);
     this.makeHand();
     this.build();
     this.listen();
@@ -114,12 +115,18 @@ class Desk {
     const chooser = this.page.only ? el("strong", { textContent: this.file }) : this.files;
     // Where there is no file there is nothing to be typed and saved.
     const controls = [
-      ...(this.file ? [chooser, this.save, ...(this.page.buttons?.(this.hand) ?? []), this.status] : [this.status]),
+      ...(this.file ? [chooser, this.saving, ...(this.page.buttons?.(this.hand) ?? []), this.status] : [this.status]),
       space(),
     ];
-    const { root, turn } = frame(this.store, this.hand, this.file ? this.text.section : null, controls, this.views);
+    const { root, turnTo } = new Frame(
+      this.store,
+      this.hand,
+      this.file ? this.text.section : null,
+      controls,
+      this.views,
+    );
     this.root = root;
-    this.turn = turn;
+    this.turn = turnTo;
     this.root.querySelector("main").before(this.banner);
   }
 
@@ -175,49 +182,36 @@ class Desk {
     };
   }
 
-  api() {
-    return {
-      root: this.root,
-      store: this.store,
-      text: this.text,
-      show: this.show,
-      leave: this.leave,
-      open: this.open,
-      turn: this.turn,
-      file: () => this.file,
-      view: () => this.store.view,
-      isDirty: () => this.dirty,
-      /** Whether nothing is lost with this desk but the steps back: an unsaved text asks before the page is left. */
-      isIdle: () => this.text.settled() && !this.dirty && !this.working.size && this.banner.hidden,
-      focus: (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus(),
-      take: (message) => this.TAKEN[message.is]?.(message),
-      undo: this.text.undo,
-      redo: this.text.redo,
-      save: this.link.save,
-      say: this.link.say,
-      tell: this.tell,
-      bring: (dropped) => this.bring(dropped),
-      offer: (names) => {
-        const all = names.includes(this.file) ? names : [this.file, ...names]; // one that has gone is still shown
-        refill(this.files, pairsOf(all), this.file);
-      },
-      move: (to) => {
-        this.file = to;
-        this.mark(this.dirty);
-        if (this.text.state().epoch) this.open(); // what was on its way under the old name has not arrived
-      },
-      lose: () => {
-        if (!this.lost) this.tell(this.page.gone?.() ?? S.gone);
-        this.lost = true;
-      },
-      close: () => {
-        this.store.emit("closed");
-        for (const job of this.working) job.stop();
-        this.text.close();
-        this.send({ do: "close" });
-      },
-    };
-  }
+  /** Whether nothing is lost with this desk but the steps back: an unsaved text asks before the page is left. */
+  isIdle = () => this.text.settled() && !this.dirty && !this.working.size && this.banner.hidden;
+
+  focus = (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus();
+
+  take = (message) => this.TAKEN[message.is]?.(message);
+
+  offer = (names) => {
+    const all = names.includes(this.file) ? names : [this.file, ...names]; // one that has gone is still shown
+    refill(this.files, pairsOf(all), this.file);
+  };
+
+  /** Go on under another name. */
+  move = (to) => {
+    this.file = to;
+    this.mark(this.dirty);
+    if (this.text.state().epoch) this.open(); // what was on its way under the old name has not arrived
+  };
+
+  lose = () => {
+    if (!this.lost) this.tell(this.page.gone?.() ?? S.gone);
+    this.lost = true;
+  };
+
+  close = () => {
+    this.store.emit("closed");
+    for (const job of this.working) job.stop();
+    this.text.close();
+    this.send({ do: "close" });
+  };
 
   send = (message) => this.connection.send({ ...message, file: this.file });
 
@@ -245,7 +239,7 @@ class Desk {
 
   mark = (changed) => {
     this.dirty = changed;
-    this.save.disabled = !changed || !this.writes;
+    this.saving.disabled = !changed || !this.writes;
     this.text.revertible(changed && this.writes);
     if (!this.lost) this.status.textContent = changed ? S.unsaved : S.saved;
     this.page.marked();

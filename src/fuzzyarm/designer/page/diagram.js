@@ -115,65 +115,66 @@ function sheetButton({ file, shipped }, hand, names) {
   ];
 }
 
-/**
- * The pane: it is shown where the text is a controller.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-export function diagramPane(store, hand) {
-  const { section, bar, body } = pane("diagram", S.diagram);
-  const said = el("span", { class: "small" });
-  const picture = el("div", { class: "canvas" });
-  const list = el("div", { class: "sheets", role: "group", "aria-label": S.lookedUp });
-  let cards = [];
-  let used = ""; // the names of the files that have been looked at
-  let asked = "";
-  const toRules = el("button", { textContent: S.toRules, onclick: () => store.turnDiagram(false) });
-  bar.append(said, space(), toRules);
-  body.append(picture, list);
-
-  function build() {
-    const { diagram } = store;
-    toRules.hidden = !store.scene;
-    if (!diagram) return;
-    said.textContent = clean([diagram.name, diagram.description, diagram.period].filter(Boolean).join(", "));
-    picture.replaceChildren(diagramPicture(diagram, hand.goTo));
-    if (uses() !== used) look();
+/** The pane: it is shown where the text is a controller. */
+export class DiagramPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+    const { section, bar, body } = pane("diagram", S.diagram);
+    this.section = section;
+    this.said = el("span", { class: "small" });
+    this.picture = el("div", { class: "canvas" });
+    this.list = el("div", { class: "sheets", role: "group", "aria-label": S.lookedUp });
+    this.cards = [];
+    this.used = ""; // the names of the files that have been looked at
+    this.asked = "";
+    this.toRules = el("button", { textContent: S.toRules, onclick: () => store.turnDiagram(false) });
+    bar.append(this.said, space(), this.toRules);
+    body.append(this.picture, this.list);
+    this.redraw = eachFrame(() => this.cards.forEach(({ draw }) => draw()));
+    store.on("diagram", this.build);
+    store.on("scene", this.build);
+    for (const name of ["view", "shown", "unsaved", "files"]) store.on(name, this.look);
+    store.on("theme", this.redraw);
+    new ResizeObserver(this.redraw).observe(this.list);
   }
 
-  const uses = () => JSON.stringify(store.diagram?.uses ?? null);
+  build = () => {
+    const { diagram, scene } = this.store;
+    this.toRules.hidden = !scene;
+    if (!diagram) return;
+    this.said.textContent = clean([diagram.name, diagram.description, diagram.period].filter(Boolean).join(", "));
+    this.picture.replaceChildren(diagramPicture(diagram, this.hand.goTo));
+    if (this.uses() !== this.used) this.look();
+  };
+
+  uses = () => JSON.stringify(this.store.diagram?.uses ?? null);
 
   /** Ask what is looked up, when other files are used, or they have been written, or it has not been shown yet. */
-  async function look() {
-    if (!store.diagram || store.view !== "design") return;
-    used = uses();
-    const listing = await hand.folder({ what: "list" });
-    if (!listing.files || used !== uses()) return;
+  look = async () => {
+    if (!this.store.diagram || this.store.view !== "design") return;
+    this.used = this.uses();
+    const listing = await this.hand.folder({ what: "list" });
+    if (!listing.files || this.used !== this.uses()) return;
     const names = listing.files.map((each) => each.name);
-    const files = store.diagram.uses.flatMap(([, ...each]) => each);
-    const key = JSON.stringify([
-      used,
-      listing.files.filter((each) => files.includes(each.name)).map((each) => [each.name, each.stamp]),
-    ]);
-    if (key === asked) return;
-    asked = key;
-    hand.start("sheets", {}, (news) => {
-      if (news.end === "failed") asked = used = "";
-      if (!news.sheets || key !== asked) return;
-      cards = news.sheets.map((sheet) => sheetCard({ ...sheet, shipped: sheet.shipped && !listing.only }, hand, names));
-      list.replaceChildren(...cards.map(({ card }) => card));
-      redraw();
+    const files = this.store.diagram.uses.flatMap(([, ...each]) => each);
+    const stamps = listing.files.filter((each) => files.includes(each.name)).map((each) => [each.name, each.stamp]);
+    const key = JSON.stringify([this.used, stamps]);
+    if (key === this.asked) return;
+    this.asked = key;
+    this.hand.start("sheets", {}, (news) => {
+      if (news.end === "failed") this.asked = this.used = "";
+      if (!news.sheets || key !== this.asked) return;
+      const { hand } = this;
+      this.cards = news.sheets.map((sheet) =>
+        sheetCard({ ...sheet, shipped: sheet.shipped && !listing.only }, hand, names),
+      );
+      this.list.replaceChildren(...this.cards.map(({ card }) => card));
+      this.redraw();
     });
-  }
-
-  const redraw = eachFrame(() => {
-    for (const { draw } of cards) draw();
-  });
-  store.on("diagram", build);
-  store.on("scene", build);
-  for (const name of ["view", "shown", "unsaved", "files"]) store.on(name, look);
-  store.on("theme", redraw);
-  new ResizeObserver(redraw).observe(list);
-  return section;
+  };
 }

@@ -1,7 +1,7 @@
 // The page without a server: the terms can be moved, the text follows.
 
 import { el, space } from "./draw.js";
-import { frame } from "./frame.js";
+import { Frame } from "./frame.js";
 import { listingPane } from "./listing.js";
 import { Store } from "./store.js";
 import { S } from "./strings.js";
@@ -16,7 +16,7 @@ const actions = {
   setCell: null,
   goTo: null,
 };
-const { root } = frame(model, /** @type {Page.Hand} */ (actions), listing.section, [
+const { root } = new Frame(model, /** @type {Page.Hand} */ (actions), listing.section, [
   el("strong", { textContent: given.scene.name }),
   el("span", { id: "status", textContent: given.scene.description }),
   space(),

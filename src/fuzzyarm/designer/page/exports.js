@@ -15,47 +15,42 @@ const GROUPS = [
   ["others", [".fis", ".fll", ".fcl", ".fml"]],
 ];
 
-/**
- * The pane of the exports of the file that is open.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-export function exportPane(store, hand) {
-  const { section, body } = pane("exports", S.exports);
-  const note = el("p", { class: "note", textContent: S.exportsNote });
-  const groups = el("div", { class: "groups" });
-  body.append(note, groups);
-
-  async function build() {
-    if (store.view !== "files" || !hand.file()) return;
-    const { forms = {} } = await hand.askNow("exports");
-    groups.replaceChildren(
-      ...GROUPS.flatMap(([name, suffixes]) => {
-        const shown = suffixes.filter((suffix) => suffix in forms);
-        if (!shown.length) return [];
-        const buttons = shown.map((suffix) =>
-          el("button", {
-            textContent: S.exportKinds[suffix],
-            title: suffix,
-            onclick: () => exportDialog(store, hand, suffix, forms[suffix]),
-          }),
-        );
-        return [
-          el(
-            "div",
-            { role: "group", "aria-label": S.exportGroups[name] },
-            el("h3", { textContent: S.exportGroups[name] }),
-            ...buttons,
-          ),
-        ];
-      }),
-    );
+/** The pane of the exports of the file that is open. */
+export class ExportPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+    const { section, body } = pane("exports", S.exports);
+    this.section = section;
+    this.groups = el("div", { class: "groups" });
+    body.append(el("p", { class: "note", textContent: S.exportsNote }), this.groups);
+    store.on("view", this.build);
+    store.on("text", this.build);
   }
 
-  store.on("view", build);
-  store.on("text", build);
-  return section;
+  build = async () => {
+    if (this.store.view !== "files" || !this.hand.file()) return;
+    const { forms = {} } = await this.hand.askNow("exports");
+    this.groups.replaceChildren(...GROUPS.flatMap(([name, suffixes]) => this.group(name, suffixes, forms)));
+  };
+
+  group = (name, suffixes, forms) => {
+    const shown = suffixes.filter((suffix) => suffix in forms);
+    if (!shown.length) return [];
+    const buttons = shown.map((suffix) =>
+      el("button", {
+        textContent: S.exportKinds[suffix],
+        title: suffix,
+        onclick: () => exportDialog(this.store, this.hand, suffix, forms[suffix]),
+      }),
+    );
+    const title = S.exportGroups[name];
+    return [el("div", { role: "group", "aria-label": title }, el("h3", { textContent: title }), ...buttons)];
+  };
 }
 
 /**

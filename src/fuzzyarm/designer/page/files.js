@@ -2,21 +2,12 @@
 
 import { clean, el, keepFocus, pairsOf, pane, space, tableOf } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
-import { exportPane } from "./exports.js";
+import { ExportPane } from "./exports.js";
 import { invitation, offers } from "./starts.js";
 import { S } from "./strings.js";
 import { isTable } from "./table.js";
 
-/**
- * The pane of the folder; `hand` asks the server, and turns to another file.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function folderPane(store, hand) {
-  return new FolderPane(store, hand).section;
-}
-
+/** The pane of the folder; `hand` asks the server, and turns to another file. */
 class FolderPane {
   /**
    * @param {Page.Store} store
@@ -291,6 +282,6 @@ export const FILES = {
   name: "files",
   title: S.files,
   drawn: false,
-  panes: [folderPane, exportPane],
+  panes: [FolderPane, ExportPane],
   splits: [{ key: "files-rows", vertical: false, at: 1, usual: 0.6 }],
 };

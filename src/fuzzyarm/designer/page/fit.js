@@ -4,9 +4,21 @@ import { pairsOf } from "./draw.js";
 import { S } from "./strings.js";
 import { ResultWork } from "./work.js";
 
+/** @type {import("./work.js").Kind} */
+const KIND = {
+  name: "fit",
+  title: S.fit,
+  go: S.fit,
+  stop: S.stopAndKeep,
+  facts: "fittable",
+  form: () => "fit",
+  ends: S.fitEnds,
+  isEnough: true,
+};
+
 class FitWork extends ResultWork {
-  constructor(store, hand, kind) {
-    super(store, hand, kind);
+  constructor(store, hand) {
+    super(store, hand, KIND);
     this.saving("", S.save);
   }
 
@@ -28,18 +40,4 @@ class FitWork extends ResultWork {
   }
 }
 
-/** @type {import("./work.js").Kind} */
-const KIND = {
-  name: "fit",
-  title: S.fit,
-  go: S.fit,
-  stop: S.stopAndKeep,
-  facts: "fittable",
-  form: () => "fit",
-  ends: S.fitEnds,
-  isEnough: true,
-};
-
-const fitPane = (store, hand) => new FitWork(store, hand, KIND).section;
-
-export const FIT = { name: "fit", title: S.fit, drawn: false, panes: [fitPane] };
+export const FIT = { name: "fit", title: S.fit, drawn: false, panes: [FitWork] };

@@ -1,24 +1,23 @@
 // The frame of the page: the bar on top and the panes that draw.
 
 import { el } from "./draw.js";
-import { termsPane } from "./terms.js";
+import { TermsPane } from "./terms.js";
 import { helpButton } from "./help.js";
-import { rulesPane } from "./rules.js";
+import { RulesPane } from "./rules.js";
 import { splitter } from "./split.js";
-import { surfacePane } from "./surface.js";
-import { viewerPane } from "./viewer.js";
+import { SurfacePane } from "./surface.js";
+import { ViewerPane } from "./viewer.js";
 import { S } from "./strings.js";
 
 /**
- * A view stands beside the text, one at a time; from two on there are tabs. Its panes are functions
- * of the store and of what a hand may do, which return an element. A view that is `drawn` needs a
- * sound rule base. This one stands in the page without a server as well.
+ * A view stands beside the text, one at a time; from two on there are tabs. Its panes are classes, made of the store and
+ * of what a hand may do, with an element `section`. A view that is `drawn` needs a sound rule base. This one stands in the page without a server as well.
  */
 export const DESIGN = {
   name: "design",
   title: S.design,
   drawn: true,
-  panes: [termsPane, surfacePane, rulesPane, viewerPane],
+  panes: [TermsPane, SurfacePane, RulesPane, ViewerPane],
   splits: [
     { key: "design-columns", vertical: true, at: 1, usual: 0.5 },
     { key: "design-rows", vertical: false, at: 1, usual: 0.5 },
@@ -27,17 +26,8 @@ export const DESIGN = {
 
 const DARK = "(prefers-color-scheme: dark)";
 
-/**
- * Build what is around the text; `hand` says what a change in a picture does. `root` is to be shown.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
-  return new Frame(store, hand, text, controls, shownViews).api();
-}
-
-class Frame {
+/** What is around the text; `hand` says what a change in a picture does, and `root` is to be shown. */
+export class Frame {
   /**
    * @param {Page.Store} store
    * @param {Page.Hand} hand
@@ -48,7 +38,7 @@ class Frame {
 
     this.note = el("p", { class: "note" });
     this.views = this.shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
-      const made = [...panes.map((make) => make(this.store, hand)), ...splits.map(splitter)];
+      const made = [...panes.map((Pane) => new Pane(this.store, hand).section), ...splits.map(splitter)];
       const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
       return el(
         "div",
@@ -96,9 +86,8 @@ class Frame {
     });
   }
 
-  api() {
-    return { root: this.root, turn: (name) => this.turn(this.shownViews.findIndex((view) => view.name === name)) };
-  }
+  /** Turn to a view by its name. */
+  turnTo = (name) => this.turn(this.shownViews.findIndex((view) => view.name === name));
 
   sound = () => {
     this.area.classList.remove("stale");

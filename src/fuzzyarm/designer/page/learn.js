@@ -12,17 +12,6 @@ const STEPS = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRi
 /** @type {import("./work.js").Kind} */
 const KIND = { name: "learn", title: S.learn, go: S.start, facts: "learnable", form: () => "learn" };
 
-export const LEARN = {
-  name: "learn",
-  title: S.learn,
-  drawn: false,
-  panes: [(store, hand) => new LearnWork(store, hand).panes],
-  splits: [
-    { key: "learn-columns", vertical: true, at: 1, usual: 0.5 },
-    { key: "learn-rows", vertical: false, at: 2, usual: 0.63 },
-  ],
-};
-
 class LearnWork extends Work {
   /**
    * @param {Page.Store} store
@@ -67,8 +56,9 @@ class LearnWork extends Work {
     this.values = this.grid(left.body, () => this.valuesPanel());
     this.visits = this.grid(right.body, () => this.visitsPanel());
     this.curve = stage(this.store, below.body, () => this.news && drawPanel(this.curve.canvas, this.news.panel));
-    this.panes = new DocumentFragment();
-    this.panes.append(this.section, left.section, right.section, below.section);
+    const panes = new DocumentFragment();
+    panes.append(this.section, left.section, right.section, below.section);
+    this.section = panes;
   }
 
   /** A table that is read out cell by cell, by the pointer or by keys. */
@@ -245,3 +235,14 @@ class LearnWork extends Work {
     this.visits.redraw();
   }
 }
+
+export const LEARN = {
+  name: "learn",
+  title: S.learn,
+  drawn: false,
+  panes: [LearnWork],
+  splits: [
+    { key: "learn-columns", vertical: true, at: 1, usual: 0.5 },
+    { key: "learn-rows", vertical: false, at: 2, usual: 0.63 },
+  ],
+};

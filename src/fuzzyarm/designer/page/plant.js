@@ -4,16 +4,8 @@ import { stage as canvasStage } from "./charts.js";
 import { colourOf, el, pane, space } from "./draw.js";
 import { S } from "./strings.js";
 
-/**
- * The plant as it moves; a hand pulls at it, by mouse or arrow keys.
- *
- * @param {Page.Store} store
- */
-export function picturePane(store, push) {
-  return new PicturePane(store, push).api();
-}
-
-class PicturePane {
+/** The plant as it moves; a hand pulls at it, by mouse or arrow keys. */
+export class PicturePane {
   /**
    * @param {Page.Store} store
    */
@@ -68,29 +60,25 @@ class PicturePane {
     });
   }
 
-  api() {
-    return {
-      section: this.section,
-      canvas: this.canvas,
-      open: (ready) => {
-        this.open = true;
-        this.drawing = null;
-        this.before = "";
-        this.section.setAttribute("data-plant", ready.plant);
-        this.tell();
-        this.redraw();
-      },
-      close: () => {
-        this.open = false;
-        this.letGo();
-      },
-      show: (next) => {
-        this.drawing = next;
-        if (this.held) this.tell(); // the plant has moved below the hand
-        this.redraw();
-      },
-    };
-  }
+  begin = (ready) => {
+    this.open = true;
+    this.drawing = null;
+    this.before = "";
+    this.section.setAttribute("data-plant", ready.plant);
+    this.tell();
+    this.redraw();
+  };
+
+  close = () => {
+    this.open = false;
+    this.letGo();
+  };
+
+  show = (next) => {
+    this.drawing = next;
+    if (this.held) this.tell(); // the plant has moved below the hand
+    this.redraw();
+  };
 
   letGo = () => {
     this.held = null;

@@ -4,9 +4,19 @@ import { el, pairsOf } from "./draw.js";
 import { S } from "./strings.js";
 import { ResultWork } from "./work.js";
 
+/** @type {import("./work.js").Kind} */
+const KIND = {
+  name: "prove",
+  title: S.prove,
+  go: S.prove,
+  facts: "provable",
+  form: ({ loop }) => (loop ? "prove-loop" : "prove"),
+  ends: S.proveEnds,
+};
+
 class ProveWork extends ResultWork {
-  constructor(store, hand, kind) {
-    super(store, hand, kind);
+  constructor(store, hand) {
+    super(store, hand, KIND);
     this.certificate = el("input", { type: "checkbox" });
     this.option = el(
       "label",
@@ -35,16 +45,4 @@ class ProveWork extends ResultWork {
   }
 }
 
-/** @type {import("./work.js").Kind} */
-const KIND = {
-  name: "prove",
-  title: S.prove,
-  go: S.prove,
-  facts: "provable",
-  form: ({ loop }) => (loop ? "prove-loop" : "prove"),
-  ends: S.proveEnds,
-};
-
-const provePane = (store, hand) => new ProveWork(store, hand, KIND).section;
-
-export const PROVE = { name: "prove", title: S.prove, drawn: false, panes: [provePane] };
+export const PROVE = { name: "prove", title: S.prove, drawn: false, panes: [ProveWork] };

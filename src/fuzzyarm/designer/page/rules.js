@@ -11,17 +11,10 @@ const MOST_CELLS = 700; // of choices; beyond, cells are plain text
 const MOST_SENTENCES = 400;
 
 /**
- * The pane; `setCell` writes a term into a cell, `goTo` shows a position of the text, and `change`
- * writes sentences. A page without a server has none of them.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
+ * The pane; a page without a server has no `setCell` that writes a term into a cell, no `goTo` a position of the text, and no
+ * `change` and `attempt` that write sentences.
  */
-export function rulesPane(store, hand) {
-  return new RulesPane(store, hand).section;
-}
-
-class RulesPane {
+export class RulesPane {
   /**
    * @param {Page.Store} store
    * @param {Page.Hand} hand

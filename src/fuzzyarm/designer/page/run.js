@@ -1,11 +1,11 @@
 // Run: the text controls a plant. The loop of the server steps it; here are its form, its gains and its metrics.
 
 import { aroundLine, unsavedLine } from "./around.js";
-import { curvePane } from "./curves.js";
+import { CurvePane } from "./curves.js";
 import { el, pane, select, shortNumber, tableOf } from "./draw.js";
 import { quoted } from "./fields.js";
 import { Form } from "./form.js";
-import { picturePane } from "./plant.js";
+import { PicturePane } from "./plant.js";
 import { splitter } from "./split.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
@@ -21,14 +21,6 @@ const timeWords = (seconds) =>
 
 const lasting = (seconds) => (seconds <= 30 ? 1 : seconds <= 1000 ? 60 : 600);
 
-/**
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function runView(store, hand) {
-  return new RunView(store, hand).view;
-}
-
 class RunView {
   /**
    * @param {Page.Store} store
@@ -41,15 +33,15 @@ class RunView {
     this.plants = new Task(hand, "plants");
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     this.state = { job: null, ready: null, paused: false, over: false, sent: "", described: "", reached: "" };
-    this.picture = picturePane(this.store, (pull) => this.state.job?.say({ pull }));
-    this.curves = curvePane(this.store);
+    this.picture = new PicturePane(this.store, (pull) => this.state.job?.say({ pull }));
+    this.curves = new CurvePane(this.store);
     this.gains = gainPane(this.hand, (values, done) => {
       this.say({ gains: values });
       if (done && this.state.over) this.say({ restart: true, asked: this.asked(), pause: false });
     });
     this.metrics = metricPane();
-    this.form = formPane(this.store, this.hand, this.changed);
-    this.view = el(
+    this.form = new RunForm(this.store, this.hand, this.changed);
+    this.section = el(
       "div",
       { class: "run" },
       this.form.section,
@@ -74,7 +66,7 @@ class RunView {
     this.form.speed.addEventListener("change", () => this.say({ speed: this.form.asked().speed }));
     this.calm.addEventListener("change", this.calmed);
     this.store.on("closed", () => this.calm.removeEventListener("change", this.calmed));
-    this.view.addEventListener("keydown", (event) => {
+    this.section.addEventListener("keydown", (event) => {
       if (event.key === " " && event.target === this.picture.canvas && this.state.job) {
         event.preventDefault();
         this.say({ pause: !this.state.paused });
@@ -90,7 +82,7 @@ class RunView {
         this.form.note("");
         this.form.mark("");
         this.curves.open(news);
-        this.picture.open(news);
+        this.picture.begin(news);
         this.gains.open(news.gains);
         this.metrics.open(news);
       },
@@ -168,7 +160,7 @@ class RunView {
     if (this.store.view !== RUN.name || !this.store.sound || text === this.state.described) return;
     this.state.described = text;
     this.plants.begin({ text }, (news) => {
-      if (news.uses) this.form.uses(news.uses);
+      if (news.uses) this.form.unsaved.show(news.uses);
       if (news.plants) this.form.offer(news);
       if (news.end !== "failed") return;
       this.form.note(news.message);
@@ -226,17 +218,9 @@ class RunView {
   };
 }
 
-export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] };
+export const RUN = { name: "run", title: S.run, drawn: false, panes: [RunView] };
 
 // --- What is to be run, and the buttons ---
-
-/**
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function formPane(store, hand, changed) {
-  return new RunForm(store, hand, changed).api();
-}
 
 class RunForm {
   /**
@@ -305,26 +289,6 @@ class RunForm {
     this.body.append(this.around.line, this.unsaved.line, this.form.view, this.details, this.said);
 
     this.note("");
-  }
-
-  api() {
-    return {
-      section: this.section,
-      start: this.start,
-      pause: this.pause,
-      step: this.step,
-      again: this.again,
-      stop: this.stop,
-      speed: this.speed,
-      offer: this.offer,
-      uses: this.unsaved.show,
-      asked: this.asked,
-      note: this.note,
-      unsay: this.unsay,
-      mark: this.mark,
-      running: this.running,
-      time: this.time,
-    };
   }
 
   button = (words, hint) => el("button", { textContent: words, title: hint });

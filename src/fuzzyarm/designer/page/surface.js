@@ -17,14 +17,7 @@ const FILLS = Uint32Array.from(packed(1));
 const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
 const MESH = 6;
 
-/**
- * @param {Page.Store} store
- */
-export function surfacePane(store, { start }) {
-  return new SurfacePane(store, { start }).section;
-}
-
-class SurfacePane {
+export class SurfacePane {
   /**
    * @param {Page.Store} store
    */

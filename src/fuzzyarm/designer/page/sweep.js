@@ -5,7 +5,14 @@ import { ResultWork, showGrounds } from "./work.js";
 
 const WIDE = 40; // letters of several ranges
 
+/** @type {import("./work.js").Kind} */
+const KIND = { name: "sweep", title: S.sweep, go: S.start, facts: "sweepable", form: () => "sweep", ends: S.sweepEnds };
+
 class SweepWork extends ResultWork {
+  constructor(store, hand) {
+    super(store, hand, KIND);
+  }
+
   fill({ plants, gains }) {
     this.form.choices(
       "plant",
@@ -29,9 +36,4 @@ class SweepWork extends ResultWork {
   }
 }
 
-/** @type {import("./work.js").Kind} */
-const KIND = { name: "sweep", title: S.sweep, go: S.start, facts: "sweepable", form: () => "sweep", ends: S.sweepEnds };
-
-const sweepPane = (store, hand) => new SweepWork(store, hand, KIND).section;
-
-export const SWEEP = { name: "sweep", title: S.sweep, drawn: false, panes: [sweepPane] };
+export const SWEEP = { name: "sweep", title: S.sweep, drawn: false, panes: [SweepWork] };

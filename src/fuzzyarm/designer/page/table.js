@@ -23,16 +23,7 @@ import { Task } from "./task.js";
 /** Whether a file, by its name, is a table. */
 export const isTable = (name) => /\.lut$/i.test(name);
 
-/**
- * The cells of a table, page by page; a cell leads to its number in the text.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function cellsPane(store, hand) {
-  return new CellsPane(store, hand).section;
-}
-
+/** The cells of a table, page by page; a cell leads to its number in the text. */
 class CellsPane {
   /**
    * @param {Page.Store} store
@@ -159,16 +150,7 @@ class CellsPane {
   };
 }
 
-/**
- * How far a table is from the rules: a map, the worst point, and what is proved of each cell.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-function errorPane(store, hand) {
-  return new ErrorPane(store, hand).section;
-}
-
+/** How far a table is from the rules: a map, the worst point, and what is proved of each cell. */
 class ErrorPane {
   /**
    * @param {Page.Store} store
@@ -354,6 +336,6 @@ export const TABLE = {
   name: "table",
   title: S.tables,
   drawn: false,
-  panes: [cellsPane, errorPane],
+  panes: [CellsPane, ErrorPane],
   splits: [{ key: "table-rows", vertical: false, at: 1, usual: 0.4 }],
 };

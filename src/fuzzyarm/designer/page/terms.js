@@ -19,17 +19,10 @@ export const plotHeight = (room, count) =>
   Math.round(Math.min(MOST, Math.max(LEAST, (room - DETAILS) / Math.max(1, count) - HEAD)));
 
 /**
- * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable.
- * Where the text can be edited, `change` removes terms, and `rename` and `attempt` make the edits of dialogs.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
+ * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable. Where the text can be edited,
+ * `change` removes terms, and `rename` and `attempt` make the edits of dialogs.
  */
-export function termsPane(store, hand) {
-  return new TermsPane(store, hand).section;
-}
-
-class TermsPane {
+export class TermsPane {
   /**
    * @param {Page.Store} store
    * @param {Page.Hand} hand

@@ -86,11 +86,7 @@ export function difference(old, now) {
 }
 
 /** The pane and its editor; `link` talks to the server. */
-export function textPane(link, nonce) {
-  return new TextPane(link, nonce).api();
-}
-
-class TextPane {
+export class TextPane {
   constructor(link, nonce) {
     this.link = link;
 
@@ -112,8 +108,8 @@ class TextPane {
     let waiting = 0;
     bar.append(
       space(),
-      this.quick(S.undo, "Ctrl+Z", () => undo(this.view)),
-      this.quick(S.redo, "Ctrl+Shift+Z", () => redo(this.view)),
+      this.quick(S.undo, "Ctrl+Z", this.undo),
+      this.quick(S.redo, "Ctrl+Shift+Z", this.redo),
       this.revert,
       this.quick(S.format, "Shift+Alt+F", this.format),
     );
@@ -160,37 +156,28 @@ class TextPane {
     });
   }
 
-  api() {
-    return {
-      section: this.section,
-      view: this.view,
-      question: this.question,
-      sent: this.sent,
-      replace: this.replace,
-      close: () => this.view.destroy(),
-      open: this.open,
-      revertible: (changed) => {
-        this.revert.disabled = !changed;
-      },
-      receive: this.receive,
-      show: this.show,
-      settled: this.settled,
-      follow: this.follow,
-      state: () => ({ text: this.view.state.doc.toString(), epoch: this.epoch }),
-      undo: () => undo(this.view),
-      redo: () => redo(this.view),
-      version: () => getSyncedVersion(this.view.state),
-      goTo: (at) => this.select(this.offset(at), this.offset(at)),
-      edit: async (what, details) => this.apply(await this.question(what, details), `input.${what}`),
-      /** Make an edit; what is wrong with it is in the answer. */
-      attempt: async (what, details) => {
-        const answer = this.link.writes() ? await this.question(what, details) : { error: S.follows };
-        if (!answer.error) this.apply(answer, `input.${what}`);
-        return answer;
-      },
-      numbers: async (variable) => (await this.question("numbers", { variable })).numbers ?? null,
-    };
-  }
+  close = () => this.view.destroy();
+
+  revertible = (changed) => {
+    this.revert.disabled = !changed;
+  };
+
+  state = () => ({ text: this.view.state.doc.toString(), epoch: this.epoch });
+  version = () => getSyncedVersion(this.view.state);
+  undo = () => undo(this.view);
+  redo = () => redo(this.view);
+  goTo = (at) => this.select(this.offset(at), this.offset(at));
+
+  edit = async (what, details) => this.apply(await this.question(what, details), `input.${what}`);
+
+  /** Make an edit; what is wrong with it is in the answer. */
+  attempt = async (what, details) => {
+    const answer = this.link.writes() ? await this.question(what, details) : { error: S.follows };
+    if (!answer.error) this.apply(answer, `input.${what}`);
+    return answer;
+  };
+
+  numbers = async (variable) => (await this.question("numbers", { variable })).numbers ?? null;
 
   quick = (text, title, act) => el("button", { textContent: text, title, onclick: act });
 
@@ -218,7 +205,7 @@ class TextPane {
     const updates = sendableUpdates(this.view.state);
     if (!updates.length) return;
     this.sending = this.link.push(
-      getSyncedVersion(this.view.state),
+      this.version(),
       updates.map((update) => ({ clientID: update.clientID, changes: update.changes.toJSON() })),
     );
   };
@@ -226,7 +213,7 @@ class TextPane {
   /** Take the changes of all windows from a version on; our own are confirmed by it. */
   receive = ({ version, updates }) => {
     this.sending = false;
-    const known = getSyncedVersion(this.view.state) - version;
+    const known = this.version() - version;
     const news = updates.slice(Math.max(0, known));
     if (known >= 0 && news.length) {
       this.view.dispatch(
@@ -266,11 +253,11 @@ class TextPane {
     for (let tries = 0; tries < TRIES; tries++) {
       this.send();
       if (this.settled()) {
-        const version = getSyncedVersion(this.view.state);
+        const version = this.version();
         const answer = await this.link.ask({ what, ...details });
         if (
           answer.version === undefined ||
-          (this.settled() && version === answer.version && getSyncedVersion(this.view.state) === version)
+          (this.settled() && version === answer.version && this.version() === version)
         )
           return answer;
       }
@@ -321,12 +308,12 @@ class TextPane {
       this.link.say(found.error ?? S.noFix);
       return;
     }
-    const version = getSyncedVersion(this.view.state);
+    const version = this.version();
     const picked = await choose(
       S.fixes,
       found.fixes.map((fix) => fix.title),
     );
-    const isSame = version === getSyncedVersion(this.view.state);
+    const isSame = version === this.version();
     if (picked !== null) this.apply(isSame ? found.fixes[picked] : { error: S.changedMeanwhile }, "input.fix");
     this.view.focus();
   };
@@ -364,7 +351,7 @@ class TextPane {
   // --- findings ---
 
   show = (message) => {
-    if (message.version !== getSyncedVersion(this.view.state) || !this.settled()) return;
+    if (message.version !== this.version() || !this.settled()) return;
     const doc = this.view.state.doc;
     const marks = [];
     for (const [line, start, end, colour] of message.colours) {

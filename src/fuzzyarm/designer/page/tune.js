@@ -25,17 +25,6 @@ const KIND = {
   isEnough: true,
 };
 
-export const TUNE = {
-  name: "tune",
-  title: S.tune,
-  drawn: false,
-  panes: [(store, hand) => new TuneWork(store, hand).panes],
-  splits: [
-    { key: "tune-columns", vertical: true, at: 1, usual: 0.5 },
-    { key: "tune-rows", vertical: false, at: 2, usual: 0.44 },
-  ],
-};
-
 class TuneWork extends Work {
   /**
    * @param {Page.Store} store
@@ -73,8 +62,9 @@ class TuneWork extends Work {
       onclick: () => this.task.say({ take: true }),
     });
     below.bar.append(space(), this.keep);
-    this.panes = new DocumentFragment();
-    this.panes.append(this.section, left.section, right.section, below.section);
+    const panes = new DocumentFragment();
+    panes.append(this.section, left.section, right.section, below.section);
+    this.section = panes;
   }
 
   // --- what may be asked for ---
@@ -278,3 +268,14 @@ class TuneWork extends Work {
     );
   };
 }
+
+export const TUNE = {
+  name: "tune",
+  title: S.tune,
+  drawn: false,
+  panes: [TuneWork],
+  splits: [
+    { key: "tune-columns", vertical: true, at: 1, usual: 0.5 },
+    { key: "tune-rows", vertical: false, at: 2, usual: 0.44 },
+  ],
+};

@@ -9,22 +9,13 @@ const SAMPLES = 121;
 const ROW = 27; // pixels of a rule
 const SPARE = 2; // rules drawn beyond what is seen
 
-/**
- * The pane; with `start` the server computes what the page does not.
- *
- * @param {Page.Store} store
- * @param {Page.Hand} hand
- */
-export function viewerPane(store, { start }) {
-  return new ViewerPane(store, start).section;
-}
-
-class ViewerPane {
+/** The pane; with `start` the server computes what the page does not. */
+export class ViewerPane {
   /**
    * @param {Page.Store} store
-   * @param {Page.Hand["start"]} start
+   * @param {Pick<Page.Hand, "start">} hand
    */
-  constructor(store, start) {
+  constructor(store, { start }) {
     this.store = store;
     this.start = start;
 

@@ -1,7 +1,7 @@
 // The whole window: one connection, and which of the files is shown.
 
-import { connect } from "./connection.js";
-import { makeDesk } from "./desk.js";
+import { Connection } from "./connection.js";
+import { Desk } from "./desk.js";
 import { clean } from "./draw.js";
 import { FILES, dropped } from "./files.js";
 import { DESIGN } from "./frame.js";
@@ -38,9 +38,9 @@ class Whole {
     this.first = start.first; // the file to begin with
     this.names = start.files;
     this.unsaved = []; // the files of which a window has more than what is saved
-    /** @type {ReturnType<typeof makeDesk>} */
+    /** @type {Desk} */
     this.shown = null;
-    this.connection = connect({ opened: this.opened, closed: this.closed, take: this.take }, around.line);
+    this.connection = new Connection({ opened: this.opened, closed: this.closed, take: this.take }, around.line);
     this.page = {
       connection: this.connection,
       nonce: start.nonce,
@@ -54,13 +54,13 @@ class Whole {
       listed: this.listed,
       marked: () => {
         if (!this.shown) return;
-        document.title = clean(`${this.shown.isDirty() ? "● " : ""}${this.shown.file()} – ${S.designer}`);
+        document.title = clean(`${this.shown.dirty ? "● " : ""}${this.shown.file} – ${S.designer}`);
       },
     };
     this.listen();
     const wanted = fromAddress();
     this.show(this.names.includes(wanted) ? wanted : this.first);
-    if (wanted && this.shown.file() !== wanted) history.replaceState(null, "", address(this.shown.file()));
+    if (wanted && this.shown.file !== wanted) history.replaceState(null, "", address(this.shown.file));
     this.connection.open();
   }
 
@@ -92,7 +92,7 @@ class Whole {
   /** Files have come or gone by themselves; a page that has none shows the first that comes. */
   changedFiles({ names: found, first: likeliest }) {
     this.listed(found);
-    if (!this.shown.file() && likeliest && !document.querySelector("dialog[open]")) this.turnTo(likeliest);
+    if (!this.shown.file && likeliest && !document.querySelector("dialog[open]")) this.turnTo(likeliest);
     else this.shown.store.emit("files");
   }
 
@@ -113,10 +113,10 @@ class Whole {
     if (desk)
       this.desks.delete(name); // to the end
     else {
-      desk = makeDesk(name, this.page, name ? this.views : [FILES]);
+      desk = new Desk(name, this.page, name ? this.views : [FILES]);
       desk.offer(this.names);
       if (isTable(name)) desk.turn(TABLE.name);
-      else if (before && ![FILES.name, TABLE.name].includes(before.view())) desk.turn(before.view());
+      else if (before && ![FILES.name, TABLE.name].includes(before.store.view)) desk.turn(before.store.view);
       if (this.connection.isOpen()) desk.open();
       else if (before) desk.lose();
       this.around.begin?.(desk);
@@ -141,11 +141,11 @@ class Whole {
 
   /** Turn to another file, as a step that can be taken back. */
   turnTo = (name) => {
-    if (this.shown.file() !== name) {
+    if (this.shown.file !== name) {
       history.pushState(null, "", address(name));
       this.show(name);
     }
-    if (name && this.shown.view() === FILES.name) this.shown.turn(isTable(name) ? TABLE.name : DESIGN.name);
+    if (name && this.shown.store.view === FILES.name) this.shown.turn(isTable(name) ? TABLE.name : DESIGN.name);
   };
 
   /** Show the file of the address: after a step back, or when the address was written by hand. */
@@ -160,11 +160,11 @@ class Whole {
       this.listed((found.files ?? []).map((each) => each.name));
     }
     if (!this.names.includes(name)) {
-      name = this.shown.file();
-      this.shown.say(S.notThere(asked));
+      name = this.shown.file;
+      this.shown.link.say(S.notThere(asked));
     }
     if (name !== asked) history.replaceState(null, "", address(name));
-    if (name !== this.shown.file()) this.show(name);
+    if (name !== this.shown.file) this.show(name);
   };
 
   /** A file has another name, or none. */
@@ -188,11 +188,11 @@ class Whole {
       if (!to) desk.close();
       return;
     }
-    const view = desk.view();
+    const view = desk.store.view;
     if (!to) this.show(this.names.includes(this.first) ? this.first : (this.names[0] ?? ""));
     if (!to) desk.close();
     if (view === FILES.name) this.shown.turn(view);
-    history.replaceState(null, "", address(this.shown.file()));
+    history.replaceState(null, "", address(this.shown.file));
   }
 
   // --- the whole window ---
@@ -201,14 +201,16 @@ class Whole {
     dropped((files) => this.shown.bring(files));
     window.addEventListener("popstate", this.turnBack);
     window.addEventListener("beforeunload", (event) => {
-      if (!this.around.keeps && [...this.desks.values()].some((desk) => desk.isDirty())) event.preventDefault();
+      if (!this.around.keeps && [...this.desks.values()].some((desk) => desk.dirty)) event.preventDefault();
     });
     window.addEventListener("keydown", (event) => {
       if (!event.ctrlKey && !event.metaKey) return;
       const key = event.key.toLowerCase();
       const { target } = event;
       const { shown } = this;
-      const act = { s: shown.save, y: shown.redo, z: event.shiftKey ? shown.redo : shown.undo }[key];
+      const act = { s: shown.link.save, y: shown.text.redo, z: event.shiftKey ? shown.text.redo : shown.text.undo }[
+        key
+      ];
       // What is written in has its own steps back.
       if (act && (key === "s" || !(target instanceof Element && target.closest(WRITTEN_IN)))) {
         event.preventDefault();

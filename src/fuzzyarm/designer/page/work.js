@@ -38,6 +38,7 @@ export class Work {
     this.known = ""; // which form is shown
     const { section, body } = pane(kind.name, kind.title);
     section.classList.add("asked");
+    /** @type {Node} */
     this.section = section;
     this.body = body;
     this.place = el("div");

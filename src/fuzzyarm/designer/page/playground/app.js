@@ -1,6 +1,6 @@
 // The page with its own Python: the designer's views, texts that stay in the browser, links that carry a file.
 
-import { diagramPane } from "../diagram.js";
+import { DiagramPane } from "../diagram.js";
 import { fill } from "../dialogs.js";
 import { clean, el } from "../draw.js";
 import { FILES } from "../files.js";
@@ -13,7 +13,7 @@ import { Kept } from "./kept.js";
 import { carriedBy, fragmentOf } from "./link.js";
 import { pythonLine, canRunPython } from "./python_line.js";
 
-const VIEWS = [{ ...DESIGN, panes: [...DESIGN.panes, diagramPane] }, RUN, TABLE, FILES];
+const VIEWS = [{ ...DESIGN, panes: [...DESIGN.panes, DiagramPane] }, RUN, TABLE, FILES];
 const LATER = 250; // ms after the last letter until a text is kept
 
 const P = S.playground;
@@ -67,8 +67,8 @@ function download(hand) {
 function keeping(desk) {
   let later = 0;
   const keep = () => {
-    if (!desk.file() || !desk.text.state().epoch) return;
-    if (!kept.put(desk.file(), desk.text.state().text)) desk.say(P.notKept);
+    if (!desk.file || !desk.text.state().epoch) return;
+    if (!kept.put(desk.file, desk.text.state().text)) desk.link.say(P.notKept);
   };
   const soon = () => {
     clearTimeout(later);
@@ -103,10 +103,10 @@ function open(words) {
     ],
     begin: (desk) => {
       desks.add(desk);
-      const text = kept.get(desk.file());
+      const text = kept.get(desk.file);
       if (state) {
         // The text is there before Python is, which then takes it as that of a page which has lost its server.
-        const opened = { is: "opened", file: desk.file(), text, saved: text, version: 0, epoch: "kept", writes: true };
+        const opened = { is: "opened", file: desk.file, text, saved: text, version: 0, epoch: "kept", writes: true };
         if (text !== null) desk.take(opened);
         desk.lose();
       }
@@ -117,7 +117,7 @@ function open(words) {
     },
   });
   expose(whole);
-  if (words) whole.shown.say(words);
+  if (words) whole.shown.link.say(words);
 }
 
 function firstOf(names) {
@@ -134,5 +134,5 @@ arrived().then((words) => {
   const why = canRunPython();
   if (why) standing(why);
   else open(words);
-  if (!kept.lasting) window.designer?.desks.forEach((desk) => desk.say(P.notLasting));
+  if (!kept.lasting) window.designer?.desks.forEach((desk) => desk.link.say(P.notLasting));
 });
