@@ -28,7 +28,7 @@ from fuzzyarm.kernels import SWITCH, has_machine_code
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.queries import coloured, complete, hover, read
 from fuzzyarm.loop.analysis import AnalysisError, describing_function
-from fuzzyarm.model.controller import Signal, Source
+from fuzzyarm.model.controller import SignalLine, Source
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.proof.controllers import prove_drives, sampled_drive
 from fuzzyarm.show.controller import definition_words
@@ -118,7 +118,7 @@ def test_the_language_reads_writes_offers_and_explains_it(word):
 @pytest.mark.parametrize("word", WORDS)
 def test_its_definition_in_words_is_read_again(word):
     text = of(word)
-    line = next(x for _, x in text.model.lines() if isinstance(x, Signal) and x.names == ("y",))
+    line = next(x for _, x in text.model.lines() if isinstance(x, SignalLine) and x.names == ("y",))
     again = whole(word).replace(example(word), f"y = {definition_words(line)}")
     (axes,) = made(again, sheets_of(word)).model.axes
     assert axes.lines[1] == line
@@ -389,7 +389,9 @@ def test_the_linear_opponent_keeps_the_dead_band():
     )  # fmt: skip
     text = made(controller(*lines, head=['use pd7 from "pd7.frb"']))
     opponent, _ = straightened(text)
-    kinds = [x.source.kind for _, x in opponent.model.lines() if isinstance(x, Signal) and x.source]
+    kinds = [
+        x.source.kind for _, x in opponent.model.lines() if isinstance(x, SignalLine) and x.source
+    ]
     assert "deadband" in kinds
 
 

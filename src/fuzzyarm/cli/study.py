@@ -21,7 +21,7 @@ from fuzzyarm.cli.command import (
 )
 
 if TYPE_CHECKING:
-    from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
+    from fuzzyarm.study import Ensemble, PublishedRow, Reproduced, RowJudgement
     from fuzzyarm.study.beyond import Beyond
     from fuzzyarm.study.identify import Identified
 
@@ -241,7 +241,7 @@ def _summary(results: list[Reproduced]) -> None:
             print(f"  {name:<20} {_reproduced_by(described, result)}")
 
 
-def _within_levels(judgements: Sequence[Judgement]) -> str:
+def _within_levels(judgements: Sequence[RowJudgement]) -> str:
     from fuzzyarm.study.reproduce import count_within
 
     counts_within = count_within(judgements)

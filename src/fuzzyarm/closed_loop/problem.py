@@ -25,7 +25,7 @@ from fuzzyarm.expression.nodes import Node, constant, substituted, symbol
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.expression.sources import SourceKind, unseen
 from fuzzyarm.loop.course import Sensor, periods_of
-from fuzzyarm.model.controller import Axes, Drive, Factor, Learn, Product, Signal, Source, Zoom
+from fuzzyarm.model.controller import Axes, Drive, Factor, Learn, Product, SignalLine, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.equations import expressions_of
 from fuzzyarm.plant.own import start_of
@@ -362,11 +362,11 @@ class ControlPeriod(Generic[T]):
             raise LoopProofError(f"the table '{line.table}' learns: nothing is proved about it")
         if isinstance(line, Drive) and line.slew is not None:
             self.memory[_drive_name(axis, line, "slew")] = 0.0
-        if isinstance(line, Signal) and line.source is not None:
+        if isinstance(line, SignalLine) and line.source is not None:
             self._collect_source(axes, axis, index, line, line.source)
 
     def _collect_source(
-        self, axes: Axes, axis: str, index: int, line: Signal, source: Source
+        self, axes: Axes, axis: str, index: int, line: SignalLine, source: Source
     ) -> None:
         kind, options = source.record, dict(source.options)
         if kind.of == "call":
@@ -382,7 +382,7 @@ class ControlPeriod(Generic[T]):
         if drive is not None:
             self.memory[_drive_name(axis, drive, "excess")] = 0.0
 
-    def _wound(self, axes: Axes, line: Signal, source: Source) -> Drive | None:
+    def _wound(self, axes: Axes, line: SignalLine, source: Source) -> Drive | None:
         """Return the drive whose limits an anti-windup looks at; None without."""
         kind = source.record
         if not kind.windup or not kind.settings(dict(source.options))[_word(kind.windup)]:
@@ -461,11 +461,11 @@ class ControlPeriod(Generic[T]):
     def _line(self, axes: Axes, line: object) -> None:
         if isinstance(line, Drive):
             self._drive(line)
-        elif isinstance(line, Signal):
+        elif isinstance(line, SignalLine):
             for name, value in zip(line.names, self._values(axes, line), strict=False):
                 self._signals[self._axis, name] = value
 
-    def _values(self, axes: Axes, line: Signal) -> list[T]:
+    def _values(self, axes: Axes, line: SignalLine) -> list[T]:
         source = line.source
         if source is None:
             return [self._sum(line.products)]
@@ -542,7 +542,7 @@ class ControlPeriod(Generic[T]):
             reference = self.algebra.multiply(reference, self._operand(weight))
         return self.algebra.subtract(reference, measured)
 
-    def _updated(self, axes: Axes, line: Signal, source: Source) -> T:
+    def _updated(self, axes: Axes, line: SignalLine, source: Source) -> T:
         kind = source.record
         x = self._taken_of(source)
         if kind.function is None:
@@ -568,7 +568,7 @@ class ControlPeriod(Generic[T]):
             self._after[f"{name} {state.name}"] = after
         return output
 
-    def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> T:
+    def _gain_of_drive(self, axes: Axes, line: SignalLine, drive: Drive) -> T:
         constants = {gain.name for gain in self.model.gains}
         products = axes.gain_of(line.names[0], drive, constants)
         if not products:

@@ -41,7 +41,7 @@ from fuzzyarm.controller.text import (
 )
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.reading import parse, read_text
-from fuzzyarm.model.controller import ControllerModel, Learn, Signal
+from fuzzyarm.model.controller import ControllerModel, Learn, SignalLine
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import LookupTable
@@ -463,7 +463,7 @@ def roles(model: ControllerModel) -> dict[str, str]:
     kinds = {
         line.source.name: line.source.kind
         for _, line in model.lines()
-        if isinstance(line, Signal) and line.source is not None and line.source.inputs
+        if isinstance(line, SignalLine) and line.source is not None and line.source.inputs
     }
     names: dict[str, str] = {}
     for use in model.uses:

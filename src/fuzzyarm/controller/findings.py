@@ -23,7 +23,7 @@ from fuzzyarm.controller.reach import (
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.expression.operations import Interval
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, GainModel, Signal
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, GainModel, SignalLine
 from fuzzyarm.model.units import (
     dimension,
     product,
@@ -220,7 +220,11 @@ def _percent(share: float) -> str:
 def _made(look_up: LookUp) -> tuple[Related, ...]:
     """Return where a signal is made, if that is another line."""
     for line in look_up.axes.lines:
-        if isinstance(line, Signal) and look_up.signal in line.names and line is not look_up.line:
+        if (
+            isinstance(line, SignalLine)
+            and look_up.signal in line.names
+            and line is not look_up.line
+        ):
             return (Related(f"{look_up.signal} is made here", line.span),)
     return ()
 
@@ -351,7 +355,7 @@ def _asking(model: ControllerModel, kind: str, address: Address) -> tuple[Axes, 
         if isinstance(line, Drive):
             if kind == "drive" and line.port == port:
                 return axes, line.span
-        elif isinstance(line, Signal) and line.source is not None:
+        elif isinstance(line, SignalLine) and line.source is not None:
             asks = kind in line.source.record.ports
             if asks and line.source.name == port:
                 return axes, line.span
@@ -366,7 +370,11 @@ def _limits_before_factors(
 ) -> Iterator[Diagnostic]:
     """Yield integrals with a factor whose limits are those of what reads the product."""
     for axes, line in model.lines():
-        if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
+        if (
+            not isinstance(line, SignalLine)
+            or line.source is None
+            or line.source.kind != "integral"
+        ):
             continue
         within = line.source.option("within")
         if not isinstance(within, tuple) or not any(product.factors for product in line.products):
@@ -466,7 +474,7 @@ def _growing(
 ) -> Iterator[Diagnostic]:
     """Yield integrals that go on growing while the actuator behind such drives is at its limit."""
     for axes, line in model.lines():
-        if axis not in axes.names or not isinstance(line, Signal) or line.source is None:
+        if axis not in axes.names or not isinstance(line, SignalLine) or line.source is None:
             continue
         bounded = {word for word, _ in line.source.options} & {"within", "anti-windup"}
         if line.source.record.windup and not bounded:

@@ -42,7 +42,7 @@ from fuzzyarm.model.controller import (
     Drive,
     Learn,
     Product,
-    Signal,
+    SignalLine,
     Zoom,
 )
 from fuzzyarm.plant.arm import RATIOS, motor_torque
@@ -529,7 +529,7 @@ def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) ->
     """Return the limits of a drive that is a bounded integral times constants."""
     names = {factor.value for product in drive.products for factor in product.factors}
     for line in axes.lines:
-        if not isinstance(line, Signal) or line.source is None or not names & set(line.names):
+        if not isinstance(line, SignalLine) or line.source is None or not names & set(line.names):
             continue
         within = line.source.option("within")
         if not isinstance(within, tuple):

@@ -31,7 +31,7 @@ from fuzzyarm.model.controller import (
     Learn,
     Line,
     Product,
-    Signal,
+    SignalLine,
     Source,
     Zoom,
 )
@@ -357,7 +357,7 @@ class _Writer:
     # --- Lines ---
 
     def _write_line(self, axes: Axes, line: Line, first: set[int]) -> None:
-        if isinstance(line, Signal):
+        if isinstance(line, SignalLine):
             self._write_signal(axes, line)
         elif isinstance(line, Zoom):
             self._write_zoom(line)
@@ -366,7 +366,7 @@ class _Writer:
         else:
             self._write_drive(line, first)
 
-    def _write_signal(self, axes: Axes, line: Signal) -> None:
+    def _write_signal(self, axes: Axes, line: SignalLine) -> None:
         source = line.source
         if source is None:
             self._store(line.names[0], self._sum(line.products))
@@ -404,7 +404,7 @@ class _Writer:
     def _copy(self, cell: int) -> int:
         return self._do(to.COPY, self._cell(0.0), cell)
 
-    def _source(self, axes: Axes, line: Signal, source: Source) -> int:
+    def _source(self, axes: Axes, line: SignalLine, source: Source) -> int:
         """Write the instructions of a source; return the cell of its value."""
         kind = source.record
         if kind.of == "call":
@@ -459,7 +459,7 @@ class _Writer:
             set_point = self._do(to.MULTIPLY, self.scratch, set_point, self._operand(weight))
         return self._do(to.SUBTRACT, self.scratch, set_point, self.wiring.measured[of])
 
-    def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> int:
+    def _gain_of_drive(self, axes: Axes, line: SignalLine, drive: Drive) -> int:
         """Return the cell of how a drive grows with an integral; 1 where that is not constant."""
         products = axes.gain_of(line.names[0], drive, self.gains)
         if not products:
@@ -508,7 +508,7 @@ class _Writer:
         sheets = self.sheets[name]
         return sheets[self.index if len(sheets) > 1 else 0]
 
-    def _write_rules(self, line: Signal, source: Source) -> None:
+    def _write_rules(self, line: SignalLine, source: Source) -> None:
         rulebase = self._sheet(source.name)
         if not isinstance(rulebase, RuleBase):
             raise SourceError(f"'{source.name}' is a table: write table {source.name}(…)")

@@ -24,7 +24,7 @@ from fuzzyarm.model.controller import (
     Learn,
     Line,
     Product,
-    Signal,
+    SignalLine,
     Source,
     Zoom,
 )
@@ -83,7 +83,7 @@ class LookUp:
         What the rule base or the table tells apart.
     sheet_unit : dict or None
         The unit that the input has by its description; None where that says none.
-    line : Signal or Learn
+    line : SignalLine or Learn
         Where.
     """
 
@@ -93,7 +93,7 @@ class LookUp:
     reach: Reach
     universe: Interval
     sheet_unit: Unit | None
-    line: Signal | Learn
+    line: SignalLine | Learn
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ class _LineWalk:
 
     def line(self, axes: Axes, line: Line) -> None:
         """Go on by one line."""
-        if isinstance(line, Signal):
+        if isinstance(line, SignalLine):
             self._signal(axes, line)
         elif isinstance(line, Zoom):
             for name in line.signals:
@@ -219,7 +219,7 @@ class _LineWalk:
                 reach = replace(reach, at=_clipped(reach.at, Interval(*line.within)))
             self.reaches.drives.setdefault((self.axis, line.port), []).append((line, reach))
 
-    def _signal(self, axes: Axes, line: Signal) -> None:
+    def _signal(self, axes: Axes, line: SignalLine) -> None:
         if line.source is None:
             reaches = [self._sum(line.products, line.span)]
         else:
@@ -310,7 +310,7 @@ class _LineWalk:
 
     # --- Sources ---
 
-    def _results(self, axes: Axes, of: Source, line: Signal) -> list[Reach]:
+    def _results(self, axes: Axes, of: Source, line: SignalLine) -> list[Reach]:
         kind = of.record
         if kind.of != "call":
             reach = self._port(of) if kind.ports else self._named(of.name)
@@ -428,7 +428,9 @@ class _LineWalk:
                 at = hull(at, symmetric(largest(self._number(line.bound))))
         return Reach(at)
 
-    def _look_up(self, axes: Axes, line: Signal | Learn, name: str, inputs: Sequence[str]) -> None:
+    def _look_up(
+        self, axes: Axes, line: SignalLine | Learn, name: str, inputs: Sequence[str]
+    ) -> None:
         sheet = self._sheet(name)
         if sheet is None:
             return

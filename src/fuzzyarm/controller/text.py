@@ -28,7 +28,7 @@ from fuzzyarm.controller.program import (
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language.reading import load_rulebase, parse, read_text
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line, Signal, Use
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line, SignalLine, Use
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import (
     CLOCK,
@@ -276,9 +276,9 @@ def by_name(name: str, sheet: Sheet) -> Change:
         def asked(axes: Axes, line: Line) -> Line:
             if isinstance(line, Learn) and name in (line.table, line.judge):
                 return replace(line, inputs=inputs) if name == line.table else line
-            if not isinstance(line, Signal) or line.source is None or line.source.name != name:
+            if not isinstance(line, SignalLine) or line.source is None or line.source.name != name:
                 return line
-            signals = [other for other in axes.lines if isinstance(other, Signal)]
+            signals = [other for other in axes.lines if isinstance(other, SignalLine)]
             lines = [signal for other in signals for signal in other.names]
             for signal in inputs:
                 if signal not in lines:
@@ -328,7 +328,7 @@ def teaching(rate: float | None = None, delay: int | None = None) -> Change:
 def misfits(text: ControllerText) -> Iterator[Diagnostic]:
     """Yield what does not fit between a controller and its rule bases and tables."""
     for _, line in text.model.lines():
-        if isinstance(line, Signal) and line.source is not None and line.source.inputs:
+        if isinstance(line, SignalLine) and line.source is not None and line.source.inputs:
             source = line.source
             for sheet in text.sheets.get(source.name, ()):
                 yield from _misfit(text, line, sheet, source.kind, source.name, source.inputs)
@@ -344,7 +344,7 @@ def misfits(text: ControllerText) -> Iterator[Diagnostic]:
 
 def _misfit(
     text: ControllerText,
-    line: Signal | Learn,
+    line: SignalLine | Learn,
     sheet: Sheet,
     kind: str,
     name: str,
@@ -358,7 +358,7 @@ def _misfit(
         yield Diagnostic("wrong-source", message, line.span, hint=hint, path=text.path)
         return
     if isinstance(sheet, RuleBase):
-        assert isinstance(line, Signal)
+        assert isinstance(line, SignalLine)
         if len(line.names) != len(sheet.outputs):
             outputs = ", ".join(variable.name for variable in sheet.outputs)
             yield Diagnostic(
@@ -404,7 +404,7 @@ def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
         port = ""
         if isinstance(line, Drive):
             port = line.port if kind == "drive" else ""
-        elif isinstance(line, Signal) and line.source is not None:
+        elif isinstance(line, SignalLine) and line.source is not None:
             port = line.source.name if kind in line.source.record.ports else ""
         if port:
             ports.update(dict.fromkeys((axis, port) for axis in axes.names))

@@ -43,7 +43,7 @@ from fuzzyarm.export.table_numbers import (
 )
 from fuzzyarm.expression.nodes import Node, symbol
 from fuzzyarm.expression.printing import Statement, setting, statements, variables
-from fuzzyarm.model.controller import Signal
+from fuzzyarm.model.controller import SignalLine
 
 
 def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
@@ -70,7 +70,7 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
 def _require_bounds(text: ControllerText) -> None:
     """Raise ExportError for a source that has no bounds and takes them, as an integral does."""
     for _, line in text.model.lines():
-        if not isinstance(line, Signal) or line.source is None:
+        if not isinstance(line, SignalLine) or line.source is None:
             continue
         settings = line.source.record.settings(dict(line.source.options))
         if any(math.isinf(value) for value in settings.values() if isinstance(value, float)):

@@ -16,7 +16,7 @@ from fuzzyarm.export.controller_c import TestSequence
 from fuzzyarm.export.replica import Replica, trial
 from fuzzyarm.export.steps import RoutineOptions, Steps, StepVariable, steps_of
 from fuzzyarm.export.table_numbers import FixedTable
-from fuzzyarm.model.controller import Line, Signal, Source
+from fuzzyarm.model.controller import Line, SignalLine, Source
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.compiler import over_inputs
@@ -59,7 +59,7 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
         return tables[key]
 
     def lines_of(line: Line) -> list[Line]:
-        if not isinstance(line, Signal) or line.source is None or line.source.kind != "rules":
+        if not isinstance(line, SignalLine) or line.source is None or line.source.kind != "rules":
             return [line]
         source = line.source
         lines: list[Line] = []

@@ -25,11 +25,11 @@ __all__ = [
     "SHAPES",
     "SNORMS",
     "TNORMS",
-    "Hedge",
+    "HedgeKind",
     "KindError",
     "Norm",
     "Registry",
-    "Shape",
+    "ShapeKind",
     "hedge",
     "shape",
     "snorm",
@@ -151,7 +151,7 @@ def _misfits_of_points(parameters: Sequence[float]) -> Iterator[Misfit]:
 
 
 @dataclass(frozen=True, eq=False)
-class Shape(Kind):
+class ShapeKind(Kind):
     """A kind of membership function, or of a consequent that is a value.
 
     Attributes
@@ -363,7 +363,7 @@ class Norm(Kind):
 
 
 @dataclass(frozen=True, eq=False)
-class Hedge(Kind):
+class HedgeKind(Kind):
     """A modifier of a degree.
 
     Attributes
@@ -470,10 +470,10 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
             del self.words[word]
 
 
-SHAPES: Registry[Shape] = Registry("shape")
+SHAPES: Registry[ShapeKind] = Registry("shape")
 TNORMS: Registry[Norm] = Registry("T-norm")
 SNORMS: Registry[Norm] = Registry("S-norm")
-HEDGES: Registry[Hedge] = Registry("hedge")
+HEDGES: Registry[HedgeKind] = Registry("hedge")
 
 _WORD = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _PARAMETER = re.compile(r"[a-z][a-z0-9]*([_-][a-z0-9]+)*")
@@ -509,7 +509,9 @@ def _load_entry_points() -> None:
 # ── registration ─────────────────────────────────────────────────────────────────────
 
 
-def shape(name: str, parameters: Sequence[str], function: Definition | None, **facts: Any) -> Shape:
+def shape(
+    name: str, parameters: Sequence[str], function: Definition | None, **facts: Any
+) -> ShapeKind:
     """Register a kind of membership function.
 
     Parameters
@@ -522,12 +524,12 @@ def shape(name: str, parameters: Sequence[str], function: Definition | None, **f
         ``function(x, *parameters)``, written with arithmetic, comparisons and
         :mod:`fuzzyarm.op`; returns the degree, 0 to 1.
     **facts
-        What else is known of it, see :class:`Shape`: ``doc``, ``ordered``, ``positive``,
+        What else is known of it, see :class:`ShapeKind`: ``doc``, ``ordered``, ``positive``,
         ``bends``, ``centre`` and so on.
 
     Returns
     -------
-    Shape
+    ShapeKind
         The record.
 
     Raises
@@ -548,7 +550,7 @@ def shape(name: str, parameters: Sequence[str], function: Definition | None, **f
     for parameter in parameters:
         if not _PARAMETER.fullmatch(parameter):
             raise KindError(f"'{parameter}' is not the name of a parameter", name)
-    kind = Shape(name, tuple(parameters), function, **{"own": True, **facts})
+    kind = ShapeKind(name, tuple(parameters), function, **{"own": True, **facts})
     _check_expression(kind)
     return SHAPES.add(kind)
 
@@ -588,7 +590,7 @@ def snorm(name: str, function: Definition, **facts: Any) -> Norm:
     return SNORMS.add(_norm(name, function, facts))
 
 
-def hedge(name: str, function: Definition, **facts: Any) -> Hedge:
+def hedge(name: str, function: Definition, **facts: Any) -> HedgeKind:
     """Register a hedge: a modifier of a degree such as ``very``.
 
     Parameters
@@ -599,12 +601,12 @@ def hedge(name: str, function: Definition, **facts: Any) -> Hedge:
         ``function(d)`` of a degree, or ``function(d, number)`` of a degree and the number
         in ``name(number)``.
     **facts
-        What else is known of it, see :class:`Hedge`; ``parameters=("exponent",)`` names the
+        What else is known of it, see :class:`HedgeKind`; ``parameters=("exponent",)`` names the
         number.
 
     Returns
     -------
-    Hedge
+    HedgeKind
         The record.
 
     Raises
@@ -613,7 +615,7 @@ def hedge(name: str, function: Definition, **facts: Any) -> Hedge:
         If the name is taken or not a word, or the degree leaves 0 .. 1.
     """
     parameters = tuple(facts.pop("parameters", ()))
-    kind = Hedge(name, parameters, function, **{"own": True, **facts})
+    kind = HedgeKind(name, parameters, function, **{"own": True, **facts})
     _check_expression(kind)
     if kind.own and not parameters:
         _check_degrees(kind)

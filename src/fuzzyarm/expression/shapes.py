@@ -17,7 +17,7 @@ from itertools import pairwise
 from typing import Any
 
 from fuzzyarm.expression import op
-from fuzzyarm.expression.records import Shape, shape
+from fuzzyarm.expression.records import ShapeKind, shape
 
 __all__ = ["parameters_and_middles", "register"]
 
@@ -207,7 +207,7 @@ def _names(fll: str, mf: str = "", fcl: str = "", *, matlab: bool = False) -> di
 def register() -> None:
     """Register the built-in shapes."""
 
-    def kind(name: str, parameters: tuple[str, ...], function: Any, **facts: Any) -> Shape:
+    def kind(name: str, parameters: tuple[str, ...], function: Any, **facts: Any) -> ShapeKind:
         return shape(name, parameters, function, own=False, **facts)
 
     kind(

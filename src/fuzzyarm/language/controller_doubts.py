@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Signal
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, SignalLine
 from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity
 
 __all__ = ["doubts_of_lines"]
@@ -23,7 +23,7 @@ def doubts_of_lines(model: ControllerModel) -> Iterator[Diagnostic]:
 def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
     """Yield integrals that nothing bounds while their drive has a limit, and idle anti-windup."""
     for line in axes.lines:
-        if not isinstance(line, Signal) or line.source is None or not line.source.record.windup:
+        if not isinstance(line, SignalLine) or line.source is None or not line.source.record.windup:
             continue
         name, drive = line.names[0], axes.driven_by(line.names[0])
         limits = None if drive is None else drive.within
@@ -50,7 +50,7 @@ def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
             )
 
 
-def _unknown_gain(line: Signal, drive: Drive) -> Iterator[Diagnostic]:
+def _unknown_gain(line: SignalLine, drive: Drive) -> Iterator[Diagnostic]:
     """Yield an anti-windup that has to know by how much the drive grows, and cannot."""
     assert line.source is not None
     name = line.names[0]
@@ -91,7 +91,7 @@ def _tables_that_nothing_reads(axes: Axes) -> Iterator[Diagnostic]:
     lookups = {
         line.source.name
         for line in axes.lines
-        if isinstance(line, Signal) and line.source is not None and line.source.kind == "table"
+        if isinstance(line, SignalLine) and line.source is not None and line.source.kind == "table"
     }
     for line in axes.lines:
         if isinstance(line, Learn) and line.table not in lookups:
@@ -110,7 +110,11 @@ def _sums_without_set_points(model: ControllerModel, axes: Axes) -> Iterator[Dia
     if model.every > 1:
         return
     for line in axes.lines:
-        if isinstance(line, Signal) and line.source is not None and line.source.option("cleared"):
+        if (
+            isinstance(line, SignalLine)
+            and line.source is not None
+            and line.source.option("cleared")
+        ):
             yield Diagnostic(
                 "always-cleared",
                 f"'{line.names[0]}' is cleared in every period: a set point lasts one only",

@@ -25,7 +25,7 @@ from fuzzyarm.model.controller import (
     Line,
     Partner,
     Product,
-    Signal,
+    SignalLine,
     Source,
     Time,
     Use,
@@ -258,7 +258,7 @@ class _Scope:
                 for word in node.names:
                     self._declare(word, self.axes)
                 self.later = _signals_behind(self.nodes[index + 1 :])
-            elif isinstance(node, Signal):
+            elif isinstance(node, SignalLine):
                 self._judge_signal(node, signals)
                 lines.append(node)
             elif isinstance(node, Zoom):
@@ -271,7 +271,7 @@ class _Scope:
         close()
         return axes_read
 
-    def _judge_signal(self, node: Signal, signals: dict[str, str]) -> None:
+    def _judge_signal(self, node: SignalLine, signals: dict[str, str]) -> None:
         self._judge_sum(node.products, signals)
         source = node.source
         if source is not None:
@@ -539,7 +539,7 @@ class _Scope:
 
 def _drive_for(axes: Axes) -> str:
     """Return what would drive the plant: the last signal, which may have the name of its port."""
-    signals = [line for line in axes.lines if isinstance(line, Signal)]
+    signals = [line for line in axes.lines if isinstance(line, SignalLine)]
     if not signals:
         return "voltage = u"
     last = signals[-1]
@@ -552,7 +552,7 @@ def _drive_for(axes: Axes) -> str:
 
 def _is_unread(node: StatementNode) -> bool:
     """Whether of a statement only the name could be read."""
-    if isinstance(node, Signal):
+    if isinstance(node, SignalLine):
         return node.source is None and not node.products
     if isinstance(node, GainModel):
         return not node.values
@@ -581,7 +581,7 @@ def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:
     for node in nodes:
         if isinstance(node, Axes):
             break
-        if isinstance(node, Signal):
+        if isinstance(node, SignalLine):
             for word in node.names:
                 spans.setdefault(word, span_of(word))
     return spans

@@ -64,7 +64,7 @@ from fuzzyarm.model.controller import (
     Learn,
     OptionKind,
     Partner,
-    Signal,
+    SignalLine,
     Time,
     Tune,
     Use,
@@ -109,13 +109,13 @@ class _Body(Part):
     def read(self, cursor: Cursor, values: Values) -> None:
         values["source"], values["products"] = read_body(cursor)
 
-    def show(self, node: Signal, line: Any) -> None:
+    def show(self, node: SignalLine, line: Any) -> None:
         line.add(source_text((node.source, node.products)))
 
     def sketch(self, line: Any) -> None:
         line.add("SOURCE * FACTOR, OPTION")
 
-    def mentions(self, node: Signal) -> Iterator[Occurrence]:
+    def mentions(self, node: SignalLine) -> Iterator[Occurrence]:
         return names_in_source((node.source, node.products))
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -311,7 +311,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
             SIGNAL,
             "one signal, from a source or as a sum of products",
             StatementRow(
-                Signal,
+                SignalLine,
                 Several(Name("names", "the name of a signal", declares(NameKind.SIGNAL))),
                 Forgiving(
                     Column(),

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, gradient, schedule
-from fuzzyarm.expression.kinds import SHAPES, Shape
+from fuzzyarm.expression.kinds import SHAPES, ShapeKind
 from fuzzyarm.expression.nodes import Node
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ class _Readings(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def _readings(shape: Shape) -> _Readings:
+def _readings(shape: ShapeKind) -> _Readings:
     partials = gradient(shape.expression, shape.symbols[1:])
     return _Readings(
         shape.symbols,

@@ -20,8 +20,7 @@ from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
 from fuzzyarm.loop.run import AnyController, as_controller, text_of
 from fuzzyarm.loop.simulation import simulate
-from fuzzyarm.model.controller import Drive, Learn
-from fuzzyarm.model.controller import Signal as SignalLine
+from fuzzyarm.model.controller import Drive, Learn, SignalLine
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of

@@ -37,7 +37,7 @@ __all__ = [
     "OptionKind",
     "Partner",
     "Product",
-    "Signal",
+    "SignalLine",
     "Source",
     "SourceKind",
     "Time",
@@ -204,7 +204,7 @@ class Source:
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class SignalLine:
     """``NAME = SOURCE * FACTOR …``, or a sum of products.
 
     Each signal is stored once, in the precision of the run. `names` has more than one where a
@@ -293,7 +293,7 @@ class Drive:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
-Line = Signal | Zoom | Learn | Drive
+Line = SignalLine | Zoom | Learn | Drive
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,7 +304,7 @@ class Axes:
     ----------
     names : tuple of str
         Of the axes.
-    lines : tuple of Signal, Zoom, Learn or Drive
+    lines : tuple of SignalLine, Zoom, Learn or Drive
         In the order of the text.
     """
 
@@ -316,7 +316,7 @@ class Axes:
         """Return the first drive that depends on a signal."""
         names = {name}
         for line in self.lines:
-            if isinstance(line, Signal) and names & set(line.reads()):
+            if isinstance(line, SignalLine) and names & set(line.reads()):
                 names |= set(line.names)
             elif isinstance(line, Drive) and names & set(_names_in(line.products)):
                 return line
@@ -341,9 +341,9 @@ class Axes:
         """
         gains: dict[str, Products | None] = {}
         for line in self.lines:
-            if isinstance(line, Signal) and line.source is not None and name in line.names:
+            if isinstance(line, SignalLine) and line.source is not None and name in line.names:
                 gains[name] = _times((Product(()),), line.products, constants)
-            elif isinstance(line, Signal) and gains.keys() & set(line.reads()):
+            elif isinstance(line, SignalLine) and gains.keys() & set(line.reads()):
                 # A filter, a rule base or a table in between: no constant gain.
                 through = None if line.source is not None else line.products
                 gains |= dict.fromkeys(line.names, _gain_through(through, gains, constants))

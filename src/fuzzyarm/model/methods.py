@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
-from fuzzyarm.model.controller import Axes, ControllerModel, Signal
+from fuzzyarm.model.controller import Axes, ControllerModel, SignalLine
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 
 __all__ = ["methods_of", "structures_of"]
@@ -82,7 +82,7 @@ def _tunes_itself(axes: Axes) -> bool:
     settings = [
         line
         for line in axes.lines
-        if isinstance(line, Signal) and line.source is not None and line.source.kind == "rules"
+        if isinstance(line, SignalLine) and line.source is not None and line.source.kind == "rules"
     ]
     inputs = {
         name: line.source.inputs

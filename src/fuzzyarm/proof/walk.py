@@ -27,7 +27,7 @@ from fuzzyarm.expression.nodes import Node, symbols
 from fuzzyarm.expression.operations import EVERYTHING, Interval
 from fuzzyarm.expression.sources import Setting
 from fuzzyarm.inference import infer
-from fuzzyarm.model.controller import Drive, Learn, Product, Signal, Source, Zoom
+from fuzzyarm.model.controller import Drive, Learn, Product, SignalLine, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import LIKE_EXPECT
@@ -201,7 +201,7 @@ class LineWalk:
     def run(self) -> LineWalk:
         """Go over all lines."""
         for line in self.case.lines:
-            if isinstance(line, Signal):
+            if isinstance(line, SignalLine):
                 self._signal(line)
             elif isinstance(line, Zoom):
                 self._zoom(line)
@@ -210,7 +210,7 @@ class LineWalk:
                 self.drives.setdefault(line.port, []).append((line, law))
         return self
 
-    def _signal(self, line: Signal) -> None:
+    def _signal(self, line: SignalLine) -> None:
         if line.source is None:
             laws = [self._products(line.products)]
         else:

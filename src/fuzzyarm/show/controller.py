@@ -19,7 +19,7 @@ from fuzzyarm.model.controller import (
     Learn,
     Line,
     Product,
-    Signal,
+    SignalLine,
     Source,
     Zoom,
 )
@@ -118,7 +118,7 @@ def tune_words(gain: GainModel) -> str:
 
 def line_words(line: Line, partners: Collection[str] = ()) -> str:
     """Return a line of an axis as the language writes it."""
-    if isinstance(line, Signal):
+    if isinstance(line, SignalLine):
         names = ", ".join(map(name_text, line.names))
         return f"{names} = {definition_words(line, partners)}"
     if isinstance(line, Zoom):
@@ -132,7 +132,7 @@ def line_words(line: Line, partners: Collection[str] = ()) -> str:
     return f"drive {name_text(line.port)} = {definition_words(line, partners)}"
 
 
-def definition_words(line: Signal | Drive, partners: Collection[str] = ()) -> str:
+def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -> str:
     """Return what stands behind the ``=`` of a signal or a drive."""
 
     def word(value: str | float) -> str:
@@ -251,7 +251,7 @@ def flow_rows(axes: Axes, partners: Collection[str] = ()) -> list[FlowRow]:
         passing = [bool(name) and k not in read_lanes for k, name in enumerate(lanes)]
         lanes = [name if goes else "" for name, goes in zip(lanes, going, strict=True)]
         places = []
-        for name in line.names if isinstance(line, Signal) else ():
+        for name in line.names if isinstance(line, SignalLine) else ():
             free = [k for k, name_in_lane in enumerate(lanes) if not name_in_lane]
             ended = [k for k in free if k in read_lanes]  # it goes on as what is made of it
             places.append((ended or free or [len(lanes)])[0])
@@ -311,7 +311,7 @@ def _joined(signs: Sequence[str], width: int, *, out: bool) -> str:
 
 
 def _reads(line: Line) -> Iterator[str]:
-    if isinstance(line, Signal):
+    if isinstance(line, SignalLine):
         yield from line.reads()
     elif isinstance(line, Zoom):
         yield from line.signals

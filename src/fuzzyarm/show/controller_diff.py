@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Signal
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, SignalLine
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.controller import line_words, tune_words
 from fuzzyarm.show.diagram import gain_words, time_text
@@ -189,7 +189,7 @@ def _definitions(axes: Axes | None, model: ControllerModel) -> dict[str, str]:
     definitions: dict[str, str] = {}
     for line in () if axes is None else axes.lines:
         text = line_words(line, partners)
-        if isinstance(line, Signal | Drive):
+        if isinstance(line, SignalLine | Drive):
             what, _, text = text.partition(" = ")
         else:
             what, _, text = text.partition(" by ")

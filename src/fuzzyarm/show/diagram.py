@@ -21,7 +21,7 @@ from fuzzyarm.model.controller import (
     GainModel,
     Learn,
     Product,
-    Signal,
+    SignalLine,
     Source,
     Zoom,
 )
@@ -271,7 +271,7 @@ class _DiagramPart:
         self.driving: dict[str, list[tuple[Pin, Span]]] = {}
         self.teachers: dict[str, list[Pin]] = {}
         for line in axes.lines:
-            if isinstance(line, Signal):
+            if isinstance(line, SignalLine):
                 self._signal(line)
             elif isinstance(line, Zoom):
                 self._zoom(line)
@@ -335,7 +335,7 @@ class _DiagramPart:
 
     # Lines
 
-    def _signal(self, line: Signal) -> None:
+    def _signal(self, line: SignalLine) -> None:
         if line.source is None:
             pins = [self._sum(line.products, line.span)]
         else:
@@ -347,7 +347,7 @@ class _DiagramPart:
         for name, (block, output, _) in zip(line.names, pins, strict=False):
             self.signals[name] = (block, output, name)
 
-    def _source(self, source: Source, line: Signal) -> list[Pin]:
+    def _source(self, source: Source, line: SignalLine) -> list[Pin]:
         record, kind, name = source.record, source.kind, source.name
         if record.of != "call":
             if len(record.ports) > 1:

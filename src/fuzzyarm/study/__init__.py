@@ -9,8 +9,8 @@ from fuzzyarm.study.identify import Identified, UnknownProblemError, identify
 from fuzzyarm.study.published import PublishedRow, UnknownRowError, find_rows, published_rows
 from fuzzyarm.study.reproduce import (
     Ensemble,
-    Judgement,
     Reproduced,
+    RowJudgement,
     chaotic,
     judge,
     reproduce,
@@ -29,9 +29,9 @@ __all__ = [
     "Compared",
     "Ensemble",
     "Identified",
-    "Judgement",
     "PublishedRow",
     "Reproduced",
+    "RowJudgement",
     "UnknownProblemError",
     "UnknownRowError",
     "chaotic",

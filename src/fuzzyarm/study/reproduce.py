@@ -188,7 +188,7 @@ _NOTES = {
 
 
 @dataclass(frozen=True)
-class Judgement:
+class RowJudgement:
     """Whether a row came out.
 
     Attributes
@@ -229,7 +229,7 @@ class Judgement:
         return "; ".join([text, *self.faults])
 
 
-def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -> Judgement:
+def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -> RowJudgement:
     """Compare reproduced figures with the published ones, misprints corrected.
 
     Parameters
@@ -246,7 +246,7 @@ def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -
     worst, mean = max(apart), sum(apart) / 4
     note = _NOTES.get(row.identifier, _NOTES.get(row.controller, ""))
     if ensemble is not None and row.controller in BY_EXTREMES:
-        return Judgement(ensemble.rms_inside(published), worst, mean, None, (), note)
+        return RowJudgement(ensemble.rms_inside(published), worst, mean, None, (), note)
     bound = _BOUNDS.get(row.identifier, _BOUNDS.get(row.controller, _DEFAULT))
     faults = []
     if worst > bound.rms or (bound.mean_rms is not None and mean > bound.mean_rms):
@@ -258,14 +258,14 @@ def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -
         allowed = max(FINAL_ABSOLUTE, FINAL_RELATIVE * abs(published[i]))
         if difference > allowed:
             faults.append(f"a final error is {difference:.4f}° off")
-    return Judgement(not faults, worst, mean, bound, tuple(faults), note)
+    return RowJudgement(not faults, worst, mean, bound, tuple(faults), note)
 
 
 LEVELS = (0.01, 0.02, 0.05)
 """Relative differences that a report counts rows by, whatever their bounds."""
 
 
-def count_within(judgements: Sequence[Judgement]) -> dict[float, int]:
+def count_within(judgements: Sequence[RowJudgement]) -> dict[float, int]:
     """Return for each of :data:`LEVELS` how many rows have all four RMS figures within it."""
     return {
         level: sum(judgement.worst_rms <= level for judgement in judgements) for level in LEVELS
@@ -296,7 +296,7 @@ class Reproduced:
         The eight numbers that came out, degrees.
     runs : tuple of Run
         On the first and the second trajectory.
-    judgement : Judgement
+    judgement : RowJudgement
         Against the bounds.
     ensemble : Ensemble or None
         Of the rows that are chaotic.
@@ -306,7 +306,7 @@ class Reproduced:
     variant: Variant
     figures: Eight
     runs: tuple[Run, Run]
-    judgement: Judgement
+    judgement: RowJudgement
     ensemble: Ensemble | None = None
 
 

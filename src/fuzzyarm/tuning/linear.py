@@ -30,7 +30,7 @@ from fuzzyarm.model.controller import (
     Learn,
     Line,
     Product,
-    Signal,
+    SignalLine,
     Source,
     Zoom,
 )
@@ -121,7 +121,7 @@ def straightened(
 
 
 def _is_rules(line: Line) -> bool:
-    return isinstance(line, Signal) and line.source is not None and line.source.kind == "rules"
+    return isinstance(line, SignalLine) and line.source is not None and line.source.kind == "rules"
 
 
 class _Planes:
@@ -149,7 +149,7 @@ class _Planes:
     def lines_for(self, line: Line, part: Axes) -> Iterator[Line]:
         """Yield lines for the signals of a rule base: sums, and what cuts them off."""
         self.part = part
-        assert isinstance(line, Signal)
+        assert isinstance(line, SignalLine)
         assert line.source is not None
         sheet, inputs = line.source.name, line.source.inputs
         rulebase = self.sheets[sheet][0]
@@ -167,7 +167,7 @@ class _Planes:
                 offset = self._offset(name, output, constant, moves=bool(products))
                 products.append(Product((Factor(offset),)))
             plane, cut = f"plane of {name}", self._named(f"cut of {name}")
-            yield Signal((plane,), None, tuple(products), line.span)
+            yield SignalLine((plane,), None, tuple(products), line.span)
             self.sheets[cut] = (cut_off(output),)
             factors = line.products
             movable = {variable for peaks in self._peaks(sheet) for variable in peaks.variables}
@@ -176,7 +176,7 @@ class _Planes:
                 factors = tuple(
                     factor._replace(factors=(*factor.factors, limit)) for factor in factors
                 )
-            yield Signal((name,), Source("rules", cut, (plane,)), factors, line.span)
+            yield SignalLine((name,), Source("rules", cut, (plane,)), factors, line.span)
 
     def _peaks(self, sheet: str) -> tuple[PeakTuning, ...]:
         return self.blocks[sheet].peaks if sheet in self.blocks else ()
@@ -252,7 +252,11 @@ def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
     scaled: list[str] = []
     for part in model.axes:
         for line in part.lines:
-            if isinstance(line, Signal) and len(line.names) == 1 and _only_rules_read(line, part):
+            if (
+                isinstance(line, SignalLine)
+                and len(line.names) == 1
+                and _only_rules_read(line, part)
+            ):
                 common = set.intersection(*map(_multipliers, line.products))
                 common_gains[line.names[0]] = common_gains.get(line.names[0], common) & common
                 scaled += common
@@ -263,7 +267,7 @@ def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
     }
 
 
-def _only_rules_read(signal: Signal, part: Axes) -> bool:
+def _only_rules_read(signal: SignalLine, part: Axes) -> bool:
     reading = [line for line in part.lines if signal.names[0] in _read_by(line)]
     return bool(reading) and all(map(_is_rules, reading))
 
@@ -284,7 +288,7 @@ def _read_by(line: Line) -> Iterator[str]:
         return
     for product in line.products:
         yield from (str(factor.value) for factor in product.factors)
-    if isinstance(line, Signal) and line.source is not None:
+    if isinstance(line, SignalLine) and line.source is not None:
         yield from (line.source.name, *line.source.inputs)
         yield from (str(value) for _, value in line.source.options)
 

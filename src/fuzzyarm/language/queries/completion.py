@@ -13,7 +13,7 @@ from itertools import permutations
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, Registry, Shape
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, Registry, ShapeKind
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import section_at, statements_below
 from fuzzyarm.language.phrases import SETTINGS, NameKind, Setting, parameter_names
@@ -30,8 +30,7 @@ from fuzzyarm.language.tokens import (
 )
 from fuzzyarm.language.tune import TUNE_ROW
 from fuzzyarm.model.controller import SOURCES, TIMES
-from fuzzyarm.model.rulebase import RuleBase, Variable
-from fuzzyarm.model.rulebase import Shape as Membership
+from fuzzyarm.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import nearest
@@ -107,7 +106,7 @@ def term_detail(variable: Variable, name: str) -> str:
     )
 
 
-def _numbers_of(shape: Membership) -> str:
+def _numbers_of(shape: Shape) -> str:
     if shape.kind in ("formula", "linear"):
         return shape.kind
     return " ".join([shape.kind, *(f"{x:.6g}" for x in shape.parameters)])
@@ -127,7 +126,7 @@ _SNIPPETS = {
 }
 
 
-def _shape(kind: Shape) -> Completion:
+def _shape(kind: ShapeKind) -> Completion:
     names = parameter_names(kind.name)
     numbers = " ".join(f"${{{i}:{name}}}" for i, name in enumerate(names, start=1))
     snippet = _SNIPPETS.get(kind.name) or f"{kind.name} {numbers}"
