@@ -8,7 +8,11 @@ import sys
 from pathlib import Path
 
 WITH_FORKS = "forkserver" in multiprocessing.get_all_start_methods()
-HEAVY = ["fuzzyarm.cli.designer", "fuzzyarm.designer.server", "uvicorn.server", "numpy"]
+HEAVY = [
+    "fuzzyarm.cli.designer", "fuzzyarm.designer.server", "numpy", "uvicorn.server",
+    "uvicorn.lifespan.on", "uvicorn.protocols.http.h11_impl",
+    "uvicorn.protocols.websockets.websockets_sansio_impl", "websockets.speedups",
+]  # fmt: skip
 
 
 def start(words: list[str], state: str, log: Path) -> tuple[multiprocessing.Process, str]:

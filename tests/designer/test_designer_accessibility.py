@@ -1,6 +1,7 @@
 """axe-core in every view of every kind of file: light and dark, wide and narrow.
 
-In the suite each size has one scheme and each scheme one size; with ``--thorough`` all four.
+In the suite each kind of file has one size and one scheme, and each of these is there; with
+``--thorough`` each kind has all four.
 """
 
 from pathlib import Path
@@ -61,24 +62,33 @@ def violations(page):
     ]
 
 
-@pytest.fixture(params=crossed(SIZES, ["light", "dark"]), ids="-".join)
-def opened(request, browser):
-    """Open an address in a page that axe-core has been put into."""
-    size, scheme = request.param
-    width, height = SIZES[size]
-    context = browser.new_context(
-        bypass_csp=True, color_scheme=scheme, viewport={"width": width, "height": height}
-    )
+FILES = {
+    "rules": ("axe.frb", EVERYTHING),
+    "controller": ("axe-soc.frb", SOC),
+    "table": ("axe.lut", shipped("thesis-6.1.lut").read_text()),
+}
 
-    def opened(address):
+
+@pytest.fixture
+def opened(served, browser):
+    """Open a file in a page that axe-core has been put into."""
+    contexts = []
+
+    def opened(kind, size, scheme):
+        width, height = SIZES[size]
+        context = browser.new_context(
+            bypass_csp=True, color_scheme=scheme, viewport={"width": width, "height": height}
+        )
+        contexts.append(context)
         page = context.new_page()
-        page.goto(address)
+        page.goto(put(served, *FILES[kind])[1])
         until(lambda: page.evaluate("!!window.designer?.desks?.size"), "a page")
         page.evaluate(AXE.read_text())
         return page
 
     yield opened
-    context.close()
+    for context in contexts:
+        context.close()
 
 
 def look(page, what):
@@ -96,22 +106,16 @@ def look_at_all(page):
     return found
 
 
-def test_no_serious_fault_in_any_view_of_a_rule_base(served, opened):
-    """As it opens, with everything in use, and every view."""
-    page = opened(put(served, "axe.frb", EVERYTHING)[1])
-    until(lambda: page.evaluate("!!designer.store.scene"), "a picture")
-    first = look(page, "as it opens")
-    assert page.locator(".rules .sign").count() >= 1
-    page.evaluate(BUSY)
-    assert [*first, *look(page, "everything in use"), *look_at_all(page)] == []
-
-
-@pytest.mark.parametrize("kind", ["controller", "table"])
-def test_no_serious_fault_in_any_view_of_other_files(served, opened, kind):
-    name, text = {
-        "controller": ("axe-soc.frb", SOC),
-        "table": ("axe.lut", shipped("thesis-6.1.lut").read_text()),
-    }[kind]
-    page = opened(put(served, name, text)[1])
-    until(lambda: page.evaluate("designer.text.settled()"), "open")
-    assert look_at_all(page) == []
+@pytest.mark.parametrize(("kind", "size", "scheme"), crossed(FILES, SIZES, ["light", "dark"]))
+def test_no_serious_fault_in_any_view(opened, kind, size, scheme):
+    """Of a rule base as it opens, with everything in use, and every view; of others every view."""
+    page, found = opened(kind, size, scheme), []
+    if kind == "rules":
+        until(lambda: page.evaluate("!!designer.store.scene"), "a picture")
+        found += look(page, "as it opens")
+        assert page.locator(".rules .sign").count() >= 1
+        page.evaluate(BUSY)
+        found += look(page, "everything in use")
+    else:
+        until(lambda: page.evaluate("designer.text.settled()"), "open")
+    assert [*found, *look_at_all(page)] == []

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import doctest
+import gc
 import io
 import json
 import os
@@ -20,6 +21,7 @@ import traceback
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from pkgutil import walk_packages
 from typing import Any
 
 
@@ -67,16 +69,29 @@ def run_session(text: str, names: dict[str, Any]) -> tuple[int, str, str]:
 
 HEAVY = ("numba", "scipy.optimize", "matplotlib.figure", "rich.console", "fuzzyarm.cli.main")
 
+NOT_LOADED = ("fuzzyarm.__main__", "fuzzyarm.playground.arrays", "fuzzyarm.sklearn")
+"""The command, what stands in for NumPy in a browser, and what an extra is needed for."""
+
 
 def main() -> None:
     """Run each page that the standard input names."""
     if hasattr(os, "fork"):
-        for name in HEAVY:
+        for name in (*HEAVY, *modules_of_fuzzyarm()):
             import_module(name)
+        gc.collect()
+        gc.freeze()  # what all pages share is not written to by a search for cycles
     for line in sys.stdin:
         steps, folder, target = json.loads(line)
         sys.stdout.write(f"{run_apart(steps, folder, target)}\n")
         sys.stdout.flush()
+
+
+def modules_of_fuzzyarm() -> list[str]:
+    """Return the names of all modules that a page may load."""
+    import fuzzyarm
+
+    found = (each.name for each in walk_packages(fuzzyarm.__path__, "fuzzyarm."))
+    return [name for name in found if not name.startswith(NOT_LOADED)]
 
 
 def run_apart(steps: list[list[str]], folder: str, target: str) -> int:
