@@ -117,6 +117,7 @@ def _frozen(cls: Any, written: Sequence[str], *, slots: bool) -> Any:
         if slots
         else _with_defaults(cls, declared_fields, added)
     )
+    # With slots this is a new class, so the methods learn only now whose they are.
     for value in added.values():
         if isinstance(value, _Unwritten):
             value.cls = whole
@@ -205,6 +206,7 @@ class _Unwritten:
 
     def __get__(self, record: object, owner: type) -> Any:
         written = _WRITERS[self.name](self.cls)
+        # The method takes the place of this descriptor: the next call finds it directly.
         setattr(self.cls, self.name, written)
         return getattr(owner if record is None else record, self.name)
 
@@ -213,6 +215,8 @@ def _method(
     cls: Any, name: str, arguments: Sequence[str], lines: Sequence[str], **names: Any
 ) -> Any:
     """Return a method of some lines, which know the names."""
+    # Source text, as in the standard library: signature, errors and speed are those of a method
+    # written by hand.
     text = f"def {name}({', '.join(arguments)}):\n  " + "\n  ".join(lines)
     exec(text, names)
     method = names[name]

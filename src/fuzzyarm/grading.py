@@ -152,6 +152,7 @@ def read_assignment(folder: str | os.PathLike[str]) -> Assignment:
     assignment = Assignment(path, lines, tuple(files))
     model = path / "model.frb"
     if model.is_file():
+        # Mistakes of the assignment show before anybody is graded by it.
         _demand_passing(model, assignment)
     return assignment
 
@@ -220,6 +221,7 @@ def _graded(path: Path, lines: Sequence[HiddenLine]) -> Grade:
         results = tuple(_result(text, rulebase, line) for line in lines)
     except (OSError, FuzzyarmError) as error:
         return Grade(name, (), 0, _one_sentence(error))
+    # A submission must not end the run of the whole class.
     except (RecursionError, MemoryError, ArithmeticError, ValueError) as error:
         return Grade(name, (), 0, f"{type(error).__name__} while it was graded")
     passed = [r.verdict == "passed" for r in results]
@@ -229,6 +231,7 @@ def _graded(path: Path, lines: Sequence[HiddenLine]) -> Grade:
 
 def _read(path: Path) -> tuple[str, RuleBase]:
     """Return a submission: a text, a regular file of moderate size, a rule base."""
+    # A link could lead to the hidden lines, or to the work of another student.
     if path.is_symlink() or not path.is_file():
         raise GradingError("not a file of its own: a link, a folder or a device")
     if path.suffix.lower() != ".frb":
@@ -254,6 +257,7 @@ def _result(text: str, rulebase: RuleBase, line: HiddenLine) -> Result:
         return Result("failed", next(d.message for d in parsed.diagnostics if d.is_error))
     if line.text.startswith("prove"):
         return _proved(rulebase, line.text.removeprefix("prove").strip())
+    # A submission may have expect lines of its own, which do not count: the last one is ours.
     narrowed = replace(parsed.rulebase, expectations=parsed.rulebase.expectations[-1:])
     failures = check_expectations(narrowed)
     return Result("failed", failures[0].message) if failures else Result("passed")

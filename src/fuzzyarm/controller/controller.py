@@ -169,6 +169,7 @@ class CompiledController(Controller):
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
         now = Moment(reference, state, pose_of(state.position), clock)
+        # Called outside a run, which would have prepared it.
         if self._lists is None:
             self.prepare(RunArithmetic())
         assert self._lists is not None
@@ -212,6 +213,7 @@ class Sum(Controller):
         A bare name goes to every addend that has it, ``addend:name`` to one.
         """
         for name in values:
+            # A name that no addend has would be dropped silently below.
             owner, _, bare = name.rpartition(":")
             if not any(
                 bare in addend.gains and owner in {"", addend.name} for addend in self.addends
@@ -238,6 +240,8 @@ class Sum(Controller):
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Add the torques up."""
+        # From 0.0 on and in the order of the names, as the compiled loop adds: the bits are the
+        # same, and a lone torque of -0.0 becomes 0.0.
         first = second = 0.0
         for addend in self.addends:
             torque = addend.torque(reference, state, clock)

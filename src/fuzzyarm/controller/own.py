@@ -130,6 +130,7 @@ def load_own(place: str) -> Controller:
     """Load ``FILE.py`` or ``FILE.py:CLASS``; the file is executed."""
     path, _, class_name = place.partition(":")
     module = executed(path, _fault(path))
+    # Only classes that the file defines: it may import others, Controller itself among them.
     classes = {
         key: value
         for key, value in vars(module).items()
@@ -156,6 +157,7 @@ class GuardedController(Controller):
     """A user's controller whose exceptions become one clear sentence."""
 
     def __init__(self, inner: Controller, path: str) -> None:
+        # Copied, since the base class has defaults of its own for them.
         self.inner = inner
         self.path = path
         self.name, self.period, self.every = inner.name, inner.period, inner.every

@@ -150,6 +150,8 @@ def used_files(
     sheets.update(instead or {})
     faults: list[Diagnostic] = []
     for use in model.uses:
+        # A table that begins at zero has no file: it takes its grid from the performance table,
+        # which may stand in a later line. So `with_files` makes it.
         if use.name in sheets or use.files == (ZERO,):
             continue
         try:
@@ -481,6 +483,7 @@ class ControllerRun:
                 hint = near_hint(name, self.program.gains)[0]
                 raise PortError(f"{model.name} has no gain '{name}'", port=name, hint=hint)
         binding = {"stored": stored_single if single else stored_double}
+        # "if": the kernel takes an array of whole numbers, the code, and one of floats, the cells.
         self._step: Callable[..., None] = routine(step, "if", binding, compiled=compiled)
         code = np.array(self.program.code, np.int64)
         self._code = code if compiled else view(code)

@@ -39,6 +39,7 @@ def c_header(routines: Sequence[Routine], prefix: str, file: str) -> tuple[str, 
     """Return a header on its own, with ``static inline`` functions, and its prototypes."""
     writer = CWriter(prefix, "static inline ")
     prototypes, code = _definitions(writer, routines)
+    # Without -x gcc would precompile a header rather than compile it as a program.
     test = f"-x c {file} -o self_test"
     head = _head(writer, routines, prototypes, f'#include "{file}"', test)
     inside = [*_includes(routines), code, *_self_test(writer, routines, prototypes)]
@@ -186,6 +187,8 @@ def routine_headers(routine: Routine) -> list[str]:
 
 def _definitions(writer: CWriter, routines: Sequence[Routine]) -> tuple[list[Prototype], str]:
     """Return prototypes, and the constants, helpers and functions as text."""
+    # Public functions first: of two equal names the later one gets a number, which must be that of
+    # a helper.
     prototypes = [_prototype(writer, routine) for routine in routines]
     functions = []
     for routine, prototype in zip(routines, prototypes, strict=True):
@@ -236,9 +239,11 @@ def _test_lines(
             ]
         lines += [*body, "    };"]
         whole = _whole(routine)
+        # An int of an AVR has 16 bits, in which the difference of two int16_t may overflow.
         wide, cast = ("long", "(long)") if whole else (C_TYPES[routine.kind], "")
         arguments = ", ".join(f"{array}[k][{i}]" for i in range(len(columns) - 1))
         tolerance = "0" if whole else _literal(routine, vectors.tolerance)
+        # The condition is negated so that a difference that is NaN fails, too.
         calls += [
             f"    for (k = 0u; k < {count}u; k++) {{",
             f"        const {wide} difference = {cast}{prototype.name}({arguments})",

@@ -16,6 +16,9 @@ from fuzzyarm.export.steps import StepVariable
 OK, ERROR = 0, 3
 """Of the status that every function returns."""
 
+# Words in capitals are filled in by `fmi_source`. The token is the GUID of FMI 2 and the
+# instantiation token of FMI 3: a host that passes another one has read the description of another
+# build, and gets no instance.
 _COMMON = """#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,6 +111,8 @@ static void *copied(const void *from)
 }
 """
 
+# A saved state is a copy of the bytes of an instance, which is sound because `unit` holds no
+# pointers. A state that a host passes to Get…State was returned before, so it is freed first.
 _FMI2 = """
 EXPORT const char *fmi2GetTypesPlatform(void)
 {
@@ -402,6 +407,7 @@ EXPORT int fmi3GetNumberOfVariableDependencies(void *instance, unsigned vr, size
 }
 """
 
+# Parameters that many stubs share. A stub reads none of its arguments but the count `n`.
 _MANY = "const unsigned vr[], size_t n"
 _SEED = "const unsigned unknown[], size_t n, const unsigned known[], size_t m, const double seed[]"
 
@@ -524,6 +530,7 @@ def fmi_source(
         "PORTS": "".join(f"    {prefix}_{types[sort]} {sort};\n" for sort in sorts),
         "TOKEN": token,
         "CASES": cases,
+        # The time, the independent variable, has the reference behind all the others.
         "TIME": f"{len(places)}u",
         "SETTABLE": f"{settable}u",
         "PERIOD": repr(float(period)),

@@ -208,6 +208,7 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
         unit = units[trial.block]
         inputs = unit.ports("VAR_INPUT")[: len(trial.inputs[0])]
         drives = unit.ports("VAR_OUTPUT")[: len(trial.expected[0])]
+        # One flat array: row k has the inputs of call k, then the outputs expected of it.
         block, points = f"tested_{number}", f"points_{number}"
         width = len(inputs) + len(drives)
         rows = [
@@ -230,6 +231,7 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
         for i, name in enumerate(drives):
             place = f"{points}[k * {width} + {len(inputs) + i}]"
             condition = f"{block}.{name} <> {place}"
+            # Fixed-point blocks have to agree exactly.
             if not np.issubdtype(trial.kind, np.integer):
                 tolerance = st_number(trial.tolerance, trial.kind)
                 condition = f"ABS({block}.{name} - {place}) > {tolerance}"

@@ -71,6 +71,7 @@ ASPECTS = {
 }
 """What there is to take; a defuzzifier takes of one of them."""
 
+# The names of its arguments are all that a definition says about what it takes.
 _ASPECT_OF = {figure: name for name, aspect in ASPECTS.items() for figure in aspect.figures}
 
 
@@ -143,6 +144,7 @@ class DefuzzifierKind(Kind):
         """Whether its value is known to lie between the least and the greatest of positions."""
         if not self.rises or self.of == "sum" or self.inverts:
             return False
+        # Constant slopes of at least 0, value 0 at 0, slopes that add up to 1: a weighted mean.
         nothing = evaluate(self.expression, dict.fromkeys(self.symbols, 0.0))
         return nothing == 0.0 and sum(slope.value for slope in self._slopes) == 1.0  # type: ignore[attr-defined]
 
@@ -164,6 +166,7 @@ class Defuzzifiers(Registry[DefuzzifierKind]):
     """All defuzzifiers by their words; what is not among them is an error by name."""
 
     def __getitem__(self, name: str) -> DefuzzifierKind:
+        # The test by `in` loads the kinds of other packages, so it comes last.
         kind = self._kinds.get(name)
         if kind is None and name not in self:
             raise KindError(f"no defuzzifier is called '{name}'", name)

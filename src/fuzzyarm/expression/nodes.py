@@ -32,6 +32,8 @@ __all__ = [
     "trace",
 ]
 
+# Every living node by its content: an equal expression is found here rather than made again. The
+# references are weak, so expressions of rule bases that are gone go as well.
 _nodes: WeakValueDictionary[tuple[object, ...], Node] = WeakValueDictionary()
 
 
@@ -166,6 +168,7 @@ Number: TypeAlias = Node | float
 def constant(value: float) -> Constant:
     """Return the node of a number; 0.0 and -0.0 are two."""
     value = float(value)
+    # The bits are the key: 0.0 == -0.0, and NaN does not equal itself.
     key = ("constant", struct.pack("d", value))
     node = _nodes.get(key)
     if node is None:
@@ -301,6 +304,7 @@ def trace(function: Callable[..., Number], names: Iterable[str]) -> Node:
         If the function asks an expression for its value, as ``if`` and :mod:`math` do.
     """
     result = function(*(symbol(name) for name in names))
+    # A bool is an int in Python, but a definition that returns one has compared plain numbers.
     if isinstance(result, bool) or not isinstance(result, Node | int | float):
         raise TypeError(f"a definition returns an expression, not {type(result).__name__}")
     if isinstance(result, int | float) and math.isnan(result):

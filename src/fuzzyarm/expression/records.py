@@ -440,6 +440,8 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         spellings: dict[str, tuple[str, str]] = {}
         for kind in self._kinds.values():
             for spelling in chain.from_iterable(text.split(",") for text in kind.names.values()):
+                # As in "dsigmf slope1 inflection1 …": the word, then the parameters in the order of
+                # the other program, if that differs.
                 word, *order = spelling.casefold().split()
                 if word not in self.words and not word[0].isdigit():
                     spellings.setdefault(
@@ -455,6 +457,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not _WORD.fullmatch(kind.name):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
             raise KindError(message, kind.name)
+        # A kind of the user may replace an earlier one: what was compiled from that is dropped.
         self._kinds[kind.name] = kind
         _forget()
         self.words |= dict.fromkeys((kind.name, *getattr(kind, "aliases", ())), kind.name)
@@ -493,6 +496,7 @@ def _load_entry_points() -> None:
     """
     if _loaded:
         return
+    # Noted before the import: a module that looks a kind up while it loads comes back here.
     _loaded.append(ENTRY_POINT)
     from importlib.metadata import entry_points
 
@@ -627,6 +631,7 @@ def _norm(name: str, function: Definition, facts: dict[str, Any]) -> Norm:
     if kind.own:
         _check_expression(kind)
         _check_degrees(kind)
+        # Only what T- and S-norms have in common: it is not tested whether a norm is associative.
         for end in (0.0, 1.0):
             if kind.scalar(end, end) != end:
                 message = f"'{name}' of {end:g} and {end:g} is not {end:g}"
@@ -649,6 +654,7 @@ def _check_expression(kind: Kind) -> None:
 
 def _check_degrees(kind: Kind) -> None:
     grid = [i / 8 for i in range(9)]
+    # A grid proves nothing; it catches definitions that are clearly not of degrees.
     for arguments in product(grid, repeat=len(kind.arguments)):
         degree = kind.scalar(*arguments)
         if not 0.0 <= degree <= 1.0 and not getattr(kind, "aggregates", False):

@@ -249,10 +249,14 @@ class SourceKind(Kind):
         for word, kind in self.options.items():
             name, value = word.replace("-", "_"), options.get(word)
             if kind.takes == "range":
+                # Without limits the update still has its arguments: they are infinite.
                 ends = value if isinstance(value, tuple) else EVERYTHING
                 numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
             elif kind.takes == "windup":
+                # An update is an expression of numbers: hold is -1, which no time can be; 0 is
+                # none.
                 numbers[name] = -1.0 if value == "hold" else _number(value)
+            # The name of a gain, whose value the program puts in.
             elif isinstance(value, str):
                 numbers[name] = value
             else:
