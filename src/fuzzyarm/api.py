@@ -367,6 +367,7 @@ def _controller(model: ControllerModel, source: str, name: str) -> ControllerTex
 def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> RuleBase:
     """Return the rule base in a file of another program; `stacklevel` is that of a warning."""
     if suffix not in READABLE:
+        # A word without a suffix is rather a misspelt path than a file of an unknown kind.
         if not suffix and not os.path.exists(path):
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
         raise UnknownKindError(os.fspath(path))

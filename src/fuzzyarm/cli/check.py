@@ -150,6 +150,7 @@ def _annotation(finding: Diagnostic) -> str:
 
 def _escaped(text: str, more: str = "") -> str:
     """Return text as GitHub wants it: what ends a command or a property as its code."""
+    # % first: the codes of the others begin with it.
     for character in "%\r\n" + more:
         text = text.replace(character, f"%{ord(character):02X}")
     return text

@@ -62,6 +62,7 @@ def _show(arguments: argparse.Namespace) -> int:
     models = [_load(path, sheet=arguments.at is not None) for path in arguments.files]
     if arguments.json:
         data = [_model_data(model) for model in models]
+        # One file is an object, several are an array.
         print_json(data[0] if len(data) == 1 else data, 2, ascii_only=False)
         return 0
     from fuzzyarm.show.drawing import make_console

@@ -196,6 +196,7 @@ def _of_file(path: str, keywords: dict[str, Any]) -> tuple[Proof, ...]:
                 hint="a ProveRequest has it for all of a file",
             )  # fmt: skip
     budget = words.pop("budget", math.inf)
+    # A request is JSON, which has no infinity.
     limit = None if math.isinf(budget) else budget
     return _all_of(ProveRequest(files=(path,), budget=limit, **words), keywords.get("tell"))
 
@@ -213,6 +214,8 @@ def _of_controller(
     name = "" if loop_plant is None else plant if isinstance(plant, str) else loop_plant.name
     if isinstance(statement, LoopClaim):
         claim = statement
+    # With a plant the statement can only be a claim. Without one a misspelt claim is still read as
+    # one, so that the message is about its words.
     elif isinstance(statement, str) and (name or _may_be_a_claim(statement)):
         claim = read_claim(statement, str(name), f"prove('{statement}')")
     else:

@@ -95,6 +95,7 @@ class Certificate:
                 "box": {name: str(half) for name, half in self.evidence.box.items()},
             },
             "states": list(self.states),
+            # Rationals as text: exact, whatever reads the file.
             "p": [[str(x) for x in row] for row in self.p],
             "multipliers": [str(x) for x in self.multipliers],
             "rate": str(self.rate),
@@ -122,6 +123,7 @@ def loop_data(
             "between": [_text(claim.low), _text(claim.high)],
             "when": claim.when,
             "from": _text(claim.begin),
+            # JSON has no infinity.
             "to": None if claim.end == float("inf") else _text(claim.end),
         },
         "sensors": {

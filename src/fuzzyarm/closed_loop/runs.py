@@ -54,6 +54,8 @@ def refuting_run(
         if run is None:
             return None
         against = _breach(problem, claim, run, rest)
+        # A breach counts only if it survives a finer integration: it might be one of the
+        # integrator.
         finer = against and run_of(problem, start, values, claim, steps=4)
         if finer and _breach(problem, claim, finer, rest):
             free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
@@ -75,6 +77,7 @@ def _starts(
     corners = list(product(*(dict.fromkeys(span) for span in spans.values())))
     values = {name: span.low for name, span in problem.parameters.items()}
     other = {name: span.high for name, span in problem.parameters.items()}
+    # All corners of up to five uncertain states.
     for corner in corners[:32]:
         start = dict(zip(spans, corner, strict=True))
         yield start, values

@@ -107,6 +107,7 @@ class TubeCertificate:
         port = claimed_port(problem, self.claim)
         try:
             return tube_refutation(TubeLoop(problem), self.claim, port, self.boxes)
+        # A file may hold anything: numbers that do not fit the loop prove nothing.
         except (LoopProofError, KeyError, ValueError, IndexError) as error:
             return str(error)
 

@@ -186,6 +186,7 @@ def making_on_page(session: Session, options: FormValues) -> Making:
     try:
         return making_of(request)
     except RequestError as error:
+        # The dialog shows it beside the field at fault.
         raise FieldError(error.message, field=error.field, hint=error.hint) from error
 
 
@@ -243,6 +244,7 @@ def _module(model: RuleBase, source: str) -> str:
 
     try:
         return rule_base_module(model, source)
+    # A module for a page has the kernel alone, no other engine.
     except NotCoveredError as error:
         raise ExportRefusedError(str(error)) from None
 

@@ -61,6 +61,7 @@ def table_page(session: Session, page: Sequence[int]) -> dict[str, Any] | None:
     numbers += [0] * (len(shape[:-2]) - len(numbers))
     start = 0
     for k, size in zip(numbers, shape[:-2], strict=True):
+        # Row-major: all inputs but the last two choose the page.
         start = start * size + k
     rows, columns = (shape[-2] if len(shape) > 1 else 1), shape[-1]
     shown = [_thinned(rows), _thinned(columns)]
@@ -216,6 +217,7 @@ def error_map(
         mesh[y] = ys[:, None]
     points = [mesh[name] for name in names]
     truth = evaluate(rulebase, table.output, names, points)
+    # An output that does not depend on y gives one row for all.
     difference = np.broadcast_to(table.lookup(*points, mode=mode) - truth, truth.shape)
     return {
         "x": x,

@@ -326,6 +326,7 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
         raise KindError(
             f"'{name}' is taken of a port, and does not say which values it reads", name
         )
+    # An update may use what the loop supplies, its options and its states.
     names = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
     if unknown := [symbol for symbol in kind.symbols if symbol not in names]:
         raise KindError(f"nothing gives the update of '{name}' its argument '{unknown[0]}'", name)

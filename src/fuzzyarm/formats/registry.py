@@ -269,6 +269,7 @@ def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
         if diagnostic.is_error:
             findings.error(diagnostic.name, diagnostic.message)
     if parsed.rulebase is not None and not same_model(parsed.rulebase, rulebase):
+        # Is a threshold, which the language does not have, the only difference?
         blocks = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
         if same_model(parsed.rulebase, replace(rulebase, blocks=blocks)):
             note_threshold(rulebase, findings, "the language", 0.0)

@@ -121,6 +121,7 @@ class _Parser:
             message = f"parentheses may nest at most {MAX_NESTING} deep"
             at = self.words[min(self.at, len(self.words) - 1)]
             raise FaultError(message, at, "too-deep")
+        # To some programs `and` and `or` bind alike, from left to right.
         if self.dialect.equal_precedence:
             return self._chain(("and", "or"), lambda: self._factor(depth))
         both = ("and", ",") if self.dialect.commas else ("and",)

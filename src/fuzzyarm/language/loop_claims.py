@@ -150,6 +150,7 @@ class _Claim(Part):
     def read(self, cursor: Cursor, values: Values) -> None:
         if not values["stable"]:
             cursor.expect(":", "before what is claimed")
+        # A claim of stability needs no output.
         elif not cursor.accept(":"):
             return
         values["output"] = _read_stretch(cursor, "an output of the plant", "ports")

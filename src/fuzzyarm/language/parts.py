@@ -480,6 +480,7 @@ class Several(Part):
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""
         for item in getattr(node, self.part.field):
+            # A part asks a node for its field, so each item takes the place of the field.
             yield from self.part.mentions(_Holder(node, self.part.field, item))
 
     def fields(self) -> Iterator[tuple[str, Any]]:

@@ -143,9 +143,11 @@ class Training:
     @classmethod
     def of(cls, request: LearnRequest) -> Training:
         """Read what is asked for."""
+        # The two shipped ones differ in how the table begins.
         name = request.controller or ("soc-table" if request.begin == ("table",) else "soc-zero")
         entry = CATALOGUE.get(name)
         path = entry.file() if isinstance(entry, TextEntry) else name
+        # Frozen, a table is corrected at the rate 0: everything else runs as in a training.
         change = teaching(0.0 if request.freeze else request.rate, request.delay)
         controller = text_controller(path, Choice(sources=_sources(request)), change=change)
         request, plant = with_plant(request, [controller])

@@ -257,6 +257,7 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
         bias=_mean(judged) if numbers else math.nan,
         worst=float(np.abs(judged).max()) if numbers else math.nan,
         worst_sample=int(np.flatnonzero(fired)[np.abs(judged).argmax()]) + 1 if numbers else 0,
+        # The coefficient of determination, R².
         explained=1.0 - error**2 / variance if variance > 0.0 else math.nan,
         slope=slope,
         intercept=intercept,
@@ -275,6 +276,7 @@ def _errors(samples: Samples, predicted: Array) -> Array:
     if not samples.classes:
         return samples.values - predicted[:, 0]
     with np.errstate(invalid="ignore"):
+        # An output of which no rule fires cannot be the answer.
         answers = np.where(np.isnan(predicted), -np.inf, predicted).argmax(axis=1)
     wrong: NDArray[np.bool_] = np.not_equal(answers, samples.values)
     return wrong.astype(float)
@@ -311,6 +313,7 @@ def _line(predicted: Array, observed: Array) -> tuple[float, float]:
 
 
 def _bins(predicted: Array, observed: Array) -> Iterator[Bin]:
+    # Equal counts rather than equal widths: predictions crowd, and an empty bin says nothing.
     order = np.argsort(predicted, kind="stable")
     for rows in np.array_split(order, min(BINS, len(order))):
         yield Bin(len(rows), float(predicted[rows].mean()), float(observed[rows].mean()))
@@ -337,6 +340,7 @@ def _parts(variable: Input, values: Array) -> tuple[list[str], NDArray[np.intp]]
     if len(variable.terms) > 1:
         memberships = np.stack([degrees(term.shape, at) for term in variable.terms])
         return [term.name for term in variable.terms], memberships.argmax(axis=0)
+    # A single term does not divide its input, so the range of the samples is cut in three.
     low, high = max(variable.low, at.min()), min(variable.high, at.max())
     edges = np.array([low + (high - low) / 3.0, low + (high - low) * 2.0 / 3.0])
     return ["low third", "middle third", "high third"], np.searchsorted(edges, at)
@@ -346,6 +350,7 @@ def _uses(rulebase: RuleBase, strengths: Array, errors: Array) -> Iterator[RuleU
     strongest = strengths.max(axis=0)
     judged = ~np.isnan(errors)
     for number, (rule, fires) in enumerate(zip(rulebase.rules, strengths, strict=True), 1):
+        # The error of a rule: over all samples, weighted by how far it fires.
         weight = fires[judged].sum()
         error = math.nan
         if weight > 0.0 and fires.max() >= FIRES:

@@ -167,6 +167,7 @@ def _under_hedges(fuzzy_set: Any, terms: list[_NamedSet], domain: Any) -> _Named
 
 def _powers(before: list[float], after: list[float]) -> list[tuple[Hedge, ...]]:
     """Return the power that leads from one degree to the other, told from the middle ones."""
+    # Near 0 and 1 a power changes little: its exponent would be lost in rounding.
     pairs = [(a, b) for a, b in zip(before, after, strict=True) if 0.1 < a < 0.9 and 0.0 < b < 1.0]
     if not pairs:
         return []
@@ -196,6 +197,7 @@ def _degree_of(fuzzy_set: Any) -> Callable[[float], float]:
 def _output(label: str, target: Any, sets: Iterable[_NamedSet]) -> Output:
     low, high = float(target._low), float(target._high)
     step = (high - low) / len(target.range)
+    # `center_of_gravity` is a position in the range of the domain, counted from 0, not a value.
     values = {name: low + step * float(fuzzy_set.center_of_gravity) for name, _, fuzzy_set in sets}
     return Output(
         label,

@@ -152,6 +152,7 @@ def _linear_at_points(
 ) -> list[float] | None:
     """Return factors and constant of a function that is their sum at points, else None."""
     try:
+        # 0 and the unit vectors determine a linear function; all other points test that it is one.
         constant = float(function(*[0.0] * count))
         units = ([float(i == k) for i in range(count)] for k in range(count))
         factors = [float(function(*unit)) - constant for unit in units]

@@ -191,6 +191,7 @@ def experiment_on(
     request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> tuple[Motion, Options]:
     """Return the set points and the options of a run; what the plant does not know is refused."""
+    # Called for its errors: options that the plant does not have.
     follows(request, plant)
     plant, options = with_drives(request, plant)
     return set_points(request, controller, plant), options
@@ -290,7 +291,9 @@ def simulate_many(
     executor = keywords.get("executor")
     workers = read_fields(SweepRequest, keywords, ("workers",))["workers"]
     watch = keywords.get("watch")
+    # A row for each run: when it diverged, or NaN, then the metrics of each output.
     rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
+    # Closed whatever `watch` raises, so that no worker goes on.
     with closing(stream(bench, changes, count, executor=executor, workers=workers)) as parts:
         for first, part in parts:
             rows[first : first + len(part)] = part
@@ -307,6 +310,7 @@ def experiment_of(
     payload, segments = keywords.get("payload", False), keywords.get("segments")
     shared = dict(keywords.get("shared") or {})
     if payload or segments is not None:
+        # Loaded segments imply a load: the whole one, unless it is given.
         shared.setdefault("payload", float(payload or 1.0))
     way, reference = _followed(law, plant, keywords)
     return Experiment(

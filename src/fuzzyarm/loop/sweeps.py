@@ -193,6 +193,7 @@ def answered(
         with closing(runs) as parts:
             for first, part in parts:
                 rows[first : first + len(part)] = part
+                # Once a write has failed the file would have a gap.
                 if file is not None and not faults:
                     faults += _appended(file, first, part)
                 count = first + len(part)
@@ -200,6 +201,7 @@ def answered(
     except KeyboardInterrupt:
         interrupted = True
     except (FuzzyarmError, MemoryError) as error:
+        # Nothing was computed, so there is nothing to save.
         if not count:
             raise
         faults.append(sentence_of(error))

@@ -94,6 +94,7 @@ def conditions(request: ExperimentRequest) -> str:
     words = []
     for field in fields_of(type(request)):
         value = getattr(request, field.name)
+        # Without noise no seed matters; with it even the default one does.
         is_said = value != field.default or (field.name == "seed" and request.noise)
         if field.spec.group != AROUND or not is_said:
             continue
@@ -208,4 +209,5 @@ def _resolution(text: str, name: str, plant: Plant) -> float:
     if port is None or not math.isfinite(port.high - port.low):
         hint = f"write the step, as in {name}=0.001"
         raise WordError(f"--quantise: the sensor of '{name}' has no range for {text}; {hint}")
+    # A converter of n bits divides its range into 2ⁿ steps.
     return float(port.high - port.low) / 2.0 ** int(match[1])

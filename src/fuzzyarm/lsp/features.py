@@ -117,6 +117,7 @@ def _formatting(
     formatted = session.kind.formatted(session.reading)
     if formatted is None or formatted == session.text:
         return None if formatted is None else []
+    # Behind the last line, which the protocol takes for the end of the text.
     end = types.Position(len(session.lines) + 1, 0)
     return [types.TextEdit(types.Range(types.Position(0, 0), end), formatted)]
 

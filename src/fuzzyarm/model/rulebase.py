@@ -89,7 +89,9 @@ triangle takes 3 numbers (left, peak, right), found 2
 
     def __post_init__(self) -> None:
         if type(self.parameters) is not tuple:
+            # The record is frozen, and a list has no hash.
             object.__setattr__(self, "parameters", _numbers(self.parameters))
+        # A tuple stays as it is: the numbers of a file know their position.
         elif not all(isinstance(number, Real) for number in self.parameters):
             raise _not_numbers(self.parameters)
         fault = _shape_fault(self.kind, self.parameters)
@@ -243,6 +245,7 @@ class Variable(Plotted):
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        # Written so that NaN fails as well.
         if not self.low < self.high:
             message = f"the range of '{self.name}' must go from a lower to a higher number"
             argument = f"{type(self).__name__}(low, high)"
@@ -688,6 +691,7 @@ def propositions(expression: Expression) -> Iterator[Is]:
     elif isinstance(expression, Hedged):
         yield from propositions(expression.operand)
     else:
+        # The reader limits how deep parentheses nest, so this may recurse.
         for operand in expression.operands:
             yield from propositions(operand)
 
@@ -699,6 +703,7 @@ def last_conclusions(rulebase: RuleBase) -> dict[str, int]:
     language, a circle to inference, and to other programs they take its last value.
     """
     return {
+        # Later entries replace earlier ones, so the last block wins.
         consequent.variable: index
         for index, block in enumerate(rulebase.blocks)
         for rule in block.rules

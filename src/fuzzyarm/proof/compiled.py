@@ -204,6 +204,7 @@ def source_of(
         if how.direct or not infers(model, how):
             raise
         hint = error.hint if "--table" in error.hint else f"{error.hint}, or {TABLE_HINT}"
+        # The rules cannot be written, but a table of them can.
         raise error.in_file("", hint) from error
     return export_files(routines, path, how.name, xml=how.xml), reports
 
@@ -223,6 +224,7 @@ def routines_for(
         sources = model
     else:
         names = (how.output,) if how.output else tuple(output.name for output in model.outputs)
+        # Without any output `compiled` says what is missing.
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         sources = [report.table for report in reports]
     # A C compiler has a double; Python has one kind of float.

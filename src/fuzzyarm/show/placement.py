@@ -123,6 +123,7 @@ class _Placing:
         self.pitch = 3.0 * pen.line
         for block, lines in zip(diagram.blocks, self.lines, strict=True):
             least_height = len(lines) * pen.line + 2.0 * pen.pad + 0.8 * pen.line
+            # All rows have one height: what the block with the most text for its rows needs.
             self.pitch = max(self.pitch, least_height / block.height)
         self.names = _names_of_nets(diagram)
         self.left: list[float] = []
@@ -256,6 +257,7 @@ def _drawn_once(
         dots += (
             point
             for point in corners
+            # A dot where wires leave in three directions or four; a corner has two.
             if len({way for piece in pieces for way in _ways(point, piece)}) > 2
         )
     return strokes, dots

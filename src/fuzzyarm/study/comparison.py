@@ -122,6 +122,7 @@ class Compared:
 
 def geometric_mean(values: Sequence[float]) -> float:
     """Return the geometric mean of numbers that are not negative."""
+    # A 0 among the numbers gives log 0 = -inf and a mean of 0, as it should.
     with np.errstate(divide="ignore"):
         return float(np.exp(np.mean(np.log(values))))
 

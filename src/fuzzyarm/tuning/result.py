@@ -231,6 +231,7 @@ def front_of(result: Found) -> list[tuple[float, float]]:
         and math.isfinite(trial.score.chatter)
     )
     front: list[tuple[float, float]] = []
+    # By rising error: a pair is on the front if its chatter is below that of all before.
     for error, chatter in pairs:
         if not front or chatter < front[-1][1]:
             front.append((error, chatter))
@@ -471,6 +472,7 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
     if isinstance(tuned.subject, ControllerText):
         own_files = {} if over else _files_elsewhere(tuned.subject, origin, out)
         text = with_files(text, {**own_files, **names})
+    # The file that names the others comes last: before, it still names the old ones.
     write_atomically(out, text)
     return [out, *paths]
 

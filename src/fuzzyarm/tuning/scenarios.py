@@ -156,6 +156,7 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
     varied = drawn(stage.vary, count, seed + 1_000_003 * stream)
     scenarios = []
     for at in range(count):
+        # A generator for each scenario: the first ones do not depend on how many there are.
         generator = np.random.default_rng([seed, stream, at])
         changes = {name: float(values[at]) for name, values in varied.items()}
         # Each run has a seed of its own for its noise; those of the streams never meet.

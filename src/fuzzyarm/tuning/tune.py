@@ -403,6 +403,7 @@ def _in_loop(
     if plan.unseen:
         unseen = unseen_scenarios(stage, plan.unseen, controller)
         judged["unseen"] = replace(problem, scenarios=unseen)
+        # A stage with noise of its own has been judged with noise already.
         if not stage.has_noise:
             noisy = stage.noisy()
             judged["noisy"] = replace(problem, scenarios=unseen, options=noisy.options)
@@ -411,6 +412,7 @@ def _in_loop(
         try:
             other, moving = opponent(text, stage.plant, tuning)
         except TuneError as error:
+            # Tuning is worthwhile without an opponent; the report says why there is none.
             alone = error.message
         else:
             sets = {"train": problem, **judged}
@@ -451,6 +453,7 @@ def _on_samples(
     data = _fitting(data, rulebase)
     if test is None:
         order = np.random.default_rng(seed).permutation(len(data))
+        # Sorted, so that the samples keep the order of the file.
         data, test = (
             data.part(np.sort(order[len(data) // KEPT_BACK :])),
             data.part(np.sort(order[: len(data) // KEPT_BACK])),
@@ -545,8 +548,10 @@ def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) 
         faults=(result.fault,) if result.fault else (),
     )
     tuning = _written(tuning, originals)
+    # Handed over before the judgement, which may take long, fail or be interrupted.
     means.take(tuning)
     after = with_judgement(job, plan, means, tuning, (design.as_it_is(), candidate))
+    # The judgement adds to the comments in the files, so the texts are written again.
     return _written(after, originals)
 
 

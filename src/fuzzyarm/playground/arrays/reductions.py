@@ -37,6 +37,7 @@ from fuzzyarm.playground.arrays.shapes import expand_dims, moveaxis
 def _pairwise(row: list[Any], keep: Callable[[Any], Any]) -> Any:
     """Return a sum in the order of NumPy: eight sums side by side, halves above 128 numbers."""
     count = len(row)
+    # NumPy sums pairwise (`pairwise_sum` in loops_utils.h): the bits depend on this order.
     if count < 8:
         return _added(row, -0.0, keep) + 0.0 if row else 0.0
     if count <= 128:
@@ -147,6 +148,7 @@ def all(values: Any, axis: Any = None, **named: Any) -> Any:
 
 def _first(row: list[Any], best: Callable[[list[Any]], Any]) -> int:
     for k, value in enumerate(row):
+        # NumPy returns the place of the first NaN.
         if value != value:
             return k
     return row.index(best(row))

@@ -132,6 +132,7 @@ def _stage(training: LearningHistory) -> tuple[Figure, Callable[[int], None]]:
         training.like.high,
     )
     limits = {"cmap": colour_map(scale), "vmin": scale.low, "vmax": scale.high}
+    # Visits span powers of ten, and a cell that was never visited has none.
     counts = {"cmap": "viridis", "vmin": 0.0, "vmax": np.log10(1.0 + most)}
     cells = []
     for row, name in enumerate(training.axes):
