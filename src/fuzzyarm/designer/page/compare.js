@@ -1,35 +1,16 @@
 // Two files compared: their surfaces over the same inputs, their difference, and what it means.
 
-import {
-  choice,
-  clean,
-  el,
-  eachFrame,
-  keepFocus,
-  pairsOf,
-  pane,
-  placeWords,
-  setTools,
-  shortNumber,
-  space,
-} from "./draw.js";
+import { choice, clean, eachFrame, el, pairsOf, placeWords, shortNumber, space } from "./draw.js";
 import { drawPanel } from "./panel.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
 /** The pane; the file that is open comes first. */
-class ComparePane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+class ComparePane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-
-    const { section, bar, body } = pane("compare", S.compare);
-    this.section = section;
-    this.bar = bar;
+    super(store, hand, "compare", S.compare);
+    const { body } = this;
     this.canvases = [0, 1].map(() => el("canvas", { role: "img" }));
     this.state = el("p", { class: "note", role: "status", textContent: S.chooseOther });
     this.changes = el("div", { class: "differing" });
@@ -41,7 +22,7 @@ class ComparePane {
     this.names = [];
 
     this.redraw = eachFrame(this.draw);
-    for (const name of ["view", "files"]) this.store.on(name, this.look);
+    this.on(["view", "files"], this.look);
     this.store.on("text", () => {
       if (this.found) this.section.classList.add("stale");
     });
@@ -78,9 +59,7 @@ class ComparePane {
       ["both", S.sideBySide],
       ["difference", S.onlyDifference],
     ];
-    const refocus = keepFocus(this.bar);
-    setTools(
-      this.bar,
+    this.setTools(
       choice(S.with, [["", "…"], ...pairsOf(others)], this.wanted.other, set("other")),
       space(),
       ...(outputs.length > 1 ? [choice(S.shown, pairsOf(outputs), output, set("output"))] : []),
@@ -90,7 +69,6 @@ class ComparePane {
       choice(S.view, views, this.wanted.view, set("view")),
       el("button", { textContent: S.compareAgain, onclick: this.run }),
     );
-    refocus();
   };
 
   run = () => {

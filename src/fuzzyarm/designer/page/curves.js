@@ -1,7 +1,8 @@
 // The curves of a run over time: what is followed with its reference, errors, and the drives of each unit.
 
-import { el, pane, shortNumber, colourOf, hue, eachFrame } from "./draw.js";
+import { colourOf, eachFrame, el, hue, shortNumber } from "./draw.js";
 import { valueRange } from "./geometry/chart.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { uPlot } from "./vendor/uplot.js";
 
@@ -11,13 +12,10 @@ const VALUES = 56; // left of each plot, px
 const FONT = "11px system-ui, sans-serif";
 
 /** A plot for each unit, one above the other, with one time. */
-export class CurvePane {
-  /**
-   * @param {Page.Store} store
-   */
+export class CurvePane extends Pane {
   constructor(store) {
-    const { section, body } = pane("run-curves", S.runCurves);
-    this.section = section;
+    super(store, null, "run-curves", S.runCurves);
+    const { body } = this;
     this.host = el("div", { class: "plots", role: "group", "aria-label": S.runCurvesLabel });
     body.append(this.host);
     this.panels = [];

@@ -1,7 +1,8 @@
 // A controller as a block diagram, and the rule bases and tables that it looks up.
 
-import { clean, eachFrame, el, pane, space, svg } from "./draw.js";
+import { clean, eachFrame, el, space, svg } from "./draw.js";
 import { drawPanel } from "./panel.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 
 const ROOM = 14; // around the picture
@@ -116,16 +117,10 @@ function sheetButton({ file, shipped }, hand, names) {
 }
 
 /** The pane: it is shown where the text is a controller. */
-export class DiagramPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+export class DiagramPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-    const { section, bar, body } = pane("diagram", S.diagram);
-    this.section = section;
+    super(store, hand, "diagram", S.diagram);
+    const { bar, body } = this;
     this.said = el("span", { class: "small" });
     this.picture = el("div", { class: "canvas" });
     this.list = el("div", { class: "sheets", role: "group", "aria-label": S.lookedUp });
@@ -138,7 +133,7 @@ export class DiagramPane {
     this.redraw = eachFrame(() => this.cards.forEach(({ draw }) => draw()));
     store.on("diagram", this.build);
     store.on("scene", this.build);
-    for (const name of ["view", "shown", "unsaved", "files"]) store.on(name, this.look);
+    this.on(["view", "shown", "unsaved", "files"], this.look);
     store.on("theme", this.redraw);
     new ResizeObserver(this.redraw).observe(this.list);
   }

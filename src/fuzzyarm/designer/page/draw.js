@@ -71,11 +71,6 @@ export const placeWords = (at, digits = 5) =>
     .map(([name, x]) => `${name} = ${shortNumber(x, digits)}`)
     .join(", ");
 
-/** Put other tools into the bar of a pane, behind its title. */
-export function setTools(bar, ...tools) {
-  bar.replaceChildren(bar.firstChild, ...tools);
-}
-
 /** What keeps the tools behind it at the end of a bar. */
 export const space = () => el("span", { class: "space" });
 

@@ -1,8 +1,9 @@
 // Exports of the text as it is now: a dialog for each kind, with what the command has as options.
 
-import { clean, el, pairsOf, pane } from "./draw.js";
+import { clean, el, pairsOf } from "./draw.js";
 import { showDialog } from "./dialogs.js";
 import { Form } from "./form.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
@@ -16,16 +17,10 @@ const GROUPS = [
 ];
 
 /** The pane of the exports of the file that is open. */
-export class ExportPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+export class ExportPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-    const { section, body } = pane("exports", S.exports);
-    this.section = section;
+    super(store, hand, "exports", S.exports);
+    const { body } = this;
     this.groups = el("div", { class: "groups" });
     body.append(el("p", { class: "note", textContent: S.exportsNote }), this.groups);
     store.on("view", this.build);

@@ -1,24 +1,18 @@
 // Files: what stands in the folder, new files, other names, and what is dropped on the page.
 
-import { clean, el, keepFocus, pairsOf, pane, space, tableOf } from "./draw.js";
+import { clean, el, keepFocus, pairsOf, space, tableOf } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
 import { ExportPane } from "./exports.js";
 import { invitation, offers } from "./starts.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { isTable } from "./table.js";
 
 /** The pane of the folder; `hand` asks the server, and turns to another file. */
-class FolderPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+class FolderPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-
-    const { section, bar, body } = pane("folder", S.files);
-    this.section = section;
+    super(store, hand, "folder", S.files);
+    const { bar, body } = this;
     this.said = el("p", { class: "note", role: "status" });
     this.chosen = el("input", {
       type: "file",

@@ -1,19 +1,16 @@
 // The plant of a run: its drawing, and the hand that pushes it.
 
 import { stage as canvasStage } from "./charts.js";
-import { colourOf, el, pane, space } from "./draw.js";
+import { colourOf, el, space } from "./draw.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 
 /** The plant as it moves; a hand pulls at it, by mouse or arrow keys. */
-export class PicturePane {
-  /**
-   * @param {Page.Store} store
-   */
+export class PicturePane extends Pane {
   constructor(store, push) {
+    super(store, null, "run-picture", S.runPicture);
     this.push = push;
-
-    const { section, bar, body } = pane("run-picture", S.runPicture);
-    this.section = section;
+    const { bar, body } = this;
     const { canvas, redraw } = canvasStage(store, body, this.draw);
     this.canvas = canvas;
     this.redraw = redraw;

@@ -1,9 +1,10 @@
 // Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list; findings
 // of the check where they are.
 
-import { eachFrame, el, heat, keepFocus, pane, select, shortNumber, space, tableOf } from "./draw.js";
+import { eachFrame, el, heat, keepFocus, select, shortNumber, space, tableOf } from "./draw.js";
 import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
 import { methodLines } from "./methods.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { rangeOf } from "./geometry/shapes.js";
 
@@ -14,22 +15,14 @@ const MOST_SENTENCES = 400;
  * The pane; a page without a server has no `setCell` that writes a term into a cell, no `goTo` a position of the text, and no
  * `change` and `attempt` that write sentences.
  */
-export class RulesPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+export class RulesPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-
+    super(store, hand, "rules", S.rules);
     this.setCell = this.hand.setCell;
     this.goTo = this.hand.goTo;
     this.change = this.hand.change;
     this.attempt = this.hand.attempt;
-    const { section, bar, body } = pane("rules", S.rules);
-    this.section = section;
-    this.body = body;
+    const { bar } = this;
     this.methods = methodLines(this.change);
     this.grid = el("button", {
       textContent: S.gridDots,

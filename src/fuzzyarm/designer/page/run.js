@@ -7,6 +7,7 @@ import { quoted } from "./fields.js";
 import { Form } from "./form.js";
 import { PicturePane } from "./plant.js";
 import { splitter } from "./split.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 import { showGrounds } from "./work.js";
@@ -222,20 +223,10 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [RunView] }
 
 // --- What is to be run, and the buttons ---
 
-class RunForm {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+class RunForm extends Pane {
   constructor(store, hand, changed) {
-    this.store = store;
-    this.hand = hand;
+    super(store, hand, "run-form", S.run);
     this.changed = changed;
-
-    const { section, bar, body } = pane("run-form", S.run);
-    this.section = section;
-    this.bar = bar;
-    this.body = body;
     this.plants = [];
     this.direct = ""; // the controller that asks the text, where it is a rule base
     this.likely = ""; // the plant on which the command runs it by itself

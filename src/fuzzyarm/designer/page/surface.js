@@ -4,10 +4,11 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { choice, clean, colourOf, context, eachFrame, el, pane, SHADES, shortNumber, space } from "./draw.js";
+import { choice, clean, colourOf, context, eachFrame, el, SHADES, shortNumber, space } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
 import { farToNear, fillTriangle, limitsOf, linePanel, planePanel, projectionOf } from "./geometry/surface.js";
 import { drawPanel } from "./panel.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { rangeOf } from "./geometry/shapes.js";
 
@@ -17,17 +18,10 @@ const FILLS = Uint32Array.from(packed(1));
 const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
 const MESH = 6;
 
-export class SurfacePane {
-  /**
-   * @param {Page.Store} store
-   */
-  constructor(store, { start }) {
-    this.store = store;
-    this.start = start;
-
-    const { section, bar, body } = pane("surface", S.surface);
-    this.section = section;
-    this.bar = bar;
+export class SurfacePane extends Pane {
+  constructor(store, hand) {
+    super(store, hand, "surface", S.surface);
+    const { body } = this;
     this.canvas = el("canvas", { tabIndex: 0, role: "img" });
     const main = el("div", { class: "main" }, this.canvas);
     this.line = el("canvas", { tabIndex: 0, role: "img" });
@@ -90,7 +84,7 @@ export class SurfacePane {
     this.redraw = eachFrame(this.draw);
     this.store.on("scene", this.build);
     this.store.on("axes", this.build);
-    for (const name of ["reshaped", "point", "theme", "told"]) this.store.on(name, this.redraw);
+    this.on(["reshaped", "point", "theme", "told"], this.redraw);
     const watch = new ResizeObserver(() => {
       this.size = { width: main.clientWidth, height: main.clientHeight };
       this.redraw();
@@ -116,50 +110,50 @@ export class SurfacePane {
   isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
 
   build = () => {
-    const focused = [...this.bar.querySelectorAll("select")].indexOf(document.activeElement);
-    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
-    this.bar.append(space());
     const { inputs, outputs, missing } = this.store.scene;
     if (missing.length) {
+      this.setTools(space());
       this.below.hidden = true;
       this.others.replaceChildren();
       this.redraw();
       return;
     }
-    const names = inputs.map((each, i) => [String(i), each.name]);
+    const { x, y, output } = this.store.axes;
+    const named = (variables) => variables.map((each, i) => [String(i), each.name]);
+    const tools = [];
     if (inputs.length > 2) {
-      this.bar.append(
-        choice(S.horizontal, names, String(this.store.axes.x), (i) => this.pick({ x: Number(i) })),
-        choice(S.vertical, names, String(this.store.axes.y), (i) => this.pick({ y: Number(i) })),
+      tools.push(
+        choice(S.horizontal, named(inputs), String(x), (i) => this.pick({ x: Number(i) })),
+        choice(S.vertical, named(inputs), String(y), (i) => this.pick({ y: Number(i) })),
       );
     }
-    if (outputs.length > 1) {
-      const shown = outputs.map((each, i) => [String(i), each.name]);
-      this.bar.append(choice(S.shown, shown, String(this.store.axes.output), (i) => this.pick({ output: Number(i) })));
-    }
-    if (inputs.length > 1) {
-      const views = [
-        ["solid", S.solid],
-        ["contour", S.contour],
-      ];
-      const cuts = [
-        ["", S.none],
-        ["x", inputs[this.store.axes.x].name],
-        ["y", inputs[this.store.axes.y].name],
-      ];
-      this.bar.append(
-        choice(S.view, views, this.flat ? "contour" : "solid", (view) => {
-          this.flat = view === "contour";
-          this.redraw();
-        }),
-        choice(S.cut, cuts, this.cut, (axis) => {
-          this.cut = axis;
-          this.prepare();
-        }),
-      );
-    } else this.cut = "";
-    this.bar.querySelectorAll("select")[focused]?.focus();
+    if (outputs.length > 1)
+      tools.push(choice(S.shown, named(outputs), String(output), (i) => this.pick({ output: Number(i) })));
+    if (inputs.length > 1) tools.push(...this.views(inputs[x], inputs[y]));
+    else this.cut = "";
+    this.setTools(space(), ...tools);
     this.prepare();
+  };
+
+  views = (x, y) => {
+    const views = [
+      ["solid", S.solid],
+      ["contour", S.contour],
+    ];
+    const cuts = [
+      ["", S.none],
+      ["x", x.name],
+      ["y", y.name],
+    ];
+    const turn = (view) => {
+      this.flat = view === "contour";
+      this.redraw();
+    };
+    const cut = (axis) => {
+      this.cut = axis;
+      this.prepare();
+    };
+    return [choice(S.view, views, this.flat ? "contour" : "solid", turn), choice(S.cut, cuts, this.cut, cut)];
   };
 
   /** Set up the line below for the cut, and the sliders beside for the inputs that are no axes. */
@@ -228,7 +222,7 @@ export class SurfacePane {
     const source = found?.isFar ? S.byServer : found && this.store.coarse ? S.coarse : "";
     this.canvas.setAttribute("aria-label", `${label} ${source}`.trim());
     if (!found) {
-      this.nothing(this.store.refused || (this.start ? S.asking(scene.reason) : S.notHere(scene.reason)));
+      this.nothing(this.store.refused || (this.hand.start ? S.asking(scene.reason) : S.notHere(scene.reason)));
       return;
     }
     const [low, high] = limitsOf(found.z, output);

@@ -1,22 +1,9 @@
 // Tables: the cells of one as a grid, and how far a table is from direct inference.
 
-import {
-  choice,
-  clean,
-  el,
-  eachFrame,
-  heat,
-  keepFocus,
-  pairsOf,
-  pane,
-  placeWords,
-  setTools,
-  shortNumber,
-  space,
-  tableOf,
-} from "./draw.js";
+import { choice, clean, eachFrame, el, heat, pairsOf, placeWords, shortNumber, space, tableOf } from "./draw.js";
 import { cellsPanel, gridOf } from "./geometry/panel.js";
 import { drawPanel, levelAt, markAt } from "./panel.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
@@ -24,19 +11,9 @@ import { Task } from "./task.js";
 export const isTable = (name) => /\.lut$/i.test(name);
 
 /** The cells of a table, page by page; a cell leads to its number in the text. */
-class CellsPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+class CellsPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-
-    const { section, bar, body } = pane("cells", S.cells);
-    this.section = section;
-    this.bar = bar;
-    this.body = body;
+    super(store, hand, "cells", S.cells);
     this.page = [];
     this.asked = 0;
     this.section.hidden = true;
@@ -65,9 +42,7 @@ class CellsPane {
         this.look();
       });
     });
-    const refocus = keepFocus(this.bar);
-    setTools(this.bar, space(), ...pages);
-    refocus();
+    this.setTools(space(), ...pages);
     this.body.replaceChildren(this.words(table), this.grid(table));
   };
 
@@ -151,18 +126,10 @@ class CellsPane {
 }
 
 /** How far a table is from the rules: a map, the worst point, and what is proved of each cell. */
-class ErrorPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+class ErrorPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-
-    const { section, bar, body } = pane("accuracy", S.tableError);
-    this.section = section;
-    this.bar = bar;
+    super(store, hand, "accuracy", S.tableError);
+    const { body } = this;
     this.canvas = el("canvas", { role: "img", "aria-label": S.tableError });
     this.state = el("p", { class: "note", role: "status" });
     this.worst = el("p", { class: "worst" });
@@ -190,7 +157,7 @@ class ErrorPane {
       this.go.textContent = S.measureAgain;
       this.section.classList.add("stale");
     });
-    for (const name of ["theme", "scene"]) this.store.on(name, this.redraw);
+    this.on(["theme", "scene"], this.redraw);
     new ResizeObserver(this.redraw).observe(body);
   }
 
@@ -245,9 +212,7 @@ class ErrorPane {
       this.shown = value;
       this.redraw();
     };
-    const refocus = keepFocus(this.bar);
-    setTools(this.bar, space(), ...tools, choice(S.view, views, this.shown, show), this.go);
-    refocus();
+    this.setTools(space(), ...tools, choice(S.view, views, this.shown, show), this.go);
   };
 
   run = () => {

@@ -1,7 +1,8 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
-import { eachFrame, el, hue, pairsOf, pane, select, shortNumber, space, svg } from "./draw.js";
+import { eachFrame, el, hue, pairsOf, select, shortNumber, space, svg } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
 import { rangeOf, cornersOf, sendable, sidesOf, shapeKey, WIDTHS, moved, mirrorOf, TURNED } from "./geometry/shapes.js";
@@ -22,25 +23,15 @@ export const plotHeight = (room, count) =>
  * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable. Where the text can be edited,
  * `change` removes terms, and `rename` and `attempt` make the edits of dialogs.
  */
-export class TermsPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
+export class TermsPane extends Pane {
   constructor(store, hand) {
-    this.store = store;
-    this.hand = hand;
-
+    super(store, hand, "terms", S.terms);
     this.edit = this.hand.edit;
     this.numbers = this.hand.numbers;
     this.change = this.hand.change;
-    const { section, bar, body: all } = pane("terms", S.terms);
-    this.section = section;
-    this.bar = bar;
-    this.all = all;
-    this.body = el("div", { class: "plots" });
+    this.list = el("div", { class: "plots" });
     this.details = el("div", { class: "details", hidden: true });
-    this.all.append(this.body, this.details);
+    this.body.append(this.list, this.details);
     if (this.hand.attempt) this.bar.append(this.adding(S.addInput, "input"), this.adding(S.addOutput, "output"));
     const toDiagram = el("button", {
       textContent: S.diagram,
@@ -77,12 +68,12 @@ export class TermsPane {
       this.redraw();
     });
     const watch = new ResizeObserver(() => {
-      this.wide = this.body.clientWidth;
-      this.tall = plotHeight(this.all.clientHeight, this.plots.size);
+      this.wide = this.list.clientWidth;
+      this.tall = plotHeight(this.body.clientHeight, this.plots.size);
       this.redraw();
     });
+    watch.observe(this.list);
     watch.observe(this.body);
-    watch.observe(this.all);
   }
 
   option = (text, title, checked) => {
@@ -125,10 +116,10 @@ export class TermsPane {
   build = () => {
     const names = this.each().map((variable) => variable.name);
     // A plot that a hand is on stays where it is.
-    if (this.body.firstChild && JSON.stringify(names) === JSON.stringify([...this.plots.keys()])) {
+    if (this.list.firstChild && JSON.stringify(names) === JSON.stringify([...this.plots.keys()])) {
       if (this.store.busy) this.grip(this.each().find((variable) => variable.name === this.moving));
     } else {
-      this.body.replaceChildren(...(names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]));
+      this.list.replaceChildren(...(names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]));
       this.plots.clear();
       this.heads.clear();
       for (const variable of this.each()) {
@@ -136,10 +127,10 @@ export class TermsPane {
         const head = variableHead(this.hand, this.peakOfNew);
         this.plots.set(variable.name, plot);
         this.heads.set(variable.name, head);
-        this.body.append(head.element, plot);
+        this.list.append(head.element, plot);
       }
     }
-    this.tall = plotHeight(this.all.clientHeight, names.length);
+    this.tall = plotHeight(this.body.clientHeight, names.length);
     this.each().forEach((variable, v) => this.heads.get(variable.name).show(variable, this.roleOf(v)));
     this.describe();
     this.draw();
@@ -173,7 +164,7 @@ export class TermsPane {
       if (!only || variable.name === only) this.drawOne(variable, v);
     });
     if (focused) {
-      const same = [...this.body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
+      const same = [...this.list.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
       same?.focus({ preventScroll: true });
     }
     this.fill();

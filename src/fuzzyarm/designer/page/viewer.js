@@ -1,7 +1,8 @@
 // Inference: sliders for the inputs, the rules with their sets filled to where the point lies, what
 // they conclude, the aggregate, the value and why. Of interval type 2 both readings, and both ends.
 
-import { choice, clean, eachFrame, el, pane, shortNumber, space, svg } from "./draw.js";
+import { choice, clean, eachFrame, el, shortNumber, space, svg } from "./draw.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { rangeOf, sidesOf } from "./geometry/shapes.js";
 
@@ -10,17 +11,10 @@ const ROW = 27; // pixels of a rule
 const SPARE = 2; // rules drawn beyond what is seen
 
 /** The pane; with `start` the server computes what the page does not. */
-export class ViewerPane {
-  /**
-   * @param {Page.Store} store
-   * @param {Pick<Page.Hand, "start">} hand
-   */
-  constructor(store, { start }) {
-    this.store = store;
-    this.start = start;
-
-    const { section, bar, body } = pane("inference", S.inference);
-    this.section = section;
+export class ViewerPane extends Pane {
+  constructor(store, hand) {
+    super(store, hand, "inference", S.inference);
+    const { bar, body } = this;
     this.sliders = el("div", { class: "sliders" });
     this.why = el("div", { "aria-live": "polite" });
     this.head = el("div", { class: "fired head" });
@@ -48,7 +42,7 @@ export class ViewerPane {
 
     const redraw = eachFrame(this.draw);
     this.store.on("scene", this.build);
-    for (const name of ["reshaped", "point", "told"]) this.store.on(name, redraw);
+    this.on(["reshaped", "point", "told"], redraw);
     this.rows.addEventListener("scroll", redraw);
     new ResizeObserver(redraw).observe(this.rows);
   }
@@ -130,7 +124,7 @@ export class ViewerPane {
     for (const part of [this.head, this.rows, this.foot]) part.hidden = !found;
     if (!isKnown) {
       const { refused, scene } = this.store;
-      const words = refused || (this.start ? S.asking : S.notHere)(scene.reason);
+      const words = refused || (this.hand.start ? S.asking : S.notHere)(scene.reason);
       this.why.replaceChildren(el("p", { class: "note", textContent: words }));
       return;
     }

@@ -3,9 +3,10 @@
 
 import { stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
-import { clean, el, pairsOf, pane, space } from "./draw.js";
+import { clean, el, pairsOf, space } from "./draw.js";
 import { Form } from "./form.js";
 import { drawPanel } from "./panel.js";
+import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
@@ -18,15 +19,9 @@ import { Task } from "./task.js";
  *   the work is ended by a word, and its best kept.
  */
 
-export class Work {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   * @param {Kind} kind
-   */
+export class Work extends Pane {
   constructor(store, hand, kind) {
-    this.store = store;
-    this.hand = hand;
+    super(store, hand, kind.name, kind.title);
     this.kind = kind;
     this.task = new Task(hand, kind.name);
     this.asking = new Task(hand, kind.facts);
@@ -36,7 +31,7 @@ export class Work {
     this.facts = null; // what may be asked for
     this.form = new Form();
     this.known = ""; // which form is shown
-    const { section, body } = pane(kind.name, kind.title);
+    const { section, body } = this;
     section.classList.add("asked");
     /** @type {Node} */
     this.section = section;
