@@ -93,6 +93,15 @@ export function choice(label, options, chosen, onchange) {
   return el("label", { class: "small" }, label, list);
 }
 
+/** A slider along a range; `act` hears of its value while it moves. */
+export function slider([low, high], act, properties = {}) {
+  const looks = { type: "range", min: low, max: high, step: (high - low) / SLIDER_STEPS, ...properties };
+  const range = el("input", { ...looks, oninput: () => act(Number(range.value)) });
+  return range;
+}
+
+const SLIDER_STEPS = 400;
+
 /** A control with its label above it. */
 export const field = (label, input) => el("label", { class: "field" }, el("span", { textContent: label }), input);
 
@@ -156,15 +165,21 @@ export const SHADES = Array.from({ length: 256 }, (_, i) => {
   return STOPS[low].map((c, k) => Math.round(c + (at - low) * (STOPS[low + 1][k] - c)));
 });
 
-/** The colours of rules: blue below the middle of the range, red above it; and that of the text. */
-export function heat(share) {
+/** The colours of rules: blue below the middle of the range, red above it. */
+export function heatOf(share) {
   const t = Math.max(-1, Math.min(1, 2 * share - 1));
-  const [r, g, b] = t < 0 ? [33, 102, 172] : [178, 24, 43];
   const strength = 0.85 * Math.abs(t);
-  const mixed = [r, g, b].map((c) => Math.round(247 + strength * (c - 247)));
-  // White on what reflects less than this has more contrast than black.
-  return [`rgb(${mixed.join(" ")})`, luminance(mixed) < 0.18 ? "#ffffff" : "#000000"];
+  return (t < 0 ? [33, 102, 172] : [178, 24, 43]).map((c) => Math.round(247 + strength * (c - 247)));
 }
+
+/** The same as a style sheet has it, and the colour of a text on it. */
+export function heat(share) {
+  const colour = heatOf(share);
+  return [`rgb(${colour.join(" ")})`, inkOn(colour)];
+}
+
+/** Black or white, whichever has more contrast. */
+export const inkOn = (colour) => (luminance(colour) < 0.18 ? "#ffffff" : "#000000");
 
 /** How much light a colour reflects, 0 to 1, as accessibility rules weigh it. */
 function luminance(colour) {

@@ -1,7 +1,7 @@
 // Panels of pictures, drawn on a canvas: the page's renderer beside those for print and for the terminal. What there is
 // to be seen, and between which ends, is said by Python (fuzzyarm.picture); here are pixels and colours.
 
-import { clean, colourOf, context, heat, hue, SHADES, shortNumber } from "./draw.js";
+import { clean, colourOf, context, heatOf, hue, inkOn, SHADES, shortNumber } from "./draw.js";
 import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
 import { crossings, spotsOf } from "./geometry/surface.js";
 
@@ -14,8 +14,7 @@ const POINT = 1.3; // pixels of a point of print
 const BAR = 9; // pixels across
 const LEVELS = 9; // that are drawn of a surface
 
-const numbersOf = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
-const HEATS = Array.from({ length: 256 }, (_, i) => numbersOf(heat(i / 255)[0]));
+const HEATS = Array.from({ length: 256 }, (_, i) => heatOf(i / 255));
 
 /** A place that is marked, as a part of a panel. */
 export const markAt = ([x, y]) => ({ is: "dots", x: [x], y: [y], sign: "+", size: 6, tone: "mark" });
@@ -251,27 +250,37 @@ function levels({ g, inside, toX, toY }, { x, y, values, value }) {
   }
 }
 
-/** What the colours stand for, beside the plot. */
-function bar({ g, inside, width }, part) {
-  const [left, top, tall] = [inside.right + 10, inside.top, inside.bottom - inside.top];
-  const { value } = part;
+/**
+ * A scale of colours, the greatest value on top, with numbers beside it.
+ *
+ * @param {CanvasRenderingContext2D} g
+ * @param {number[]} box left, top, width and height
+ * @param {{ low: number, high: number }} axis
+ * @param {{ isSigned?: boolean, right?: boolean, apart?: number, digits?: number }} looks
+ *   whether numbers stand on the right, how far apart, in how many digits
+ */
+export function paintScale(g, [left, top, wide, tall], axis, { isSigned, right, apart = 40, digits }) {
   for (let row = 0; row < tall; row++) {
-    const [r, g_, b] = (part.signed ? HEATS : SHADES)[Math.round(255 * (1 - row / tall))];
-    g.fillStyle = `rgb(${r} ${g_} ${b})`;
-    g.fillRect(left, top + row, BAR, 1.5);
+    g.fillStyle = `rgb(${(isSigned ? HEATS : SHADES)[Math.round(255 * (1 - row / tall))].join(" ")})`;
+    g.fillRect(left, top + row, wide, 1.5);
   }
-  const toY = scaleOf(value, inside.bottom, inside.top);
+  const toY = scaleOf(axis, top + tall, top);
   g.fillStyle = colourOf("--soft");
-  g.font = "11px system-ui, sans-serif";
-  g.textAlign = "left";
-  for (const tick of ticksOf(value, Math.max(2, tall / 40))) {
-    g.fillText(shortNumber(tick, 3), left + BAR + 4, toY(tick) + 4);
-  }
+  g.font = LABELS;
+  g.textAlign = right ? "left" : "right";
+  for (const tick of ticksOf(axis, Math.max(2, tall / apart)))
+    g.fillText(shortNumber(tick, digits), right ? left + wide + 4 : left - 4, toY(tick) + 4);
+}
+
+/** What the colours stand for, beside the plot. */
+function bar({ g, inside, width }, { value, signed }) {
+  const { right, top, bottom } = inside;
+  paintScale(g, [right + 10, top, BAR, bottom - top], value, { isSigned: signed, right: true, digits: 3 });
   g.save();
-  g.translate(width - 5, (inside.top + inside.bottom) / 2);
+  g.translate(width - 5, (top + bottom) / 2);
   g.rotate(-Math.PI / 2);
   g.textAlign = "center";
-  g.fillText(clean(value.words), 0, 0, tall);
+  g.fillText(clean(value.words), 0, 0, bottom - top);
   g.restore();
 }
 
@@ -325,10 +334,6 @@ const wordsOf = (value, { whole }) =>
   whole
     ? [String(value), `${shortNumber(value / 1000, 2)}k`]
     : [shortNumber(value, 2), shortNumber(value, 1), value.toFixed(1)];
-
-/** Black or white, whichever has more contrast. */
-const inkOn = ([r, g, b]) =>
-  0.2126 * r ** 2.2 + 0.7152 * g ** 2.2 + 0.0722 * b ** 2.2 < 0.18 * 255 ** 2.2 ? "#fff" : "#000";
 
 /**
  * Where the labels stand: in rows between title and plot.

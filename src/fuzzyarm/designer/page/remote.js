@@ -1,6 +1,7 @@
 // What the page does not compute by itself, or not as finely: asked of the server, beside the rest.
 
 import { ACROSS } from "./store.js";
+import { evenly } from "./geometry/chart.js";
 import { rangeOf } from "./geometry/shapes.js";
 
 const WAIT = 60; // ms after the last change
@@ -44,9 +45,7 @@ export function askServer(store, start) {
         store.emit("told");
       }
       if (news.z && !isKnown) {
-        const [xs, ys] = ends.map(([low, high]) =>
-          Float64Array.from({ length: across }, (_, k) => low + ((high - low) * k) / (across - 1)),
-        );
+        const [xs, ys] = ends.map((each) => evenly(each, across));
         const z = Float64Array.from(news.z, (value) => value ?? NaN);
         store.far = { key: surface, xs, ys, z, rows: axes.x === axes.y ? 1 : across, isFar: true };
         store.emit("told");

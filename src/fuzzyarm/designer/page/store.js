@@ -1,12 +1,10 @@
 // What all panes share: the rule base as it is drawn, the point, and the terms that a hand holds.
 
 import { Engine } from "./engine.js";
+import { evenly } from "./geometry/chart.js";
 import { cornersOf, sidesOf, shapeKey, piecesOf, rangeOf } from "./geometry/shapes.js";
 
 export const ACROSS = 61;
-
-const evenly = ([low, high], points) =>
-  Float64Array.from({ length: points }, (_, k) => low + ((high - low) * k) / (points - 1));
 
 export class Store {
   constructor() {

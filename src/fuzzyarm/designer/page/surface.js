@@ -4,13 +4,13 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { choice, clean, colourOf, context, eachFrame, el, SHADES, shortNumber, space } from "./draw.js";
+import { choice, clean, colourOf, context, eachFrame, el, SHADES, shortNumber, slider, space } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
 import { farToNear, fillTriangle, limitsOf, linePanel, planePanel, projectionOf } from "./geometry/surface.js";
-import { drawPanel } from "./panel.js";
+import { drawPanel, paintScale } from "./panel.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
-import { rangeOf } from "./geometry/shapes.js";
+import { rangeOf, shareAlong } from "./geometry/shapes.js";
 
 const packed = (share) =>
   SHADES.map(([r, g, b]) => ((255 << 24) | ((b * share) << 16) | ((g * share) << 8) | (r * share)) >>> 0);
@@ -25,11 +25,7 @@ export class SurfacePane extends Pane {
     this.canvas = el("canvas", { tabIndex: 0, role: "img" });
     const main = el("div", { class: "main" }, this.canvas);
     this.line = el("canvas", { tabIndex: 0, role: "img" });
-    this.cutSlider = el("input", {
-      type: "range",
-      step: "any",
-      oninput: () => this.store.setPoint(this.cutInput(), Number(this.cutSlider.value)),
-    });
+    this.cutSlider = slider([0, 1], (value) => this.store.setPoint(this.cutInput(), value));
     this.cutLabel = el("label", { class: "small" }, el("span"), this.cutSlider);
     this.below = el("div", { class: "below", hidden: true }, this.cutLabel, el("div", { class: "line" }, this.line));
     this.others = el("div", { class: "others" });
@@ -38,7 +34,6 @@ export class SurfacePane extends Pane {
     this.cut = ""; // "x" or "y": the axis that the cut is at a value of
     this.image = null; // what the solid is filled into
     this.layer = null;
-    this.scale = null; // of the colours, made once
     this.size = { width: 0, height: 0 };
     this.plot = null; // where the plot of a panel lies
     this.linePlot = null;
@@ -102,11 +97,6 @@ export class SurfacePane extends Pane {
     return depth > 0 ? -0.5 : 0.5;
   };
 
-  place = (variable, value) => {
-    const [low, high] = rangeOf(variable);
-    return (value - low) / (high - low);
-  };
-
   isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
 
   build = () => {
@@ -168,14 +158,7 @@ export class SurfacePane extends Pane {
       .map((variable, i) => /** @type {const} */ ([variable, i]))
       .filter(([, i]) => i !== this.store.axes.x && i !== this.store.axes.y)
       .map(([variable, i]) => {
-        const [low, high] = rangeOf(variable);
-        const range = el("input", {
-          type: "range",
-          min: low,
-          max: high,
-          step: (high - low) / 400,
-          oninput: () => this.store.setPoint(i, Number(range.value)),
-        });
+        const range = slider(rangeOf(variable), (value) => this.store.setPoint(i, value));
         const said = el("output", {});
         return {
           i,
@@ -251,26 +234,10 @@ export class SurfacePane extends Pane {
     this.canvas.setAttribute("aria-label", clean(words));
   };
 
-  scaleImage = () => {
-    const colours = new ImageData(1, 256);
-    SHADES.forEach((shade, i) => colours.data.set([...shade, 255], 4 * (255 - i)));
-    const made = new OffscreenCanvas(1, 256);
-    made.getContext("2d").putImageData(colours, 0, 0);
-    return made;
-  };
-
   /** What the colours stand for. */
   drawScale = ({ g, width, height, low, high }) => {
-    const [right, top, tall, wide] = [width - 10, 26, Math.min(150, height - 70), 9];
-    if (tall < 40) return;
-    this.scale ??= this.scaleImage();
-    g.drawImage(this.scale, right - wide, top, wide, tall);
-    g.fillStyle = colourOf("--soft");
-    g.font = "11px system-ui, sans-serif";
-    g.textAlign = "right";
-    for (const tick of ticks(low, high, tall / 34)) {
-      g.fillText(shortNumber(tick), right - wide - 4, top + (tall - 1) * (1 - (tick - low) / (high - low)) + 4);
-    }
+    const tall = Math.min(150, height - 70);
+    if (tall >= 40) paintScale(g, [width - 19, 26, 9, tall], { low, high }, { apart: 34 });
   };
 
   // --- the solid ---
@@ -323,7 +290,7 @@ export class SurfacePane extends Pane {
     if (this.cut) this.drawCut(g, project, low, high);
     if (Number.isFinite(value)) {
       const [u, v] = [x, y].map((each, k) =>
-        this.place(each, this.store.point[k ? this.store.axes.y : this.store.axes.x]),
+        shareAlong(each, this.store.point[k ? this.store.axes.y : this.store.axes.x]),
       );
       this.dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
     }
@@ -332,7 +299,7 @@ export class SurfacePane extends Pane {
   /** The plane of the cut, where it meets the surface, and the handle that moves it. */
   drawCut = (g, project, low, high) => {
     const [one, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
-    const at = this.place(one, this.store.point[this.cutInput()]) - 0.5;
+    const at = shareAlong(one, this.store.point[this.cutInput()]) - 0.5;
     const corner = (along, w) => (this.cut === "x" ? project(at, along, w) : project(along, at, w));
     g.fillStyle = g.strokeStyle = colourOf("--lit");
     g.globalAlpha = 0.12;
@@ -353,7 +320,7 @@ export class SurfacePane extends Pane {
     g.beginPath();
     let down = false;
     section?.z.forEach((value, i) => {
-      const spot = corner(this.place(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
+      const spot = corner(shareAlong(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
       if (Number.isFinite(value)) down ? g.lineTo(...spot) : g.moveTo(...spot);
       down = Number.isFinite(value);
     });

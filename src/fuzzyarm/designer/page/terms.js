@@ -1,7 +1,7 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
 import { eachFrame, el, hue, pairsOf, select, shortNumber, space, svg } from "./draw.js";
-import { ticks } from "./geometry/chart.js";
+import { evenly, ticks } from "./geometry/chart.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
@@ -207,7 +207,7 @@ export class TermsPane extends Pane {
     const now = this.store.now(variable, shape);
     const corners = shape.straight ? cornersOf(shape, now.parameters, now.height) : null;
     if (!corners) {
-      const xs = Float64Array.from({ length: SMOOTH }, (_, i) => at.low + ((at.high - at.low) * i) / (SMOOTH - 1));
+      const xs = evenly([at.low, at.high], SMOOTH);
       const ys = this.store.degrees(variable, shape, xs, now);
       return Array.from(xs, (x, i) => [x, ys[i]]);
     }
@@ -611,7 +611,7 @@ export class TermsPane extends Pane {
     const [start, end] = rangeOf(variable);
     const corners = [cornersOf(upper, high.parameters), cornersOf(lower, low.parameters)];
     const bends = corners.flatMap((found) => (found ?? []).filter((_, i) => i % 2 === 0));
-    const even = Array.from({ length: SMOOTH }, (_, i) => start + ((end - start) * i) / (SMOOTH - 1));
+    const even = evenly([start, end], SMOOTH);
     const xs = Float64Array.from([...even, ...bends.filter((x) => x >= start && x <= end)]);
     const above = this.store.degrees(variable, upper, xs, high);
     return this.store.degrees(variable, lower, xs, low).every((y, i) => y <= above[i] + 1e-12);

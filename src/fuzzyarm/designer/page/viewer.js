@@ -1,10 +1,11 @@
 // Inference: sliders for the inputs, the rules with their sets filled to where the point lies, what
 // they conclude, the aggregate, the value and why. Of interval type 2 both readings, and both ends.
 
-import { choice, clean, eachFrame, el, shortNumber, space, svg } from "./draw.js";
+import { choice, clean, eachFrame, el, shortNumber, slider, space, svg } from "./draw.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
-import { rangeOf, sidesOf } from "./geometry/shapes.js";
+import { evenly } from "./geometry/chart.js";
+import { rangeOf, shareAlong, sidesOf } from "./geometry/shapes.js";
 
 const SAMPLES = 121;
 const ROW = 27; // pixels of a rule
@@ -53,37 +54,23 @@ export class ViewerPane extends Pane {
     return high === low ? high : S.between(low, high);
   };
 
-  samples = (variable) => {
-    const [low, high] = rangeOf(variable);
-    return Float64Array.from({ length: SAMPLES }, (_, i) => low + ((high - low) * i) / (SAMPLES - 1));
-  };
+  samples = (variable) => evenly(rangeOf(variable), SAMPLES);
   across = (i) => ((100 * i) / (SAMPLES - 1)).toFixed(2);
   line = (y) => Array.from(y, (v, i) => `${i ? "L" : "M"}${this.across(i)} ${(-v).toFixed(3)}`).join("");
   area = (y) => `${this.line(y)}L100 0L0 0Z`;
   filled = (y, side) => svg("path", { class: side ? "cut lower" : "cut", d: this.area(y) });
   outline = (y, side) => svg("path", { class: side ? "set lower" : "set", d: this.line(y) });
 
-  share = (variable, value) => {
-    const [low, high] = rangeOf(variable);
-    return (100 * (value - low)) / (high - low);
-  };
+  share = (variable, value) => 100 * shareAlong(variable, value);
 
   build = () => {
     this.sliders.replaceChildren();
     this.inputs = this.store.scene.inputs.map((variable, i) => {
-      const [low, high] = rangeOf(variable);
       const set = (value) => {
         if (Number.isFinite(value)) this.store.setPoint(i, value);
       };
       const label = el("label", { textContent: variable.name, title: variable.description || variable.name });
-      const range = el("input", {
-        type: "range",
-        min: low,
-        max: high,
-        step: (high - low) / 400,
-        id: `input-${i}`,
-        oninput: () => set(Number(range.value)),
-      });
+      const range = slider(rangeOf(variable), set, { id: `input-${i}` });
       label.htmlFor = range.id;
       const number = el("input", {
         type: "text",

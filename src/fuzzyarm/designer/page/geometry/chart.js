@@ -39,3 +39,7 @@ export function valueRange(ends, limits) {
   const room = 0.08 * (high - low);
   return [low - room, high + room];
 }
+
+/** So many numbers between two, evenly. */
+export const evenly = ([low, high], count) =>
+  Float64Array.from({ length: count }, (_, k) => low + ((high - low) * k) / (count - 1));

@@ -85,6 +85,12 @@ export function rangeOf(variable) {
   return [low, high];
 }
 
+/** Where a value lies along the range of a variable: 0 at its low end, 1 at its high one. */
+export function shareAlong(variable, value) {
+  const [low, high] = rangeOf(variable);
+  return (value - low) / (high - low);
+}
+
 /** Parameters of a shape after one of them (null: all positions) has moved to or by a number. */
 export function moved(shape, parameters, index, to, by) {
   const next = [...parameters];
