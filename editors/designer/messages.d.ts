@@ -104,7 +104,7 @@ declare namespace Messages {
     lower?: ShapeOf | null;
   }
 
-  /** Terms that a hand has moved. */
+  /** Terms that the user has moved. */
   interface Shapes {
     shapes: Array<TermShape>;
   }
@@ -185,7 +185,7 @@ declare namespace Messages {
     line?: number | null;
   }
 
-  /** The numbers of a rule base while a hand moves the terms of a variable. */
+  /** The numbers of a rule base while the user moves the terms of a variable. */
   interface OfVariable {
     variable: string;
   }
@@ -200,7 +200,7 @@ declare namespace Messages {
     cell: Array<number>;
   }
 
-  /** What of a form is wrong, which a hand is filling in. */
+  /** What is wrong with a form that the user is filling in. */
   interface FormQuestion {
     form: string;
     values: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
@@ -310,7 +310,7 @@ declare namespace Messages {
     text?: string | null;
   }
 
-  /** What a hand does to a run. */
+  /** What the user does to a run. */
   interface RunWord {
     speed?: number | "inf" | "-inf" | null;
     pause?: boolean | null;
@@ -323,7 +323,7 @@ declare namespace Messages {
     asked?: RunWork | null;
   }
 
-  /** What a hand does to a training; `save` is the name of a table. */
+  /** What the user does to a training; `save` is the name of a table. */
   interface LearnWord {
     go?: "run" | "pause" | "step" | "stop" | null;
     speed?: "watch" | "fast" | null;
@@ -331,14 +331,14 @@ declare namespace Messages {
     replace?: boolean;
   }
 
-  /** What a hand does to a search: end it, or take what it has found. */
+  /** What the user does to a search: end it, or take what it has found. */
   interface TuneWord {
     enough?: boolean;
     take?: boolean;
     replace?: boolean;
   }
 
-  /** What a hand does to a fit: end it; `save` is the name of a rule base. */
+  /** What the user does to a fit: end it; `save` is the name of a rule base. */
   interface FitWord {
     enough?: boolean;
     save?: string | null;
