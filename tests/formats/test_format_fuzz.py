@@ -39,7 +39,7 @@ def check(text: str, suffix: str) -> bool:
 @pytest.mark.parametrize("path", OWN, ids=lambda path: path.name)
 def test_damage_to_our_files(path: Path) -> None:
     others = list(OWN.values())
-    survived, count = 0, cases(400, 2_500)
+    survived, count = 0, cases(300, 2_500)
     for seed in range(count):
         random_ = random.Random(f"{path.name} {seed}")
         text = mutated(OWN[path], others, random_)

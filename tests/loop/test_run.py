@@ -119,7 +119,7 @@ CASES = [
 @pytest.mark.parametrize(("name", "start"), CASES)
 def test_compiled_equals_interpreted_to_the_last_bit(name, start):
     extras = ({}, {"torque_limits": (30.0, 10.0)}, {"disturbance": 1e-7})
-    share = cases(1, 2) / 2  # of the time; interpreted periods are what takes long
+    share = cases(1, 4) / 4  # of the time; interpreted periods are what takes long
     trajectories = (
         reach_return((70, -50), 0.3 * share, 0.1 * share), pick_and_place((30, -60), 0.2 * share)
     )  # fmt: skip

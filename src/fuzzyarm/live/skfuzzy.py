@@ -57,7 +57,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.model.shapes import membership_function
 from fuzzyarm.text.diagnostic import Diagnostic
 
 __all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
@@ -465,9 +465,8 @@ def _with_terms(live_variable: Any, variable: Input | Output) -> Any:
     import numpy as np
 
     for term in variable.terms:
-        live_variable[term.name] = np.array(
-            [membership(term.shape, float(x)) for x in live_variable.universe]
-        )
+        degree = membership_function(term.shape)
+        live_variable[term.name] = np.array([degree(float(x)) for x in live_variable.universe])
     return live_variable
 
 
