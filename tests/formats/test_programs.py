@@ -5,16 +5,20 @@ Every number is compared with that of the program's own library, at a hundred po
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from budget import cases
 
 from fuzzyarm.live import ScriptError, System, read_script
 from fuzzyarm.live.systems import SLIGHT
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from tests.formats.forked_python import forked_python
 
 PROGRAMS = Path(__file__).parent / "programs"
 
@@ -78,12 +82,22 @@ REFUSED = {
 ENDLESS = {"10_greenhouse_serial", "24_car_pygame"}
 
 
+@pytest.fixture(scope="module")
+def python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str | None]:
+    """Yield the Python that runs scripts: with ``--thorough`` one that loads all of them anew."""
+    if cases(0, 1) or not hasattr(os, "fork"):
+        yield None
+    else:
+        with forked_python(tmp_path_factory.mktemp("python")) as path:
+            yield path
+
+
 def run(
-    stem: str, folder: Path, call: str | None = None
+    stem: str, folder: Path, python: str | None, call: str | None = None
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
     script = Path(shutil.copy(PROGRAMS / f"{stem}.py", folder))
     seconds = 1.0 if stem in ENDLESS else 120.0
-    return read_script(script, seconds=seconds, call=call)
+    return read_script(script, seconds=seconds, python=python, call=call)
 
 
 def test_every_program_has_an_outcome() -> None:
@@ -93,11 +107,11 @@ def test_every_program_has_an_outcome() -> None:
     assert {stem for stem, made in OUTCOMES.items() if made.call} == set(OUTCOMES) & set(REFUSED)
 
 
-@pytest.mark.slow  # a process that imports its libraries anew
+@pytest.mark.slow
 @pytest.mark.parametrize("stem", OUTCOMES)
-def test_what_a_program_makes(stem: str, tmp_path: Path) -> None:
+def test_what_a_program_makes(stem: str, tmp_path: Path, python: str | None) -> None:
     expected = OUTCOMES[stem]
-    systems, diagnostics = run(stem, tmp_path, expected.call)
+    systems, diagnostics = run(stem, tmp_path, python, expected.call)
     assert tuple(system.name for system in systems) == expected.systems
     assert {d.name for d in diagnostics} == expected.warnings
     assert all(d.severity is Severity.WARNING for d in diagnostics)
@@ -124,10 +138,12 @@ def greatest_difference(comparisons: list[Diagnostic]) -> float:
     return max(sizes, default=0.0)
 
 
-@pytest.mark.slow  # a process that imports its libraries anew
+@pytest.mark.slow
 @pytest.mark.parametrize("stem", REFUSED)
-def test_what_is_said_of_a_program_that_makes_nothing(stem: str, tmp_path: Path) -> None:
+def test_what_is_said_of_a_program_that_makes_nothing(
+    stem: str, tmp_path: Path, python: str | None
+) -> None:
     with pytest.raises(ScriptError) as caught:
-        run(stem, tmp_path)
+        run(stem, tmp_path, python)
     said = [str(caught.value), caught.value.hint, *(d.message for d in caught.value.diagnostics)]
     assert any(REFUSED[stem] in text for text in said), said
