@@ -86,5 +86,7 @@ expect e=1,'second input'=2->u in 0 .. 1
 
 
 def test_the_demo(workplace, capsys, update_golden):
-    assert main(["demo"]) == 0
+    assert main(["demo", "--keep", "the/story"]) == 0
     compare("demo.txt", capsys.readouterr().out, update_golden)
+    files = {path.name for path in (workplace / "the" / "story").iterdir()}
+    assert files == {"pd7.frb", "broken.frb", "pd7.lut", "servo.frb", "servo.h"}

@@ -60,7 +60,7 @@ def test_points_are_enclosed_narrowly():
 
 def test_slopes_are_those_of_difference_quotients():
     x, y = symbol("x"), symbol("y")
-    root = op.sin(x) * y / (x * x + 2.0) + op.maximum(x, y) * op.exp(-y) - op.sqrt(y)
+    root = op.sin(x) * y / (x * x + 2.0) + op.maximum(x, y) * op.exp(-y) - op.sqrt(y) + abs(x)
     generator = random.Random(4)
     for _ in range(cases(20, 500)):
         at = {"x": generator.uniform(-2, 2), "y": generator.uniform(0.1, 2)}
@@ -100,6 +100,14 @@ def test_a_motion_is_the_matrix_exponential():
         for span, x in zip(row, expected, strict=True):
             assert float(span.low) - 1e-12 <= x <= float(span.high) + 1e-12
             assert span.high - span.low < Fraction(1, 10**15)
+
+
+@pytest.mark.parametrize("rate", [0.25, 1.0, 5.0])
+def test_what_is_left_of_the_series_of_a_motion_is_enclosed(rate):
+    ((span,),) = flow_over([[exactly(rate)]], exactly(1))
+    with flint.ctx.workprec(300):
+        value = flint.arb(rate).exp()
+        assert flint.arb(ball(span.low)) < value < flint.arb(ball(span.high))
 
 
 # ── pieces ───────────────────────────────────────────────────────────────────────────

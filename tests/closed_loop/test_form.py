@@ -11,11 +11,13 @@ from scipy.optimize import linprog
 
 import fuzzyarm
 from fuzzyarm.closed_loop import check_certificate, read_claim
+from fuzzyarm.closed_loop.affine import AffineAlgebra, NotAffineError
 from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.checker import refutation
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.runs import run_of
 from fuzzyarm.closed_loop.witnesses import contradiction
+from fuzzyarm.expression.nodes import apply, constant
 
 
 def of(file, plant):
@@ -131,3 +133,21 @@ def test_a_checked_certificate_has_been_asked_by_runs(servo, monkeypatch):
         "fuzzyarm.closed_loop.verdicts.contradiction", lambda *_: "the run from here leaves it"
     )
     assert not check_certificate(certificate, text).proved
+
+
+@pytest.mark.parametrize(
+    ("function", "at", "value"),
+    [
+        ("sqrt", 2.25, Fraction(3, 2)), ("sqrt", 0.0, 0), ("cos", 0.0, 1), ("sin", 0.0, 0),
+        ("absolute", -0.25, Fraction(1, 4)), ("negation", 0.0, 1),
+    ],
+)  # fmt: skip
+def test_a_function_of_a_number_is_exact_where_it_is_rational(function, at, value):
+    form = AffineAlgebra(None, None).expression(apply(function, constant(at)), {})
+    assert (form.constant, form.parts) == (value, {})
+
+
+@pytest.mark.parametrize(("function", "at"), [("sqrt", 2.0), ("sqrt", -4.0), ("cos", 0.5)])
+def test_a_function_that_is_not_rational_there_is_refused(function, at):
+    with pytest.raises(NotAffineError, match="is not rational"):
+        AffineAlgebra(None, None).expression(apply(function, constant(at)), {})

@@ -100,6 +100,13 @@ def test_the_servo_is_stable_from_a_large_region(servo_verdict):
     assert current > 73.9
 
 
+def test_along_one_state_alone_a_start_reaches_the_border(servo_verdict):
+    certificate = servo_verdict.certificate
+    for k, name in enumerate(certificate.states):  # V = pₖₖ x² there, around a rest of 0
+        assert servo_verdict.start_region[name] ** 2 * certificate.p[k][k] == pytest.approx(1.0)
+        assert servo_verdict.start_region[name] > 0.0
+
+
 def test_the_servo_in_continuous_time(servo):
     verdict = prove(servo, "stable", plant="motor", continuous=True)
     assert verdict.proved

@@ -155,6 +155,28 @@ def test_boxes_outside_the_region_have_not_arrived(haven):
         assert region.sign(1, states, {})[0] == sign
 
 
+@pytest.mark.slow
+def test_who_arrives_late_has_to_arrive_nearer_to_rest(servo, haven):
+    _, certificate = haven
+    claim = read_claim("position in -0.01 .. 0.01 after 0.5 s", "motor")
+    maker = FormMaker(problem_of(servo, claim))
+    loop = checked_loop(maker.problem, certificate.states, certificate.evidence)
+    region = Haven(maker, certificate, loop, claim)
+    p = np.array([[float(x) for x in row] for row in certificate.p])
+    way = np.linalg.inv(np.linalg.cholesky(p)).T @ np.array([0.6, 0.64, 0.48])  # V = 1
+    last = round(0.5 / maker.problem.period)
+
+    def arrives(period, value):
+        states = stacked([Forms.at(np.array([x])) for x in np.sqrt(value) * way])
+        return region.sign(period, states, {})[0] == 1
+
+    # At the end of the time V has to be at its level; before, the rate takes it there by then.
+    for periods in (0, 1, last // 2, last):
+        level = min(1.0, region.level / float(1 - certificate.rate) ** periods)
+        assert arrives(last - periods, 0.999 * level)
+        assert not arrives(last - periods, 1.001 * level)
+
+
 def test_a_region_that_is_damaged_is_no_haven(servo, haven):
     _, certificate = haven
     maker = FormMaker(problem_of(servo, certificate.claim))

@@ -75,11 +75,8 @@ def candidate(
     """
     a, b = _floats(form.a), _floats(form.b)
     c = _floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
-    rows = [
-        (np.array([float(x) for x in row]), float(limit)) for row, limit, _ in form.rows_within()
-    ]
-    rows += [(np.array([float(x) for x in row]), float(limit)) for row, limit in within]
-    rows = [(row / limit, 1.0) for row, limit in rows if np.any(row)]
+    limited = [*((row, limit) for row, limit, _ in form.rows_within()), *within]
+    rows = [np.array([float(x) for x in row]) / float(limit) for row, limit in limited if any(row)]
     n, m = form.size, len(form.blocks)
     step = a if form.period else np.eye(n) + a / np.linalg.norm(a)
     rows += _box_rows(step, rows)
@@ -94,7 +91,7 @@ def candidate(
     b = b * units
     c = c / units[:, None]
     c[:, n:] = c[:, n:] * units
-    limits = [row @ back for row, _ in rows]
+    limits = [row @ back for row in rows]
     basis = _symmetric_basis(n)
     falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
     points = [first @ np.array([float(x) for x in z]) for z in include]
@@ -130,21 +127,19 @@ FAR = 10.0
 """How far states may be beyond what the bounds of the form allow of each of them alone."""
 
 
-def _box_rows(a: Vector, rows: Sequence[tuple[Vector, float]]) -> list[tuple[Vector, float]]:
+def _box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
     """Return rows that keep every state finite: some are seen by no bound, or a period later."""
     n = len(a)
     reach = np.zeros(n)
-    for row, _ in rows:
+    for row in rows:
         later = row
         for _ in range(n):
             reach = np.maximum(reach, np.abs(later))
             later = later @ a
-    return [(np.eye(n)[i] * reach[i] / FAR, 1.0) for i in range(n) if rows and reach[i]]
+    return [np.eye(n)[i] * reach[i] / FAR for i in range(n) if rows and reach[i]]
 
 
-def _whitening(
-    a: Vector, rows: Sequence[tuple[Vector, float]], *, continuous: bool
-) -> Vector | None:
+def _whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector | None:
     """Return coordinates in which V of the loop without its blocks is about |ẑ|²."""
     from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
@@ -153,7 +148,7 @@ def _whitening(
     if not stable:
         return None
     n = len(a)
-    sides = np.array([row for row, _ in rows]) if rows else np.eye(n)
+    sides = np.array(rows) if rows else np.eye(n)
     weight = sides.T @ sides
     if continuous:
         p = solve_continuous_lyapunov(a.T, -weight)
@@ -162,7 +157,7 @@ def _whitening(
     p = 0.5 * (p + p.T)
     # As large as fits between the rows.
     inverse = np.linalg.inv(p)
-    reach = max((float(row @ inverse @ row) for row, _ in rows), default=1.0)
+    reach = max((float(row @ inverse @ row) for row in rows), default=1.0)
     try:
         return np.asarray(np.linalg.cholesky(p * reach).T)
     except np.linalg.LinAlgError:
