@@ -42,11 +42,6 @@ from forked_tests import (
 
 _DEFINITIONS = ["norms", "definitions", "facts"]
 _LOOKUP = ["table", "compiled_lookup", "lookup_definition"]
-_FORMATS = [
-    "orders_of_numbers", "format_readers", "fis_of_others", "format_references",
-    "format_roundtrips",
-]  # fmt: skip
-_LIVE = [f"tests/formats/test_{each}.py" for each in ("live_objects", "programs")]
 _PLANTS = ["any_plant", "own_controllers"]
 TESTS = {
     "kernels.py": ["tests/project/test_kernels.py", "tests/native"],
@@ -81,13 +76,17 @@ TESTS = {
     "table/": ["tests/table"],
     "live/skfuzzy.py": ["tests/formats/test_skfuzzy_bridge.py"],
     "formats/fml.py": ["tests/formats/test_fml.py"],
-    "live/": _LIVE,
-    "formats/": [f"tests/formats/test_{each}.py" for each in _FORMATS],
+    "live/": [
+        f"tests/formats/test_{name}.py"
+        for name in ("live_objects", "programs", "functions_of_pyit2fls", "skfuzzy_bridge")
+    ],
+    "formats/": ["tests/formats"],
     "model/": ["tests/language", "tests/inference", "tests/python"],
     "text/": ["tests/text", "tests/language", "tests/cli"],
     "translation/": ["tests/native", "tests/expression"],
     "native/": ["tests/native", "tests/project/test_kernels.py"],
-    "controller/": ["tests/controller", "tests/loop"],
+    "controller/": ["tests/controller", "tests/loop", "tests/study"],
+    "closed_loop/call.py": ["tests/python", "tests/proof", "tests/closed_loop"],
     "plant/": ["tests/plant", "tests/loop"],
     "loop/": ["tests/loop", "tests/controller"],
     "control.py": ["tests/loop", "tests/controller"],
@@ -359,7 +358,13 @@ class Reach:
                 calls.lines[source].update(lines)
 
     def near(
-        self, mutant: Mutant, files: Sequence[str], *, long: bool, everything: bool
+        self,
+        mutant: Mutant,
+        files: Sequence[str],
+        patience: float,
+        *,
+        long: bool,
+        everything: bool,
     ) -> list[str]:
         """Return tests that a mutant is tried by, the nearest first, as many as patience allows.
 
@@ -376,7 +381,7 @@ class Reach:
                     hit = name in hits or "" in hits
                     order.append((not hit, -calls.share(source), name, sum(calls.seconds)))
         chosen: list[str] = []
-        left = PATIENCE
+        left = patience
         for _, _, name, seconds in sorted(order):
             if name and (not chosen or seconds <= left):
                 chosen.append(name)
@@ -466,11 +471,13 @@ def attempt(
             return refusing
         # What runs as machine code is in no trace.
         everything = copy.machine_code.is_other and number != 2
-        tests = in_turn(reach.near(mutant, files, long=long, everything=everything), favourites)
+        patience = 4 * PATIENCE if everything else PATIENCE
+        tests = reach.near(mutant, files, patience, long=long, everything=everything)
+        tests = in_turn(tests, favourites)
         if not tests:
             return None
         run = TestRun(tests, reach.broken, long=long)
-        failed = copy.run(run, list(dict.fromkeys(map(_file, tests))), 30 + 4 * PATIENCE).failed
+        failed = copy.run(run, list(dict.fromkeys(map(_file, tests))), 30 + 4 * patience).failed
         return failed[0] if failed else None
     finally:
         copy.take_back(mutant.file)

@@ -4,6 +4,7 @@ import ast
 import random
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,11 @@ from budget import cases
 
 import fuzzyarm
 from fuzzyarm.closed_loop import check_certificate, read_claim
+from fuzzyarm.closed_loop.checked_lines import LinearSignal, LinearSignals, number_line
 from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.checked_motion import flow_over
 from fuzzyarm.closed_loop.claims import problem_of
+from fuzzyarm.closed_loop.evidence import Evidence
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.rule_pieces import RulePieces
 from fuzzyarm.closed_loop.slopes import Slope, slopes_of
@@ -108,6 +111,62 @@ def test_what_is_left_of_the_series_of_a_motion_is_enclosed(rate):
     with flint.ctx.workprec(300):
         value = flint.arb(rate).exp()
         assert flint.arb(ball(span.low)) < value < flint.arb(ball(span.high))
+
+
+# ── signals around rest ──────────────────────────────────────────────────────────────
+
+
+@pytest.fixture
+def lines():
+    return LinearSignals(Evidence({}, {}, (), (), Fraction(1), {}), None)
+
+
+def moving(rest, weight, radius):
+    rest, weight, radius = map(Fraction, (rest, weight, radius))
+    return LinearSignal(exactly(rest), {"z": weight}, rest - radius, rest + radius)
+
+
+A, B = moving(1, 2, "0.5"), moving(-3, "0.25", 4)
+
+
+@pytest.mark.parametrize(
+    ("operation", "arguments", "value"),
+    [
+        ("add", (A, B), lambda a, b: a + b),
+        ("subtract", (A, B), lambda a, b: a - b),
+        ("negative", (B,), lambda a: -a),
+        *(("multiply", (B, number_line(exactly(by))), lambda a, b: a * b) for by in (0.5, -3)),
+        *(("divide", (B, number_line(exactly(by))), lambda a, b: a / b) for by in (4, -0.25)),
+    ],
+)
+def test_a_linear_operation_of_signals_is_that_of_their_values(lines, operation, arguments, value):
+    signal = lines.apply(operation, list(arguments))
+    corners = [value(*ends) for ends in product(*((x.low, x.high) for x in arguments))]
+    assert (signal.low, signal.high) == (min(corners), max(corners))
+    at = [x.rest.low for x in arguments]
+    assert signal.rest.is_point
+    assert signal.rest.low == value(*at)
+    # Along z it is linear, so its weight is a difference of values.
+    moved = [x + arguments[i].parts.get("z", 0) for i, x in enumerate(at)]
+    assert signal.parts["z"] == value(*moved) - value(*at)
+
+
+@pytest.mark.parametrize(("first", "second"), [(A, B), (B, A), (moving(-5, 1, 1), B)])
+def test_a_choice_between_signals_is_that_at_rest_and_has_to_stay_so(lines, first, second):
+    way = second.rest.low - first.rest.low
+    assert lines.apply("less", [first, second]) is (way > 0)
+    assert lines.apply("maximum", [first, second]) == (second if way > 0 else first)
+    ((parts, room, _), _) = lines.bounds
+    assert (parts["z"], room) == (second.parts["z"] - first.parts["z"], abs(way))
+
+
+def test_a_table_is_between_its_least_and_its_largest_value(lines):
+    rulebase = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    table = replace(fuzzyarm.compile_table(rulebase, "u"), mode="linear")
+    inputs = {axis.name: number_line(exactly(axis.levels[2])) for axis in table.axes}
+    signal = lines.table(table, inputs)
+    assert signal.rest.low == signal.rest.high == Fraction(float(table.values[2, 2]))
+    assert (signal.low, signal.high) == (table.values.min(), table.values.max())
 
 
 # ── pieces ───────────────────────────────────────────────────────────────────────────

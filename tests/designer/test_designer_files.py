@@ -20,8 +20,8 @@ from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, WindowJob
 from fuzzyarm.designer.names import OutsideError, clean_name, demand_name
 from fuzzyarm.designer.records import read_record
-from fuzzyarm.designer.requests import CompareWork, TableErrorWork
-from fuzzyarm.designer.tables import cell_place, table_error, table_page
+from fuzzyarm.designer.requests import CompareWork, SurfaceAxes, TableErrorWork
+from fuzzyarm.designer.tables import cell_place, error_map, table_error, table_page
 from fuzzyarm.inference import infer
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.proof.tables import cell_errors
@@ -348,6 +348,21 @@ def told(work, of, asked, folder):
         found["cells"] += news.pop("cells", [])
         found.update(json.loads(json.dumps(news)))
     return found
+
+
+def test_an_error_map_has_the_axes_that_are_asked_for():
+    rulebase = fuzzyarm.load(shipped("thermostat.frb"))
+    table = compile_table(rulebase)
+    a, b, c = table.names
+    for x, y, wanted in (
+        (None, None, (c, b)),
+        (a, None, (a, b)),
+        (a, c, (a, c)),
+        (None, a, (c, a)),
+    ):
+        found = error_map(table, rulebase, "linear", SurfaceAxes(x=x, y=y))
+        assert (found["x"], found["y"]) == wanted
+        assert set(found["held"]) == {a, b, c} - set(wanted)
 
 
 def test_a_table_is_shown_page_by_page(folder):

@@ -77,6 +77,23 @@ QUESTIONED = [
 ]
 
 
+def test_repairs_are_those_of_the_line_that_is_asked_about(tmp_path):
+    (tmp_path / "x.frb").write_text(
+        "rulebase x\ninput e -1 .. 1\noutput u -1 .. 1\nterms e: triangels N P\n"
+        "terms u: singeltons A B\nrule if e is N then u is A\nrule if e is P then u is B\n"
+    )
+    shared = SharedText(tmp_path / "x.frb")
+    assert len(shared.session.review().diagnostics) == 2
+
+    def texts(line, **more):
+        fixes = shared.answer({"what": "fixes", "at": [line, 0], **more})["fixes"]
+        return [edit["text"] for fix in fixes for edit in fix["edits"]]
+
+    assert [texts(line) for line in range(6)] == [[], [], [], ["triangles"], ["singletons"], []]
+    assert texts(3, name="unknown-shape") == ["triangles"]
+    assert texts(3, name="unknown-name") == []
+
+
 def test_each_question_and_each_work_has_its_record_and_its_handler():
     from fuzzyarm.designer import folder, open_files, shared
 

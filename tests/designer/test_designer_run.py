@@ -372,6 +372,18 @@ def test_a_text_is_taken_up_while_it_runs(open_page, folder):
     page.stop()
 
 
+def test_a_gain_of_any_sign_can_be_moved_both_ways(open_page, folder):
+    text = SERVO.replace('16 "1/rad", tune 2 .. 200 log', '-16 "1/rad"')
+    (folder / "signs.frb").write_text(text.replace('0.7 "s/rad", tune 0.05 .. 5 log', '0 "s/rad"'))
+    page = open_page("signs.frb")
+    page.start("run", **FAST)
+    ready = page.until("ready")[-1]
+    assert [gain["values"] for gain in ready["gains"][:2]] == [[-16.0], [0.0]]
+    for gain in ready["gains"]:
+        assert gain["low"] < min(gain["values"]) <= max(gain["values"]) < gain["high"], gain
+    page.stop()
+
+
 def test_a_rule_base_runs_on_the_arm(open_page):
     page = open_page("pd7.frb")
     page.start("run", plant="arm", trajectory="pick-and-place", payload=True, speed=None)

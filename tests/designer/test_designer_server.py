@@ -648,6 +648,22 @@ def test_a_page_is_made_of_any_rule_base(rulebase):
     assert page_of_text(text, Path("any.frb")).endswith("</html>\n")
 
 
+@pytest.mark.parametrize("name", ["tipper.frb", "pd7.frb", "balance.frb"])
+def test_a_page_knows_where_the_shape_of_each_term_goes(name):
+    page = page_of(shipped(name))
+    data = json.loads(page.partition('id="start">')[2].partition("</script>")[0])
+    text, places = data["text"], data["places"]
+    rulebase = parse(text).rulebase
+    terms = {(v.name, term.name): term for v in (*rulebase.inputs, *rulebase.outputs)
+             for term in v.terms if term.shape.parameters}  # fmt: skip
+    assert {(place["variable"], place["term"]) for place in places} == set(terms)
+    for place in places:
+        shape = terms[place["variable"], place["term"]].shape
+        words = f"{shape.kind} {' '.join(map(repr, shape.parameters))}"
+        written = text[: place["from"]] + place["before"] + words + text[place["to"] :]
+        assert parse(written).rulebase == rulebase, written
+
+
 def test_a_page_is_made_of_a_rule_base_whose_inputs_do_not_matter():
     text = """rulebase constant
 input e -1 .. 1
@@ -685,6 +701,9 @@ def test_every_word_that_the_page_says_is_there_and_said():
 def test_a_folder_has_a_port_of_its_own_where_that_is_free(monkeypatch):
     from fuzzyarm.designer import server
 
+    # No rights are needed for them, and Linux gives none of them to a connection.
+    assert server.OWN_PORTS.start > 1023
+    assert server.OWN_PORTS.stop <= 32768
     with socket.socket() as found:
         found.bind(("127.0.0.1", 0))
         own = found.getsockname()[1]
