@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_definitions import SHAPE_VALUES
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.expression.evaluation import has_value
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.nodes import apply, symbol
 
 degree = st.floats(0.0, 1.0)
 TENTHS = [k / 10 for k in range(11)]
@@ -105,3 +106,36 @@ def test_squares_and_cubes_are_products():
     assert x**2 is x * x
     assert x**3 is x * x * x
     assert x**4 is not x * x * x * x
+
+
+IN_ORDER = {
+    "triangle": (0, 2, 1), "trapezoid": (0, 2, 1, 3), "rectangle": (2, 1), "pi": (0, 2, 1, 3),
+    "s": (2, 1), "z": (2, 1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", IN_ORDER)
+def test_places_from_left_to_right_must_not_decrease(kind):
+    which, message = SHAPES[kind].fault(IN_ORDER[kind])
+    assert message == f"the numbers of a {kind} must not decrease"
+    assert IN_ORDER[kind][which] < IN_ORDER[kind][which - 1]
+    assert SHAPES[kind].fault(sorted(IN_ORDER[kind])) is None
+
+
+@pytest.mark.parametrize("kind", ["ramp", "arc"])
+def test_a_flank_may_fall(kind):
+    assert SHAPES[kind].fault((2, 1)) is None
+
+
+def test_only_what_is_no_mean_leaves_the_positions_of_its_sets():
+    leaving = {name for name, kind in DEFUZZIFIERS.items() if not kind.is_between}
+    assert leaving == {"weighted-sum", "tsukamoto"}
+
+
+@pytest.mark.parametrize("operation", ["divide", "remainder"])
+def test_a_quotient_has_a_value_where_its_divisor_cannot_be_0(operation):
+    root = apply(operation, 1.0, symbol("y"))
+    for low, high in ((0.5, 1.0), (-1.0, -0.5)):
+        assert has_value(root, {"y": (low, high)})
+    for low, high in ((0.0, 1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, 0.0)):
+        assert not has_value(root, {"y": (low, high)})
