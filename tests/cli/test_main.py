@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import subprocess
 import sys
 
@@ -10,7 +11,7 @@ import pytest
 import fuzzyarm
 from fuzzyarm.cli import main
 from fuzzyarm.cli.completion import SHELLS
-from fuzzyarm.cli.main import COMMANDS, HEADINGS
+from fuzzyarm.cli.main import COMMANDS, HEADINGS, find_command
 from fuzzyarm.shipped_files import shipped
 
 GOOD = str(shipped("pd7.frb"))
@@ -34,6 +35,17 @@ def test_help_has_every_heading_once(capsys):
     assert all(out.count(f"\n\n{heading}\n") == 1 for heading in HEADINGS.values())
     assert set(HEADINGS) <= set(COMMANDS)
     assert next(iter(COMMANDS)) in HEADINGS
+
+
+def test_what_help_says_is_the_default_is_the_default():
+    said = {}
+    for command in map(find_command, COMMANDS):
+        for argument in command.arguments:
+            match = re.search(r"(\S+) by default", argument.options["help"] or "")
+            if match and argument.options.get("default") is not None:
+                said[command.name, argument.names[-1]] = match[1], argument.options["default"]
+    assert ("reproduce", "--runs") in said
+    assert {key: pair for key, pair in said.items() if pair[0] != str(pair[1])} == {}
 
 
 @pytest.mark.parametrize("shell", SHELLS)

@@ -4,6 +4,8 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from budget import cases, part
 from fuzzyarm import load, prove, shipped, simulate
 from fuzzyarm.closed_loop import (
     CertificateError,
+    LoopProofError,
     check_certificate,
     prove_loop,
     read_certificate,
@@ -24,7 +27,7 @@ from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form import Form
 from fuzzyarm.closed_loop.linear import candidate
 from fuzzyarm.closed_loop.pictures import region_planes
-from fuzzyarm.closed_loop.verification import port_within, verified
+from fuzzyarm.closed_loop.verification import port_within, start_vertices, verified
 from fuzzyarm.controller import ControllerText
 from fuzzyarm.language import parse
 from fuzzyarm.loop import Sensor
@@ -130,6 +133,23 @@ def test_where_a_start_goes(servo, statement, expected):
     assert verdict.verdict == expected, str(verdict)
     assert bool(verdict.evidence) == (expected == "refuted")
     assert (verdict.certificate is not None) == (expected == "proved")
+
+
+def test_the_corners_of_a_start_are_those_of_its_intervals():
+    names = [f"x{i}" for i in range(14)]
+    loop = SimpleNamespace(names=names, rest=dict.fromkeys(names, Fraction(1)), seeds={}, begin={})
+
+    def corners(intervals):
+        ends = [SimpleNamespace(low=0.5, high=0.5 + (i < intervals)) for i in range(14)]
+        start = dict(zip(names, ends, strict=True))
+        return start_vertices(SimpleNamespace(states=names, start=start), loop)
+
+    point = (Fraction(-1, 2),) * 14
+    assert corners(0) == [point]
+    assert set(corners(2)) == {(x, y, *point[2:]) for x, y in product(*[(-0.5, 0.5)] * 2)}
+    assert len(corners(12)) == 2**12
+    with pytest.raises(LoopProofError, match="more than 12 intervals"):
+        corners(13)
 
 
 def test_a_drive_is_bounded_over_the_region(servo, servo_verdict):
@@ -393,6 +413,18 @@ def written(servo_verdict, tmp_path):
 def test_a_certificate_is_what_was_written(servo_verdict, written):
     assert read_certificate(written) == servo_verdict.certificate
     assert check_certificate(written).proved
+
+
+def test_a_certificate_keeps_the_sensors_and_connections_of_its_loop(servo_verdict, tmp_path):
+    sensors = {
+        "shaft.position": Sensor(delay=0.001), "shaft.velocity": Sensor(difference=0.02),
+    }  # fmt: skip
+    certificate = replace(
+        servo_verdict.certificate, sensors=sensors, connect={"position": "shaft.position"}
+    )
+    path = str(tmp_path / "other.json")
+    write_certificate(certificate, path)
+    assert read_certificate(path) == certificate
 
 
 def numbers_in(data, path=()):
