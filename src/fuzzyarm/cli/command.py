@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
 from fuzzyarm import errors
 from fuzzyarm.frozen import NamedTuple
+from fuzzyarm.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
@@ -185,7 +186,7 @@ def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
 # --- Arguments of several commands ---
 
 MODEL = argument("file FILE", "a rule base or a table")
-MODE = argument("--mode", "how to look a table up", choices=("bins", "nearest", "linear"))
+MODE = argument("--mode", "how to look a table up", choices=LOOKUP_MODES)
 JSON = flag("--json", "print the result as JSON")
 SET = argument("--set GAIN=V[,V]", "override a gain", action="append", default=[])
 

@@ -57,6 +57,7 @@ from fuzzyarm.language.rules import (
 )
 from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Trivia, name_text
 from fuzzyarm.language.tune import TUNE_ROW, TuneNode
+from fuzzyarm.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.numbers import number_text
@@ -254,8 +255,8 @@ class ExpectNode(NamedTuple):
 
 _VERBS = ("rises", "falls", "slope", "odd", "covered")
 
-TABLE_MODES = ("linear", "nearest", "bins")
-"""How a table whose error is proved is looked up."""
+TABLE_MODES = tuple(reversed(LOOKUP_MODES))
+"""How a table whose error is proved is looked up: the smoothest way is offered first."""
 
 
 class StretchNode(NamedTuple):

@@ -16,12 +16,13 @@ from fuzzyarm.language.queries import (
 )
 from fuzzyarm.language.queries.hover import plain
 from fuzzyarm.language.tokens import Token, name_text
+from fuzzyarm.table.axis import MODES
 from fuzzyarm.table.header import KEYWORDS
 from fuzzyarm.table.text import line_tokens, parse_lut, write_lut
 from fuzzyarm.text.diagnostic import Span, split_lines
 
 _CHOICES: dict[str, tuple[str, ...]] = {
-    "mode": ("bins", "nearest", "linear"),
+    "mode": MODES,
     "index": ("row", "column", "page"),
 }
 _WORDS = {"row", "column", "page", "when", "step", "count", "mirrored", *_CHOICES["mode"]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from fuzzyarm.model.lookup_modes import LookupMode
 from fuzzyarm.requests.fields import Limits, Request, option
 
 __all__ = ["CompileRequest", "ExportRequest"]
@@ -31,7 +32,7 @@ class CompileRequest(Request):
     round: float | None = option(
         "--round STEP", "round the values; 0 for not at all", None, Limits(0.0)
     )
-    mode: Literal["bins", "nearest", "linear"] | None = option("--mode", "how to look up", None)
+    mode: LookupMode | None = option("--mode", "how to look up", None)  # noqa: RUF009 - a marker
     ends: bool = option(
         "--ends", "two tables: of the left and the right end of an interval type-2 output", False
     )

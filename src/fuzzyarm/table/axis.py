@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.text.folders import TABLES
 from fuzzyarm.text.shown import Drawn, Plotted, one_line
 from fuzzyarm.text.value_kinds import TABLE, OfKind
@@ -22,7 +23,7 @@ SUFFIXES = TABLES
 
 # --- An axis: its levels, its bins, and the cell that a number falls into ---
 
-MODES = ("bins", "nearest", "linear")
+MODES = LOOKUP_MODES
 """Ways to look up: by uneven thresholds, by the nearest level, by linear interpolation."""
 
 _ALIASES = {"bilinear": "linear", "multilinear": "linear"}
