@@ -7,14 +7,26 @@ import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { Task } from "./task.js";
 
-/** @type {Array<[string, string[]]>} */
-const GROUPS = [
-  ["programs", [".h", ".c", ".st", ".fmu", ".mjs"]],
-  ["tables", [".lut", ".csv", ".tex", ".json", ".npz"]],
-  ["pictures", [".png", ".svg"]],
-  ["pages", [".html"]],
-  ["others", [".fis", ".fll", ".fcl", ".fml"]],
-];
+const TABLES = [".lut", ".csv", ".tex", ".json", ".npz"];
+const GROUPS = {
+  programs: [".h", ".c", ".st", ".xml", ".fmu", ".mjs"],
+  tables: TABLES,
+  pictures: [".png", ".svg"],
+  pages: [".html"],
+  others: [],
+};
+
+/**
+ * Suffixes by the group in which they stand; what has none stands among the others.
+ *
+ * @param {string[]} suffixes
+ */
+export function groupsOf(suffixes) {
+  const groupOf = (suffix) => Object.keys(GROUPS).find((name) => GROUPS[name].includes(suffix)) ?? "others";
+  return Object.keys(GROUPS)
+    .map((name) => /** @type {const} */ ([name, suffixes.filter((suffix) => groupOf(suffix) === name)]))
+    .filter(([, own]) => own.length);
+}
 
 /** The pane of the exports of the file that is open. */
 export class ExportPane extends Pane {
@@ -30,21 +42,20 @@ export class ExportPane extends Pane {
   build = async () => {
     if (this.store.view !== "files" || !this.hand.file()) return;
     const { forms = {} } = await this.hand.askNow("exports");
-    this.groups.replaceChildren(...GROUPS.flatMap(([name, suffixes]) => this.group(name, suffixes, forms)));
+    const groups = groupsOf(Object.keys(forms));
+    this.groups.replaceChildren(...groups.map(([name, suffixes]) => this.group(name, suffixes, forms)));
   };
 
   group = (name, suffixes, forms) => {
-    const shown = suffixes.filter((suffix) => suffix in forms);
-    if (!shown.length) return [];
-    const buttons = shown.map((suffix) =>
+    const buttons = suffixes.map((suffix) =>
       el("button", {
-        textContent: S.exportKinds[suffix],
+        textContent: S.exportKinds[suffix] ?? suffix,
         title: suffix,
         onclick: () => exportDialog(this.store, this.hand, suffix, forms[suffix]),
       }),
     );
     const title = S.exportGroups[name];
-    return [el("div", { role: "group", "aria-label": title }, el("h3", { textContent: title }), ...buttons)];
+    return el("div", { role: "group", "aria-label": title }, el("h3", { textContent: title }), ...buttons);
   };
 }
 
@@ -63,13 +74,13 @@ function exportDialog(store, hand, suffix, fields) {
   const asked = new Form();
   asked.open(fields);
   const outputs = pairsOf((store.scene?.outputs ?? []).map((each) => each.name));
-  const every = [".h", ".c", ".st", ".png", ".svg"].includes(suffix) ? [["", S.everyOutput]] : [];
+  const every = TABLES.includes(suffix) ? [] : [["", S.everyOutput]]; // a table has one output
   asked.choices("output", [...every, ...outputs]);
   asked.show(["output"], outputs.length > 1);
   const form = el(
     "form",
     { class: "exporting" },
-    el("strong", { textContent: S.exportTitle(S.exportKinds[suffix], hand.file()) }),
+    el("strong", { textContent: S.exportTitle(S.exportKinds[suffix] ?? suffix, hand.file()) }),
     asked.view,
     state,
     links,

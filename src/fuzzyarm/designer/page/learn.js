@@ -13,10 +13,6 @@ const STEPS = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRi
 const KIND = { name: "learn", title: S.learn, go: S.start, facts: "learnable", form: () => "learn" };
 
 class LearnWork extends Work {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
   constructor(store, hand) {
     super(store, hand, KIND);
     this.training = null; // what is learned where, from its beginning

@@ -242,18 +242,12 @@ class RunForm extends Pane {
   }
 
   makeControls() {
-    const [start, pause, step, again, stop] = [
-      this.button(S.start, S.runStartHint),
-      this.button(S.pause, S.runPauseHint),
-      this.button(S.runStep, S.runStepHint),
-      this.button(S.runAgain, S.runAgainHint),
-      this.button(S.stop, S.runStopHint),
-    ];
-    this.start = start;
-    this.pause = pause;
-    this.step = step;
-    this.again = again;
-    this.stop = stop;
+    const button = (textContent, title) => el("button", { textContent, title });
+    this.start = button(S.start, S.runStartHint);
+    this.pause = button(S.pause, S.runPauseHint);
+    this.step = button(S.runStep, S.runStepHint);
+    this.again = button(S.runAgain, S.runAgainHint);
+    this.stop = button(S.stop, S.runStopHint);
     this.start.classList.add("main");
     this.start.disabled = true; // until it is known which plants there are
     this.clock = el("output", { class: "clock", "aria-label": S.runTime });
@@ -281,8 +275,6 @@ class RunForm extends Pane {
 
     this.note("");
   }
-
-  button = (words, hint) => el("button", { textContent: words, title: hint });
 
   one = () => this.plants.find((each) => each.name === this.form.shown("plant"));
   mark = (name, message) => this.form.mark(name, message);

@@ -196,10 +196,10 @@ class ErrorPane extends Pane {
         "data-key": "levels",
         onchange: () => set("levels")(levels.value),
       });
-      tools.push(el("label", { class: "small" }, S.options.levels, levels));
+      tools.push(el("label", { class: "small" }, S.levels, levels));
     }
     const modes = [["", S.asInFile], ...pairsOf(["bins", "nearest", "linear"])];
-    tools.push(choice(S.options.mode, modes, this.wanted.mode, set("mode")));
+    tools.push(choice(S.lookedUpBy, modes, this.wanted.mode, set("mode")));
     if (names.length > 2) {
       tools.push(choice(S.horizontal, pairsOf(names), this.found.map.x, set("x")));
       tools.push(choice(S.vertical, pairsOf(names), this.found.map.y, set("y")));

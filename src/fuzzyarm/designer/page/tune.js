@@ -7,9 +7,8 @@ import { S } from "./strings.js";
 import { showGrounds, Work } from "./work.js";
 
 const MOST_ROWS = 120; // of numbers that move
-/** Fields of a controller in its loop, and of a rule base on samples. */
-const AROUND = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb", "interpolate"];
-const IN_LOOP = ["plant", "scenarios", "vary", "over", "linear", ...AROUND];
+/** Fields of a controller in its loop, beside those that are folded away, and of a rule base on samples. */
+const IN_LOOP = ["plant", "scenarios", "vary", "over", "linear"];
 const ON_SAMPLES = ["data", "test", "target"];
 
 const shown = (value) => (value === null ? "–" : shortNumber(value));
@@ -26,10 +25,6 @@ const KIND = {
 };
 
 class TuneWork extends Work {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   */
   constructor(store, hand) {
     super(store, hand, KIND);
     this.forget();
@@ -92,8 +87,9 @@ class TuneWork extends Work {
 
   changed(name) {
     if (name !== "plant") return;
-    const { loop, plants } = this.facts;
-    this.form.show(IN_LOOP, loop);
+    const { loop, plants, form } = this.facts;
+    const folded = form.filter((field) => field.group).map((field) => field.name);
+    this.form.show([...IN_LOOP, ...folded], loop);
     this.form.show(ON_SAMPLES, !loop);
     const plant = loop ? plants.find((each) => each.name === this.form.shown("plant")) : undefined;
     showGrounds(this.form, plant, [["", S.asCompared]]);

@@ -178,11 +178,7 @@ export class Work extends Pane {
 
 /** A view whose results are lines, pictures and files to load, one below the other. */
 export class ResultWork extends Work {
-  /**
-   * @param {Page.Store} store
-   * @param {Page.Hand} hand
-   * @param {Kind} kind
-   */
+  /** @param {Kind} kind */
   constructor(store, hand, kind) {
     super(store, hand, kind);
     this.results = el("div", { class: "verdicts" });
