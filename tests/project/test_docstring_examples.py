@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
 SOURCE = Path(fuzzyarm.__file__).parent
 MODULES = sorted(
@@ -16,6 +17,17 @@ MODULES = sorted(
     for path in SOURCE.rglob("*.py")
     if ">>> " in path.read_text("utf-8")
 )
+
+
+@pytest.fixture(autouse=True)
+def _kinds_of_examples():
+    """Take back the kinds that an example registers: other tests list all there are."""
+    registries = (SHAPES, TNORMS, SNORMS, HEDGES, DEFUZZIFIERS)
+    before = [set(registry) for registry in registries]
+    yield
+    for registry, names in zip(registries, before, strict=True):
+        for name in set(registry) - names:
+            registry.remove(name)
 
 
 def test_there_are_examples():
