@@ -66,7 +66,7 @@ _KINDS = {"rulebase": "rule base", "controller": "controller", "output": "table"
 
 
 def what_it_is(text: str) -> tuple[str, str]:
-    """Return of which kind the text of a file is, and what it says of itself.
+    """Return the kind of the text of a file, and its description.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ class Certificate:
     fingerprints : dict of str to str
         SHA-256 of the controller's file and of those that it uses, by name.
     evidence : Evidence
-        What is said of the loop.
+        The facts about the loop that the proof uses.
     continuous : bool
         Whether the loop is taken in continuous time.
     p : matrix of Fraction
@@ -104,7 +104,7 @@ class Certificate:
 
     @property
     def seal(self) -> str:
-        """SHA-256 of all that it says."""
+        """SHA-256 of its contents."""
         return str(self.as_data()["seal"])
 
 
@@ -245,7 +245,7 @@ def unsealed(whole: Field, kind: str) -> Field:
 
 
 def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return data with the SHA-256 of all that it says."""
+    """Return data with the SHA-256 of its contents."""
     return {**data, "seal": _seal(data)}
 
 

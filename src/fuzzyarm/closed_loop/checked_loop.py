@@ -6,7 +6,7 @@ The controller is walked as the program that runs (:mod:`fuzzyarm.closed_loop.pr
 plant's equations are differentiated in intervals of rationals (:mod:`fuzzyarm.closed_loop.slopes`),
 its motion over a period is a series with a bounded tail, and what is said of rule bases is checked
 on their pieces (:mod:`fuzzyarm.closed_loop.rule_pieces`). A certificate says which gains to check;
-nothing in it is believed, and of the search no code is used.
+nothing in it is trusted, and no code of the search is used.
 
 A loop may rest where numbers are not rational. Then z is how far it is from a true rest of which
 only an interval is known: that there is one in it, and no other, is proved by Krawczyk's operator
@@ -159,7 +159,7 @@ def checked_loop(
     continuous: bool = False,
     pieces: PiecesOfRules | None = None,
 ) -> CheckedLoop:
-    """Derive a loop from its files, and check on the way what a certificate says of it.
+    """Derive a loop from its files, and check the statements of a certificate on the way.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def checked_loop(
     names : sequence of str
         Of z: states of the plant first, then memory.
     evidence : Evidence
-        What is said of it.
+        The statements of the certificate.
     continuous : bool
         As if the controller ran without a period.
     pieces : PiecesOfRules, optional

@@ -50,7 +50,7 @@ _PARTS = {"from": "from_", "with": "with_", "at": "at"}
 
 
 def _unheard(_statement: str, _count: int, _gap: float) -> None:
-    """Hear what nobody is told."""
+    """Ignore progress."""
 
 
 def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
@@ -66,7 +66,7 @@ def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]
 
 
 def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
-    """Return what is asked beside the lines of files."""
+    """Return the statements of a request beside the lines of files."""
     controller = controller_if_any(path)
     if request.check is not None:
         return [check_certificate(request.check, controller)]

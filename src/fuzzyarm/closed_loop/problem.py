@@ -1,4 +1,4 @@
-"""What a claim about a closed loop is about: controller, plant, parameters, starts and set point.
+"""The subject of a claim about a closed loop: controller, plant, parameters, starts, set point.
 
 The loop is that of :mod:`fuzzyarm.loop.loop`: in each control period sensors read the outputs,
 then the controller runs, then the limits of the actuators hold, then the plant moves on with its
@@ -44,14 +44,14 @@ __all__ = [
 
 
 class LoopProofError(FuzzyarmError, ValueError):
-    """Nothing can be proved of a loop; it says what is in the way."""
+    """Nothing can be proved about a loop; the message says why."""
 
     def __init__(self, message: str, *, hint: str = "") -> None:
         super().__init__(message, hint=hint)
 
 
 class ClaimError(LoopProofError):
-    """A claim names what its plant does not have, or has ends in the wrong order."""
+    """A claim uses a name that its plant does not have, or an interval with its ends exchanged."""
 
 
 # ── the record ───────────────────────────────────────────────────────────────────────

@@ -84,7 +84,7 @@ class TubeCertificate:
 
     @property
     def seal(self) -> str:
-        """SHA-256 of all that it says."""
+        """SHA-256 of its contents."""
         return str(self.as_data()["seal"])
 
     def refutation(self, text: ControllerText, plant: Plant | None = None) -> str:
@@ -172,7 +172,7 @@ def write_certificate(certificate: Certificate | TubeCertificate, path: str) -> 
 
 
 def read_certificate(path: str) -> Certificate | TubeCertificate:
-    """Read a certificate of a region or of a tube; whether it proves anything is not asked.
+    """Read a certificate of a region or of a tube, without checking its proof.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which file a controller can be read from, and what is said of one where it cannot."""
+"""Which files a controller can be read from, and the errors for other files."""
 
 from __future__ import annotations
 

@@ -229,7 +229,7 @@ def model_constants(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
 #   17 … 20  back: the torque of both joints, and the voltage of both motors
 
 TOLD = 17
-"""Numbers that an arm's law is told."""
+"""Numbers in the input of a law of the arm."""
 
 SIGNALS = 21
 """Length of that array."""

@@ -1,6 +1,6 @@
 """A controller as text, written down for its kernel: cells and instructions.
 
-The layout of both is told in :mod:`fuzzyarm.controller.kernel`.
+Their layout is described in :mod:`fuzzyarm.controller.kernel`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 
 Sheet = RuleBase | LookupTable
-"""What a controller looks up: a rule base or a table."""
+"""A rule base or a table that a controller looks up."""
 
 AXIS = "joint"
 """Name of the input that tells the tables of the axes apart, with levels 1, 2 …"""
@@ -77,7 +77,7 @@ class Wiring:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a table that learns stands among the cells."""
+    """Position of a learning table among the cells."""
 
     values: int
     visits: int
@@ -86,7 +86,7 @@ class Place:
 
 @dataclass(frozen=True)
 class ControllerCode:
-    """A controller as its kernel takes it.
+    """A controller in the form of its kernel.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class ControllerCode:
         return cells
 
     def instructions(self) -> list[int]:
-        """Return what is done, in order, without on what."""
+        """Return the operations in order, without their operands."""
         return self.code[1 : 1 + to.INSTRUCTION * self.code[0] : to.INSTRUCTION]
 
     def memory(self) -> list[int]:
@@ -202,7 +202,7 @@ _FUSED = {
     (to.MULTIPLY, to.MULTIPLY): to.MULTIPLY_BOTH,
     (to.MULTIPLY, to.DIVIDE): to.MULTIPLY_DIVIDE,
 }
-"""Instructions that are one where the second takes what the first has made."""
+"""Pairs of instructions that fuse when the second takes the result of the first."""
 
 
 def _argument(word: str) -> str:
@@ -309,7 +309,7 @@ class _Writer:
         return into
 
     def _move(self, into: int, cell: int, *, rounded: bool) -> None:
-        """Have a value in another cell: where it was made last, it is made there at once."""
+        """Move a value to another cell; the last instruction writes it there directly."""
         if cell != self.scratch or self.code[-5] != cell:
             self._do(to.COPY, into, cell)
         self.code[-5] = into
@@ -521,7 +521,7 @@ class _Writer:
         self.parts.append(numbers)
         self.parts_size += len(numbers)
         holds = [output.no_rule == "hold" for output in rulebase.outputs]
-        # Nothing is there to hold before a rule has fired.
+        # Before a rule has fired there is no value to hold.
         results = [self._cell(math.nan if holds_output else 0.0) for holds_output in holds]
         self.inferences[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)

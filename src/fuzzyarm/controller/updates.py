@@ -1,8 +1,8 @@
-"""The updates of sources as functions by address, and how their numbers lie among the cells.
+"""Updates of sources as functions by address, and the layout of their numbers in the cells.
 
-Each line with a source that has an update owns a **frame** of cells, in this order: what the
-source gives, what it remembers, and the other arguments of its update: what it is taken of, the
-period, then numbers of its options and what is fetched from other cells in every period. The
+Each line with a source that has an update owns a **frame** of cells, in this order: the
+value of the source, its states, and the other arguments of its update: its input, the period, then
+numbers of its options and values fetched from other cells in every period. The
 function takes the arguments as one array and fills in what it gives and remembers, which is the
 beginning of the frame.
 
@@ -86,7 +86,7 @@ def _quiet(kind: SourceKind) -> Callable[[Any, Any], None]:
 # ── where it can be ──────────────────────────────────────────────────────────────────
 
 MOST_PERIODS = 32
-"""So many periods are followed one by one before ends that still move are taken for infinite."""
+"""Periods to follow one by one; bounds that still move after these are taken for infinite."""
 
 
 def range_of_source(

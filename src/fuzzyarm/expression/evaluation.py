@@ -1,8 +1,8 @@
-"""Readings of an expression that give values: numbers, arrays, bounds; and its derivative.
+"""Evaluation of an expression: numbers, arrays and bounds; and its derivative.
 
 Each is one walk over the graph, arguments first, that looks every operation up in
-:data:`~fuzzyarm.expression.operations.OPERATIONS`. What runs often is not walked but printed
-as source text and compiled, see :mod:`fuzzyarm.expression.printing`.
+:data:`~fuzzyarm.expression.operations.OPERATIONS`. Code that runs often is printed
+as source text and compiled instead, see :mod:`fuzzyarm.expression.printing`.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def evaluate(root: Node, values: Mapping[str, float]) -> float:
 
 
 def specialise(root: Node, values: Mapping[str, float]) -> Node:
-    """Return an expression with numbers in place of some symbols, and what follows from them.
+    """Return an expression with numbers for some symbols, constants folded.
 
     A part without symbols becomes its value, with the bits that :func:`evaluate` gives, and
     a choice by such a condition becomes its branch. Nothing else is simplified: x + 0 stays.
@@ -93,7 +93,7 @@ def _folded(node: Apply, nodes: Mapping[Node, Node]) -> Node:
 
 @cache
 def array_function(name: str) -> Callable[..., Any]:
-    """Return what an operation is over arrays; the first of equal arguments, as over floats."""
+    """Return an operation over arrays; of equal arguments it returns the first, as over floats."""
     import numpy as np
 
     if name == "minimum":
@@ -180,7 +180,7 @@ def evaluate_arrays(
     order : sequence, optional
         What :func:`schedule` returns, where many calls share it and arrays are large.
     as_floats : bool
-        Ask functions such as ``exp`` number by number, which takes fifty times as long.
+        Evaluate functions such as ``exp`` number by number, which takes fifty times as long.
 
     Returns
     -------
@@ -279,8 +279,8 @@ def bounds(root: Node, ranges: Mapping[str, tuple[float, float]]) -> Interval:
     Returns
     -------
     Interval
-        Rounded outwards: it holds the values of floats and of real numbers. Where an
-        operation has no value (the root of -1) there is none to hold.
+        Rounded outwards: it holds the values of floats and of real numbers. Values that
+        do not exist (the root of -1) need not be contained.
 
     References
     ----------
@@ -314,11 +314,11 @@ _DOMAINS: dict[str, Callable[..., bool]] = {
     "asin": lambda a: a.low >= -1.0 and a.high <= 1.0,
     "acos": lambda a: a.low >= -1.0 and a.high <= 1.0,
 }
-"""Of operations that have no value somewhere: whether they have one all over intervals."""
+"""For partial operations: whether they have a value all over some intervals."""
 
 
 def may_lack_values(root: Node) -> bool:
-    """Whether something in an expression has no value for some arguments, overflow aside."""
+    """Whether a part of an expression is undefined for some arguments, overflow aside."""
     return any(isinstance(node, Apply) and node.operation in _DOMAINS for node in postorder(root))
 
 

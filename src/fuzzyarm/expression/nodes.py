@@ -1,9 +1,9 @@
 """Expressions as graphs: what a formula or the definition of a kind computes, as data.
 
 A node is a constant, a symbol or an operation applied to nodes. Equal nodes are the same
-object, so a part that stands twice in an expression is one node with two parents: readings
-walk the graph and do each part once. The operations themselves, and what each of them means
-to a reader, stand in :mod:`fuzzyarm.expression.operations`.
+object, so a part that occurs twice in an expression is one node with two parents: readings
+walk the graph and do each part once. The operations themselves, and their meaning for
+each reader, are in :mod:`fuzzyarm.expression.operations`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _nodes: WeakValueDictionary[tuple[object, ...], Node] = WeakValueDictionary()
 
 
 class Node:
-    """What all nodes have: identity as equality, and the operators of Python.
+    """Base of all nodes: equality is identity, and Python's operators build expressions.
 
     A comparison gives a node that is a condition; ``op.where`` chooses by it. A condition is
     joined by ``&`` and ``|`` and denied by ``~``. Equality of values is ``op.equal``: two
@@ -162,11 +162,11 @@ class Apply(Node):
 
 
 Number: TypeAlias = Node | float
-"""What stands for a number in the definition of a kind."""
+"""A number in the definition of a kind."""
 
 
 def constant(value: float) -> Constant:
-    """Return the node of a number; 0.0 and -0.0 are two."""
+    """Return the node of a number; 0.0 and -0.0 differ."""
     value = float(value)
     # The bits are the key: 0.0 == -0.0, and NaN does not equal itself.
     key = ("constant", struct.pack("d", value))
@@ -301,7 +301,7 @@ def trace(function: Callable[..., Number], names: Iterable[str]) -> Node:
     Raises
     ------
     TypeError
-        If the function asks an expression for its value, as ``if`` and :mod:`math` do.
+        If the function needs the value of an expression, as ``if`` and :mod:`math` do.
     """
     result = function(*(symbol(name) for name in names))
     # A bool is an int in Python, but a definition that returns one has compared plain numbers.

@@ -1,4 +1,4 @@
-"""The table of operations: one record says what an operation means to every reader.
+"""The table of operations: one record defines an operation for every reader.
 
 Floats, arrays, source text in three languages, derivatives and bounds are all read from
 here, and from nowhere else. To add an operation is to add a record.
@@ -40,7 +40,7 @@ Partials = Callable[..., tuple[Number, ...]]
 
 
 class Operation(NamedTuple):
-    """What one operation is to each of its readers.
+    """An operation, as each reader needs it.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Operation(NamedTuple):
     scalar : callable
         The value of floats; never raises.
     array : str
-        The function of NumPy, or empty where `scalar` tells it (``where``).
+        The function of NumPy; empty if `scalar` serves for arrays, too (``where``).
     python, c, st, js : str
         Source text with ``{0}`` and so on for the arguments. Empty where a language has
         none; in JavaScript it is then that of C. In C a name after ``@`` takes the suffix
@@ -66,7 +66,7 @@ class Operation(NamedTuple):
     exact : bool
         Whether the value is one of the arguments, or exact: nothing is rounded.
     sort : str
-        What it counts as among the operations of a program.
+        Its class when the operations of a program are counted.
     """
 
     name: str
@@ -90,12 +90,12 @@ class Operation(NamedTuple):
 
     @property
     def of_library(self) -> bool:
-        """Whether its last bit is the C library's, of which NumPy has its own functions."""
+        """Whether its last bit depends on the C library; NumPy's function may differ from that."""
         return self.sort == "functions" and not self.exact and self.name not in _CORRECTLY_ROUNDED
 
 
 _CORRECTLY_ROUNDED = frozenset({"sqrt", "remainder"})
-"""Functions of which every machine gives the same bits."""
+"""Functions with the same bits on every machine."""
 
 
 # ── floats ───────────────────────────────────────────────────────────────────────────
@@ -151,7 +151,7 @@ def _logarithm(function: Callable[[float], float]) -> Callable[[float], float]:
 
 
 def _whole(function: Callable[[float], float]) -> Callable[[float], float]:
-    """Return a rounding that leaves alone what is not finite, and the sign of zero."""
+    """Return a rounding that keeps infinities, NaN and the sign of zero."""
 
     def rounded(x: float) -> float:
         return math.copysign(float(function(x)), x) if math.isfinite(x) else x

@@ -98,7 +98,7 @@ def lay_out(
 
 @remembered
 def what_is_not_covered(rulebase: RuleBase) -> str:
-    """Return what the kernel cannot evaluate of a rule base; empty where it covers it."""
+    """Return why the kernel cannot evaluate a rule base; empty if it can."""
     try:
         lay_out(plan_of(rulebase), compiled=False)
     except NotCoveredError as error:
@@ -110,7 +110,7 @@ _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
 """Programs by what they are written from, with how many heights each output has."""
 
 MOST_KNOWN, MOST_KEPT = 16, 50_000
-"""How many are kept before all make room; and the whole numbers of the longest."""
+"""How many are kept before the cache is cleared; and the largest size of one."""
 
 
 class _Writer:
@@ -285,7 +285,7 @@ class _Writer:
     ) -> None:
         """Write the programs, or take over those of a layout that differs in its floats only.
 
-        They are nearly all of the work, and name nothing but places: where the same terms meet
+        They are nearly all of the work, and contain only positions: where the same terms meet
         in the same cells, and the same numbers of them stand in the same places, they are equal.
         So a rule base whose terms are moved a little, as in tuning, costs a fraction.
         """

@@ -1,7 +1,7 @@
-"""A rule base made ready for evaluation: what depends on what, and in which order.
+"""A rule base prepared for evaluation: dependencies and order.
 
 A plan is data in plain Python, shared by the engine for one point, the engine for arrays
-and the compiled one. Making it also finds what the model itself does not rule out:
+and the compiled one. Making it also finds errors that the model itself does not rule out:
 unknown names, cycles, ranges that an integral cannot take.
 """
 
@@ -88,7 +88,7 @@ class OutputPlan(NamedTuple):
     output : Output
         The output.
     record : DefuzzifierKind
-        All that is known of its defuzzifier.
+        The record of its defuzzifier.
     members : tuple of Member
         Its distinct consequents.
     contributions : tuple of (int, int)
@@ -96,9 +96,9 @@ class OutputPlan(NamedTuple):
     discrete : bool
         Whether all members are numbers rather than sets to be integrated.
     closed : ClosedForm or None
-        Of the exact centroid, where there is one.
+        Closed form of the exact centroid, if there is one.
     stretches : tuple of Stretch
-        Where sets may cross, for what is integrated piece by piece.
+        Where sets may cross, for integration piece by piece.
     sides : tuple of int
         For each member whether it is one of the upper or of the lower set, ``UPPER`` or
         ``LOWER`` of :mod:`.firing_intervals`; empty for a set of type 1.
@@ -238,7 +238,7 @@ def _check_reference(rulebase: RuleBase, part: Is | Consequent, names: list[str]
 
 
 class _Ordered(NamedTuple):
-    """Rules in order, what they were made of, and what all that depends on."""
+    """Rules in order, their sources, and all that they depend on."""
 
     blocks: tuple[RuleBlock, ...]
     names: tuple[Any, ...]
@@ -269,7 +269,7 @@ def _order_once(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[Planne
 
 
 def _name_of(term: Term) -> tuple[str, str | Shape]:
-    """Return what rules depend on: the name of a term and its kind; of a formula all it says."""
+    """Return what rules depend on: the name and the kind of a term, or the whole of a formula."""
     return term.name, term.shape if term.shape.kind == "formula" else term.shape.kind
 
 

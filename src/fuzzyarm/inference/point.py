@@ -50,7 +50,7 @@ Degree = tuple[int, float]
 
 
 class NumberedProposition(NamedTuple):
-    """A term with its hedges, under the number that rules know it by."""
+    """A term with its hedges, under its number in the rules."""
 
     number: int
     lines: StraightShape | None
@@ -108,11 +108,11 @@ STEPS_BEFORE_KERNEL = 100_000
 """Samples evaluated in plain Python, at a point each, before the kernel is asked."""
 
 STEPS_OF_AN_INTEGRAL = 4_000
-"""Positions at which a quadrature looks, at a guess."""
+"""Estimated number of positions that a quadrature evaluates."""
 
 
 class Point:
-    """What is known while one point is evaluated.
+    """The state of the evaluation of one point.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class PointEngine:
         )
 
     def is_worth_a_kernel(self) -> bool:
-        """Count an evaluation; tell whether sampled outputs were evaluated often by now.
+        """Count an evaluation; return whether sampled outputs have been evaluated often enough.
 
         One sample costs a step of the interpreter for each set that fired. Where that adds
         up to more than loading the kernel takes, the kernel does it, with the same bits.
@@ -415,7 +415,7 @@ class PointEngine:
         return tuple(name for name in self.plan.outputs if name in self._fuzzifiers)
 
     def run(self, inputs: Mapping[str, float], held: Mapping[str, float] | None = None) -> Point:
-        """Evaluate one point and return everything that was found on the way."""
+        """Evaluate one point and return all intermediate values."""
         point = Point(len(self._numbers), self.plan.outputs)
         self._take(point, inputs)
         if held:
@@ -550,7 +550,7 @@ def holds_arrays(inputs: Mapping[str, Any]) -> bool:
 def number_of(name: str, value: Any) -> float:
     """Return the value of an input; raise NotANumberError where it is not a number.
 
-    Text is not, even of digits: what came from a file or a form has not been read yet.
+    Text is not a number, even if it is digits: input from a file or a form must be parsed first.
     """
     kind = getattr(getattr(value, "dtype", None), "kind", "")
     if not isinstance(value, str | bytes | bytearray) and kind not in ("U", "S"):

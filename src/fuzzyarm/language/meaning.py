@@ -1,8 +1,8 @@
 """Turn a syntax tree into a RuleBase, as far as its statements are sound.
 
 :func:`elaborate` walks the statements and judges the whole: declarations are in
-:mod:`fuzzyarm.language.declarations`, rules in :mod:`fuzzyarm.language.rule_meaning`, what is
-demanded of them in :mod:`fuzzyarm.language.demands`.
+:mod:`fuzzyarm.language.declarations`, rules in :mod:`fuzzyarm.language.rule_meaning`, their
+demands in :mod:`fuzzyarm.language.demands`.
 """
 
 from __future__ import annotations
@@ -126,8 +126,8 @@ def elaborate(
 def judge_statement(node: StatementNode, scope: Scope) -> None:
     """Add one statement to `scope`, below those that it has, and report what is wrong with it.
 
-    For a rule base that is written statement by statement: what :func:`elaborate` would say of
-    it at this point, except for what only the whole can tell.
+    For a rule base that is written statement by statement: the findings of :func:`elaborate` at
+    this point, except for those that need the whole file.
     """
     if isinstance(node, VariableNode):
         declare_variable(node, scope)
@@ -228,7 +228,7 @@ def _rules_of(
         rules = elaborate_rule(node, scope)
     else:
         rules = [rule for part in node.parts for rule in elaborate_grid(part, scope, budget)]
-    if not scope.overflows:  # else it may have been given up half-way
+    if not scope.overflows:  # otherwise it may have been abandoned half-way
         memory.keep_rules(node, rules, scope.diagnostics[before:])
     return rules
 

@@ -69,7 +69,7 @@ class Printed:
         self._tight = True
 
     def break_off(self, how: Break) -> None:
-        """Note that the line goes on below where it is too long."""
+        """Note that the line continues below if it is too long."""
         self.breaks = self.columns[-1], how
         self.columns[-1] = ""
         self._tight = True
@@ -86,7 +86,7 @@ class Printed:
 
 
 class Part:
-    """One part of a row; by itself it reads, prints and names nothing."""
+    """One part of a row; the base class reads, prints and names nothing."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it into `values`."""
@@ -131,7 +131,7 @@ class Keyword(Part):
 
 
 class FixedText(Part):
-    """A word or a mark that must stand there; `where` completes *expected 'x' …*."""
+    """A word or a mark that is required; `where` completes *expected 'x' …*."""
 
     def __init__(self, text: str, where: str = "", doc: str = "") -> None:
         self.text, self.where, self.doc = text, where, doc
@@ -156,7 +156,7 @@ class FixedText(Part):
 
 
 class Flag(Part):
-    """A word that may stand there."""
+    """An optional word."""
 
     def __init__(self, field: str, text: str, doc: str = "") -> None:
         self.field, self.text, self.doc = field, text, doc
@@ -184,7 +184,7 @@ class Flag(Part):
 
 
 class Column(Part):
-    """Where the column begins that stands below that of neighbours."""
+    """Where a column begins that is aligned with those of neighbouring lines."""
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
@@ -192,7 +192,7 @@ class Column(Part):
 
 
 class Break(Part):
-    """Where a line longer than `width` goes on in its own line."""
+    """Where a line longer than `width` continues on a line of its own."""
 
     def __init__(self, width: int, margin: str) -> None:
         self.width, self.margin = width, margin
@@ -203,7 +203,7 @@ class Break(Part):
 
 
 class Suggest(Part):
-    """Names something longer that could stand there, for an editor to offer."""
+    """Names a longer phrase that is possible here, for an editor to offer."""
 
     def __init__(self, what: str, about: tuple[str, ...] = ()) -> None:
         self.what, self.about = what, about
@@ -216,7 +216,7 @@ class Suggest(Part):
 # --- Names, numbers, strings ---
 
 Mention = Callable[[Word, Any], Occurrence]
-"""What a name is, told by itself and its node."""
+"""Returns the occurrence of a name, from the name and its node."""
 
 
 class Name(Part):
@@ -366,7 +366,7 @@ class Text(Part):
 
 
 class Phrase(Part):
-    """Something that knows by itself how it is read and printed: a shape, a sum, an antecedent.
+    """A phrase with its own reader and printer: a shape, a sum, an antecedent.
 
     Parameters
     ----------
@@ -381,7 +381,7 @@ class Phrase(Part):
     mentions : callable, optional
         From the value to its names; the value is asked by default, if it can be.
     empty : object, optional
-        What the field is where the phrase is not there.
+        Value of the field without the phrase.
     words : mapping, optional
         Its words of the language.
     tight : str, optional
@@ -493,7 +493,7 @@ class Several(Part):
 
 
 class _Holder:
-    """A node with another value in one of its fields."""
+    """A view of a node with another value in one of its fields."""
 
     __slots__ = ("_field", "_item", "_node")
 
@@ -535,7 +535,7 @@ class _Together(Part):
 
 
 class Maybe(_Together):
-    """Parts that stand there where the first, a mark, does; `flag` notes whether."""
+    """Optional parts that begin with a mark; `flag` notes whether they are there."""
 
     def __init__(self, *parts: Part, flag: str = "", likely: bool = False) -> None:
         self.parts, self.flag, self.likely = parts, flag, likely
@@ -638,7 +638,7 @@ class OptionParts(Part):
 
 
 class Forgiving(_Together):
-    """Parts after the name that a statement declares: where they are at fault, it is known.
+    """Parts after the name that a statement declares; the name counts even if they are at fault.
 
     They are then as if they were not there; with `finish` the line ends with them.
     """
@@ -654,7 +654,7 @@ class Forgiving(_Together):
                 cursor.finish()
         except Fault as fault:
             cursor.forgive(fault)
-            # Also what was read before the fault: half a range is none.
+            # Also fields read before the fault: half a range is not a range.
             values.update(self.fields())
 
 
@@ -698,10 +698,10 @@ class OneOf(Part):
 
 
 def declares(kind: NameKind) -> Mention:
-    """Return what a name is that is declared where it stands."""
+    """Return a mention that declares the name."""
     return lambda word, node: declared(kind, word)
 
 
 def refers(kind: NameKind) -> Mention:
-    """Return what a name is that is declared elsewhere."""
+    """Return a mention that refers to a name declared elsewhere."""
     return lambda word, node: Occurrence(kind, word, word.span)

@@ -1,7 +1,7 @@
-"""A statement as a row of parts: what reads it, prints it, finds its names and shows its syntax.
+"""A statement as a row of parts, which read it, print it, find its names and show its syntax.
 
 A :class:`StatementRow` names a node, a plain record of fields, and the parts of its line in order
-(:mod:`fuzzyarm.language.parts`). What one asks of any node is at the end.
+(:mod:`fuzzyarm.language.parts`). The functions for any node are at the end.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ class StatementRow:
     parts : Part
         In order.
     indent : str, optional
-        What stands in front of the line.
+        Indentation of the line.
     gap : str, optional
         Between columns, where neighbours of the kind are aligned.
     """
@@ -231,7 +231,7 @@ class ByHand(StatementRow):
 
 @dataclass(frozen=True)
 class StatementKind:
-    """A record: the word that starts a statement, its row, and what a person is told of it.
+    """A record: the word that starts a statement, its row, and its help.
 
     Attributes
     ----------
@@ -242,7 +242,7 @@ class StatementKind:
     row : StatementRow
         Its node and its parts.
     outline : str
-        What the outline of a file calls it; empty where it has no part in the outline.
+        Its name in the outline of a file; empty if it is not in the outline.
     takes_lines : bool
         Whether lines below belong to it.
     """
@@ -269,7 +269,7 @@ class StatementKind:
         return self.row.words
 
 
-# --- What is asked of any node ---
+# --- Any node ---
 
 
 def text_of(node: Any) -> str:
@@ -279,7 +279,7 @@ def text_of(node: Any) -> str:
 
 def sentence(node: Any) -> str:
     """Return the part after the first word of a node, on one line."""
-    # A long rule goes on below, and a grid has its lines there.
+    # A long rule continues below, and a grid has its lines there.
     lines = text_of(node).split("\n")
     return " ".join(line.strip() for line in lines).split(" ", 1)[1]
 

@@ -7,8 +7,8 @@ help, the table of the syntax, the grammar of the editor's extension (the words 
 renaming and the outline (its mentions).
 
 To add a statement: write its node below, add its row to :data:`STATEMENTS`, and say what it means
-in :func:`fuzzyarm.language.meaning.elaborate`. Two are written by hand, since they are no line of
-parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
+in :func:`fuzzyarm.language.meaning.elaborate`. Two are written by hand, since they are not a line
+of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ __all__ = [
 
 
 class StatementNode(Protocol):
-    """What every statement has."""
+    """The interface of every statement."""
 
     @property
     def span(self) -> Span:
@@ -175,7 +175,7 @@ LOOKUP_ITEMS: dict[str, str] = {
     "bins": "thresholds between neighbouring levels",
     "round": "the step that the values of the lookup table are rounded to",
 }
-"""What a line of ``lookup`` starts with."""
+"""The first words of the lines of ``lookup``."""
 
 
 class LookupItem(NamedTuple):
@@ -351,7 +351,7 @@ class ProveNode(NamedTuple):
 
     @property
     def claim(self) -> str:
-        """What is claimed, without the region."""
+        """The claim without its region."""
         name = "" if self.output is None else name_text(self.output)
         by = "" if self.input is None else name_text(self.input)
         high = "" if self.high is None else number_text(self.high)

@@ -70,7 +70,7 @@ from fuzzyarm.text.placed import Figure, Word
 # --- Finding the grids in a flat list of rules, without changing their order ---
 
 _FEWEST = 4
-"""Rules that make a grid worth its lines."""
+"""Least number of rules for a grid."""
 
 
 class _TermOrder(dict[tuple[str, str], int]):
@@ -85,7 +85,7 @@ class _TermOrder(dict[tuple[str, str], int]):
         self._rulebase = rulebase
 
     def __missing__(self, names: tuple[str, str]) -> int:
-        """Say which name of a model that was made in Python does not exist."""
+        """Raise an error for a name that a model built in Python does not have."""
         variable, term = names
         self._rulebase.variable(variable).term(term)
         raise AssertionError(names)
@@ -319,7 +319,7 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
     settings |= {
         variable.name: (_choice("outside", variable.outside),) for variable in rulebase.inputs
     }
-    # What most variables share is said once, for the others each by itself.
+    # The most common setting is written once, others for their variables.
     nodes = {
         str(setting_node): setting_node
         for distinct in settings.values()

@@ -1,4 +1,4 @@
-"""What the loop is told of an experiment: set points, plant, sensors, disturbances, limits."""
+"""An experiment as the loop takes it: set points, plant, sensors, disturbances, limits."""
 
 from __future__ import annotations
 
@@ -224,7 +224,7 @@ MOST_POINTS = 20_000_000
 
 
 def require_points(duration: float, set_point: float) -> int:
-    """Return how many set points fill a time; PlantError if they are none, or too many."""
+    """Return how many set points fill a time; PlantError for none or too many."""
     count = math.ceil(duration / set_point - 1e-9) if duration < math.inf else 0
     if not 1 <= count <= MOST_POINTS:
         hint = f"up to {MOST_POINTS:,} set points of {set_point:g} s"
@@ -433,7 +433,7 @@ class Course:
 
     @property
     def _true(self) -> int:
-        """Cell of the first output as it is: behind what laws are told and the room for drives."""
+        """Cell of the first true output: behind the input of the laws and the room for drives."""
         return self.site.told + len(self.site.interface.inputs)
 
     @property

@@ -542,7 +542,7 @@ def stream(
 
 
 def check_extremes(bench: Bench, changes: Columns) -> None:
-    """Try the smallest and the largest value of everything, so that mistakes are told at once."""
+    """Try the smallest and the largest value of everything, so that mistakes show at once."""
     shared = bench.experiment.shared
     for name, values in changes.items():
         values_given = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]

@@ -1,4 +1,4 @@
-"""A run that is not over: advanced in parts, pushed by hand, its gains changed as it goes on.
+"""A run in progress: advanced in parts, with loads and gains changed on the way.
 
 All that a run is stands in the arrays of the loop, so that a run in parts has the bits of a
 whole one, and what is changed between two parts counts from there on.
@@ -92,7 +92,7 @@ class OpenRun:
             self._loop(*self._inputs, *self._program_inputs, *self.record.outputs)
         self.seconds += time.perf_counter() - begin
 
-    # --- What is changed as it goes on ---
+    # --- Changes during a run ---
 
     def push(self, loads: Mapping[Address, float]) -> None:
         """Add to drives behind their limits, from now on; beside the loads of the options.
@@ -119,7 +119,7 @@ class OpenRun:
     def take_over(self, controller: Controller) -> None:
         """Go on with another controller of the same structure; what is remembered stays.
 
-        So gains, terms and tables are changed while a run goes on.
+        This changes gains, terms and tables during a run.
         """
         program = LoopProgram(controller_on(controller, self.site), self.program.arithmetic)
         if not program.compilable or program.structure() != self.program.structure():

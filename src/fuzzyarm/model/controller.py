@@ -1,7 +1,7 @@
-"""What a controller as text means: uses, gains, signals and drives. Plain frozen data.
+"""The meaning of a controller as text: uses, gains, signals and drives. Plain frozen data.
 
-A controller is a straight line of definitions, done once in each control period for each of its
-axes, in the order of the text. What a signal may come from is the table :data:`SOURCES`
+A controller is a list of definitions, evaluated once in each control period for each of its
+axes, in the order of the text. The possible sources of a signal are the table :data:`SOURCES`
 (:mod:`fuzzyarm.expression.sources`); the reader, the checks, the kernel and the exported program
 know no other.
 
@@ -53,7 +53,7 @@ TIMES = {
     "min": (60.0, 1.0),
     "h": (3600.0, 1.0),
 }
-"""Units of time: so many seconds, divided by so many, that 0.6 ms is the float nearest to it."""
+"""Units of time as a multiplier and a divisor of seconds, so that 0.6 ms is the nearest float."""
 
 
 class Time(float):
@@ -102,7 +102,7 @@ class Amount:
 
 
 class Tune(NamedTuple):
-    """Between what a gain may move when it is tuned, and whether in steps of its logarithm."""
+    """The range in which a gain may move when it is tuned, and whether its scale is logarithmic."""
 
     low: float
     high: float
@@ -195,11 +195,11 @@ class Source:
 
     @property
     def record(self) -> SourceKind:
-        """What is known of its kind; KindError where nothing is."""
+        """The record of its kind; KindError if it is unknown."""
         return SOURCES[self.kind]
 
     def option(self, word: str) -> Setting | None:
-        """Return an option; None where it is not given."""
+        """Return an option; None without it."""
         return dict(self.options).get(word)
 
 
@@ -298,7 +298,7 @@ Line = SignalLine | Zoom | Learn | Drive
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """``axis A, B``: what is done for each of them, in order.
+    """``axis A, B``: the lines that are evaluated for each of them, in order.
 
     Parameters
     ----------
@@ -417,9 +417,9 @@ class ControllerModel(OfKind):
     uses, gains, partners, axes : tuple
         In the order of the text.
     rulebases : tuple of RuleBase
-        That stand in the same file; a controller knows them by name.
+        In the same file; the controller refers to them by name.
     claims : tuple of LoopClaim
-        What is to be proved of it in its loop.
+        Claims to be proved of its loop.
     """
 
     kind_of_value = CONTROLLER

@@ -29,7 +29,7 @@ samples rather than sums.
 """
 
 POSITION = "x"
-"""The name under which a formula that is a membership function knows where it is."""
+"""The name of the position in a formula that is a membership function."""
 
 
 class NotInModelError(FuzzyarmError, KeyError):
@@ -40,7 +40,7 @@ class NotInModelError(FuzzyarmError, KeyError):
     name : str
         As asked for.
     known : tuple of str
-        The names there are.
+        The names that exist.
     """
 
     def __init__(self, what: str, name: str, known: Sequence[str]) -> None:
@@ -202,7 +202,7 @@ class Defuzzifier:
 
     @property
     def record(self) -> DefuzzifierKind:
-        """All that is known of its method."""
+        """The record of its method."""
         return DEFUZZIFIERS[self.method]
 
     @property
@@ -232,7 +232,7 @@ class Variable(Plotted):
     description : str
         Free text.
     outside : str
-        What happens to a value outside the range: ``clamp``, ``extend`` (use as it is)
+        Treatment of a value outside the range: ``clamp``, ``extend`` (use as it is)
         or ``error``.
     """
 
@@ -435,7 +435,7 @@ class Lookup:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What an ``expect`` line says of one output.
+    """The demand of an ``expect`` line on one output.
 
     Attributes
     ----------
@@ -457,7 +457,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """An ``expect`` line: every input by name, and what must then hold."""
+    """An ``expect`` line: every input by name, and the demands on the outputs."""
 
     inputs: tuple[tuple[str, float], ...]
     outcomes: tuple[Outcome, ...]
@@ -466,7 +466,7 @@ class Expectation:
 
 @dataclass(frozen=True, slots=True)
 class Property:
-    """What a ``prove`` line says of one output, at every point of a box of the inputs.
+    """The claim of a ``prove`` line about one output, at every point of a box of the inputs.
 
     Attributes
     ----------
@@ -481,9 +481,9 @@ class Property:
     input : str
         The input of ``rises``, ``falls`` and ``slope``.
     low, high : float
-        Between what the slope must lie; `high` is the worst error of a ``table``.
+        Bounds of the slope; `high` is the largest error of a ``table``.
     mode : str
-        How the table is looked up: ``linear``, ``nearest`` or ``bins``.
+        The lookup mode of a table: ``linear``, ``nearest`` or ``bins``.
     """
 
     kind: str
@@ -512,7 +512,7 @@ class PeakTuning:
     partition : bool
         Whether feet stand under the neighbours' peaks.
     gap : float
-        How near neighbouring peaks may come, as a share of the range.
+        Least distance of neighbouring peaks, as a share of the range.
     """
 
     variables: tuple[str, ...]
@@ -531,11 +531,11 @@ class GainTuning:
     names : tuple of str
         Of the gains.
     low, high : float
-        Between what they may move.
+        The range in which they may move.
     times : bool
         Whether the ends are multiples of the value in the file.
     log : bool
-        Whether they move in steps of the logarithm; multiples always do.
+        Whether the scale is logarithmic; it always is for multiples.
     per_axis : bool
         Whether each axis gets its own value.
     """
@@ -556,9 +556,9 @@ class Tuning:
     Attributes
     ----------
     peaks : tuple of PeakTuning
-        What may move in the rule base.
+        The terms that may move in the rule base.
     gains : tuple of GainTuning
-        What may move in the controller that uses it.
+        The gains that may move in the controller that uses it.
     kept : tuple of (str, str)
         Variable and term that stay where they are; an empty term stands for all of them.
     """
@@ -618,7 +618,7 @@ class RuleBase(AnyRuleBase):
     properties : tuple of Property
         Its ``prove`` lines.
     tuning : Tuning or None
-        What may move when it is tuned.
+        Its ``tune`` block.
     """
 
     name: str
@@ -631,7 +631,7 @@ class RuleBase(AnyRuleBase):
     properties: tuple[Property, ...] = ()
     tuning: Tuning | None = None
 
-    if not TYPE_CHECKING:  # what wrote one by this name before goes on working
+    if not TYPE_CHECKING:  # older code builds one by this name
         __new__ = new_or_begun
         from_text = of_builder("from_text")
         of = of_builder("of")
@@ -699,8 +699,8 @@ def propositions(expression: Expression) -> Iterator[Is]:
 def last_conclusions(rulebase: RuleBase) -> dict[str, int]:
     """Return for each output the index of the last block that concludes it.
 
-    Only after that block is the output complete: rules that read it earlier are a fault to the
-    language, a circle to inference, and to other programs they take its last value.
+    Only after that block is the output complete: rules that read it earlier are an error
+    in the language, a cycle to inference, and in other programs they read its last value.
     """
     return {
         # Later entries replace earlier ones, so the last block wins.

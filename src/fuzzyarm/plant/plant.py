@@ -1,4 +1,4 @@
-"""What a plant is: ports, states, parameters and equations; its kernels for the closed loop."""
+"""Plants: ports, states, parameters and equations; their kernels for the closed loop."""
 
 from __future__ import annotations
 
@@ -114,12 +114,12 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Particulars:
-    """What a plant that brings its own kernels has that others have not.
+    """Properties of a plant that brings its own kernels.
 
     Attributes
     ----------
     extra : int
-        Numbers behind its outputs that laws are told and that are not ports.
+        Numbers behind its outputs that laws receive although they are not ports.
     room : int
         Numbers of its states and of the room behind them; 0 for what Runge-Kutta steps need.
     disturbed : tuple of str
@@ -175,8 +175,7 @@ class Plant:
     loaded_parameters : mapping of str to float
         Those with the load that it carries where a trajectory says so; others stay.
     ended : bool
-        Set by a plant in plain Python when it is over by itself, as an episode is; the run ends
-        there.
+        Set by a plant in plain Python to end the run, as an episode does.
 
     Examples
     --------
@@ -237,7 +236,7 @@ class Plant:
     """Of a plant that brings its own kernels, see :func:`dynamics_of`."""
 
     particulars: ClassVar[Particulars] = Particulars()
-    """What such a plant has that others have not."""
+    """Properties of such a plant."""
 
     def with_options(self, options: DriveOptions) -> Self:
         """Return it with the drives that the options of a run ask for."""
@@ -250,7 +249,7 @@ class Plant:
 
 
 class DriveOptions(Protocol):
-    """What the options of a run say of the drives of a plant that knows them."""
+    """Options of a run about the drives of a plant that has them."""
 
     @property
     def torque_limits(self) -> tuple[float, float]:
@@ -273,7 +272,7 @@ Address = tuple[str, str]
 
 @dataclass(frozen=True)
 class ReferenceQuantity:
-    """A quantity that a controller may ask a reference of.
+    """A quantity for which a controller may ask a reference.
 
     Attributes
     ----------

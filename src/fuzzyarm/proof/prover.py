@@ -55,10 +55,10 @@ Make = Callable[[Surface], Quotients]
 
 @dataclass(frozen=True)
 class QuotientProblem:
-    """A quotient over a box: what is asked, and how the inputs are cut for it.
+    """A quotient over a box, and the cuts of the inputs that it needs.
 
-    `steep`: slopes are asked for, which floats do not know where they are in doubt which of
-    two heights is higher.
+    `steep`: for slopes, which floats cannot give where they cannot tell which of two heights
+    is higher.
     """
 
     box: tuple[tuple[Fraction, Fraction], ...]
@@ -70,7 +70,7 @@ class QuotientProblem:
 
 
 class Prover:
-    """Proves statements on one output of a rule base; what it has cut it remembers.
+    """Proves statements on one output of a rule base; it caches the pieces that it has cut.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Prover:
         How far bounds may be from what is attained, in units of what is bounded; 1e-8 of
         the range of the output by default.
     stop : Stop, optional
-        When to give up, and whom to tell of progress.
+        When to give up, and the callback for progress.
     exact : bool
         Compute everything in rationals.
 
@@ -209,7 +209,7 @@ class Prover:
 
     @property
     def no_rule(self) -> float | None:
-        """The number that stands where there is no value; None where it is not a number."""
+        """The number in place of a missing value; None if it is not a number."""
         no_rule = self.output.no_rule
         is_number = isinstance(no_rule, int | float) and not math.isnan(no_rule)
         return float(no_rule) if is_number else None
@@ -253,7 +253,7 @@ class Prover:
         return self._clamped_or_refused(self.bounds_of(question))
 
     def demand_bounds(self) -> None:
-        """Refuse a rule base of which nothing is proved, before what takes long is made for it."""
+        """Refuse a rule base that cannot be proved about, before any long work."""
         if self.model is None:
             self._boxes(self.box({}))
 

@@ -309,7 +309,7 @@ class ControlStepCost:
 
 
 def is_counted(plant: Plant) -> bool:
-    """Whether costs are counted on a plant: with what laws are told of the arm."""
+    """Whether costs are counted on a plant: only on the arm."""
     return isinstance(plant, Arm)
 
 

@@ -1,4 +1,4 @@
-"""The axes of a lookup table and its header: what a table says of itself besides its values.
+"""The axes of a lookup table and its header: everything but its values.
 
 No numpy, so that checking a file is quick.
 """
@@ -30,7 +30,7 @@ _ALIASES = {"bilinear": "linear", "multilinear": "linear"}
 
 
 class TableError(FuzzyarmError, ValueError):
-    """A table, or a question to a table, that makes no sense."""
+    """A table is invalid, or a question to it is."""
 
 
 def mode_named(name: str) -> str:
