@@ -13,10 +13,15 @@ from pathlib import Path
 import pytest
 import skfuzzy
 
+import fuzzyarm
 from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
+from fuzzyarm.formats.fcl_text import is_cut
+from fuzzyarm.formats.fcl_writer import write_fcl
+from fuzzyarm.formats.meaning import root
+from fuzzyarm.formats.shapes import estimated_range, larger_wins
 from fuzzyarm.inference import InferenceError, infer, infer_interval
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.model.rulebase import Defuzzifier, Hedge, RuleBase, Shape
+from fuzzyarm.model.shapes import apply_hedges, membership
 from fuzzyarm.text.diagnostic import Severity
 
 DATA = Path(__file__).parent / "data"
@@ -554,3 +559,81 @@ def test_the_toolbox_of_type_2_multiplies_and_starts_from_0() -> None:
     assert math.isnan(float(by_mean.no_rule))
     errors = parse(text.replace("1 1, 1 (1)", "-1 1, 1 (1)"), ".t2fis").errors
     assert [d.name for d in errors] == ["unsupported-hedge"]
+
+
+# ── pieces of meaning ────────────────────────────────────────────────────────────────
+
+
+@pytest.mark.parametrize(
+    "hedge",
+    [*(Hedge(name) for name in ("very", "somewhat", "extremely")), Hedge("power", 2.5)],
+    ids=str,
+)
+def test_a_root_undoes_its_hedge(hedge: Hedge) -> None:
+    for degree in (0.0, 0.01, 0.3, 0.85, 1.0):
+        assert apply_hedges((root(hedge), hedge), degree) == pytest.approx(degree, abs=1e-12)
+
+
+@pytest.mark.parametrize("slopes", [(1.0, 1.0), (0.5, 0.5), (2.0, 1.0), (0.5, 1.0), (-1.0, -1.0)])
+@pytest.mark.parametrize("inflections", [(2.0, 5.0), (5.0, 2.0), (3.0, 3.0)])
+def test_a_difference_of_sigmoids_is_cut_where_it_is_negative(
+    slopes: tuple[float, float], inflections: tuple[float, float]
+) -> None:
+    (a, b), (p, q) = slopes, inflections
+    values = [1 / (1 + math.exp(-a * (x - p))) - 1 / (1 + math.exp(-b * (x - q)))
+              for x in [-15.0 + 0.125 * i for i in range(281)]]  # fmt: skip
+    assert is_cut(Shape("sigmoid-difference", (p, a, q, b))) == (min(values) < 0.0)
+
+
+def test_the_range_that_jfuzzylogic_takes_reaches_as_far_as_the_feet() -> None:
+    difference = Shape("sigmoid-difference", (2.0, 3.0, 7.0, 4.5))  # 9/3 and 9/4.5 about them
+    assert estimated_range([difference]) == (-1.0, 9.0)
+    gaussian = Shape("gaussian", (-3.0, 0.5))
+    assert estimated_range([difference, gaussian]) == (-5.0, 9.0)
+
+
+def test_of_two_points_at_one_place_the_larger_wins_in_either_program() -> None:
+    down, up = (0.0, 0.0, 1.0, 1.0, 1.0, 0.5, 2.0, 0.0), (0.0, 0.0, 1.0, 0.5, 1.0, 1.0, 2.0, 0.0)
+    after, before = math.nextafter(1.0, 2.0), math.nextafter(1.0, 0.0)
+    assert larger_wins(down, "last") == (0.0, 0.0, 1.0, 1.0, after, 0.5, 2.0, 0.0)
+    assert larger_wins(up, "first") == (0.0, 0.0, before, 0.5, 1.0, 1.0, 2.0, 0.0)
+    assert (larger_wins(down, "first"), larger_wins(up, "last")) == (down, up)
+
+
+SINGLETONS = """rulebase t
+input x 0 .. 10
+output y 0 .. 10
+terms x: triangles L H
+term y A: singleton 1
+term y B: {second}
+inference y: defuzzifier weighted-average
+rule if x is L then y is A
+rule if x is H then y is B
+"""
+
+
+@pytest.mark.parametrize(("second", "method"), [("singleton 2", "COGS"), ("linear 0.4", "COGF")])
+def test_jfuzzylogic_has_a_method_of_its_own_for_formulas(second: str, method: str) -> None:
+    rulebase = fuzzyarm.parse(SINGLETONS.format(second=second)).rulebase
+    assert rulebase is not None
+    text = write_fcl(rulebase, dialect="jfuzzylogic", lossy=True).text
+    assert f"METHOD : {method};" in text
+
+
+def test_only_some_files_of_fuzzylite_say_which_method_takes_inverses() -> None:
+    text = SINGLETONS.format(second="triangle 0 5 10").replace("singleton 1", "ramp 0 10")
+    text = text.replace("weighted-average", "tsukamoto").replace("rule if x is H then y is B\n", "")
+    rulebase = fuzzyarm.parse(text).rulebase
+    assert rulebase is not None
+    for suffix, wanted in ((".fll", False), (".fis", True)):
+        producer = None if suffix == ".fll" else "fuzzylite"
+        messages = [d.message for d in write(rulebase, suffix, producer=producer).diagnostics]
+        assert any("is Tsukamoto's if all of its terms" in words for words in messages) == wanted
+
+
+@pytest.mark.parametrize("name", [":=", ""])
+def test_a_term_without_a_name_is_said(name: str) -> None:
+    text = (DATA / "pump_jfuzzylogic.fcl").read_text("utf-8")
+    errors = parse_fcl(text.replace("TERM low :=", f"TERM {name}", 1)).errors
+    assert [d.line for d in errors][:1] == [15]
+    assert "the name of a term is expected here" in errors[0].message

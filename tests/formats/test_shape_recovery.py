@@ -11,8 +11,10 @@ from budget import cases
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.formats.composed import composed, norm_of
 from fuzzyarm.formats.recovery import (
     TOLERANCE,
+    beside_lines,
     constant_beyond,
     even_family,
     is_joined,
@@ -23,7 +25,7 @@ from fuzzyarm.formats.recovery import (
 )
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.model.shapes import membership, membership_function
 
 XS = np.linspace(-2.0, 3.0, 101)
 
@@ -111,6 +113,14 @@ def test_which_shapes_are_straight_between_the_points() -> None:
     assert not is_joined(Shape("gaussian", (1.0, 1.0)), xs)
 
 
+def test_how_far_a_shape_is_from_straight_lines() -> None:
+    triangle = Shape("triangle", (0.0, 1.5, 3.0))
+    assert beside_lines(triangle, [0.0, 1.5, 3.0]) == 0.0
+    assert beside_lines(triangle, [0.0, 1.0, 2.0, 3.0]) == pytest.approx(1 / 3)  # below its peak
+    smooth = Shape("s", (0.0, 2.0))  # x²/2 up to 1, so 1/8 below the chord at its middle
+    assert beside_lines(smooth, [0.0, 1.0, 2.0]) == pytest.approx(1 / 8)
+
+
 def test_an_even_family_is_one() -> None:
     xs = [i / 4 for i in range(41)]
     clipped = [Shape("triangle", p) for p in ((0.0, 0.0, 5.0), (0.0, 5.0, 10.0), (5.0, 10.0, 10.0))]
@@ -144,6 +154,7 @@ def test_a_function_that_is_another_between_its_samples_is_none() -> None:
 
 def test_which_sets_go_on_as_they_end() -> None:
     assert constant_beyond(Shape("ramp", (2.0, 8.0)), 0.0, 10.0)
+    assert constant_beyond(Shape("ramp", (0.0, 10.0)), 0.0, 10.0)
     assert not constant_beyond(Shape("triangle", (2.0, 8.0, 14.0)), 0.0, 10.0)
 
 
@@ -171,3 +182,24 @@ def test_points_that_are_a_straight_shape(corners: tuple, expected: tuple) -> No
 @pytest.mark.parametrize("ys", [(1.0, 0.25, 0.25, 0.25), (0.25, 0.25, 0.25, 1.0)])
 def test_a_level_stretch_is_not_a_flank_of_a_bell(ys):
     assert recovered([-6.0, -5.9375, -5.875, -5.8125], ys) is None
+
+
+# --- Sets that are made of sets ---
+
+
+@pytest.mark.parametrize("norm", ["t:min", "t:bounded", "s:max", "s:bounded"])
+def test_straight_sets_make_straight_sets(norm: str) -> None:
+    generator = np.random.default_rng(2)
+    exact = 0
+    for _ in range(cases(12, 200)):
+        parts = [
+            Shape("trapezoid", tuple(np.sort(generator.uniform(0.0, 10.0, 4)).round(2).tolist()))
+            for _ in range(generator.integers(2, 4))
+        ]
+        degree = norm_of(norm, [membership_function(part) for part in parts])
+        shape, is_exact = composed(degree, parts, [norm], 0.0, 10.0)
+        exact += is_exact
+        xs = generator.uniform(0.0, 10.0, 200)
+        off = max(abs(membership_function(shape)(x) - degree(x)) for x in xs)
+        assert off <= (1e-7 if is_exact else 0.05), parts
+    assert exact >= 0.8 * cases(12, 200)

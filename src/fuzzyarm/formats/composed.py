@@ -51,10 +51,13 @@ def composed(
     degree: Degree, parts: Sequence[Shape], norms: Sequence[str], low: float, high: float
 ) -> tuple[Shape, bool]:
     """Return the shape of a set that is made of others, and whether it is exact."""
+    straight = all(SHAPES[part.kind].straight for part in parts)
     recovered = shape_of(degree, low, high)
     if recovered is not None:
-        return recovered, True
-    straight = all(SHAPES[part.kind].straight for part in parts)
+        # It was found at even points, between which a narrow part of a set may lie.
+        xs = _asked(_ends(parts, low, high)) if straight else []
+        if all(abs(_degree(recovered, x) - degree(x)) <= 1e-9 for x in xs):
+            return recovered, True
     if straight and {norm.partition(":")[2] for norm in norms} <= _STRAIGHT:
         xs = _corners(degree, parts, low, high)
         lines = straight_shape(joined(xs, [degree(x) for x in xs]))
@@ -68,12 +71,15 @@ def composed(
 
 def _corners(degree: Degree, parts: Sequence[Shape], low: float, high: float) -> list[float]:
     """Return where a set bends: where its parts do, and where two straight lines cross between."""
-    ends = {low, high, *(x for part in parts for x in bends(part) if low < x < high)}
-    xs = sorted(ends)
+    xs = _ends(parts, low, high)
     values = set(xs)
     for a, b in pairwise(xs):
         values |= set(_bends_between(degree, a, b, 4))
     return sorted(values)
+
+
+def _ends(parts: Sequence[Shape], low: float, high: float) -> list[float]:
+    return sorted({low, high, *(x for part in parts for x in bends(part) if low < x < high)})
 
 
 def _bends_between(degree: Degree, a: float, b: float, most: int) -> list[float]:

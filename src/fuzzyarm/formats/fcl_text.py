@@ -348,4 +348,4 @@ def _function(cursor: WordCursor, dialect: Dialect, findings: Findings) -> Shape
 def is_cut(difference: Shape) -> bool:
     """Whether a difference of sigmoids is negative somewhere, where jFuzzyLogic takes 0."""
     first, slope, second, other = difference.parameters
-    return slope <= 0.0 or slope != other or first > second
+    return slope != other or slope * (second - first) < 0.0
