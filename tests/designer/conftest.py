@@ -50,16 +50,32 @@ def browser():
         found.close()
 
 
+@pytest.fixture(scope="module")
+def shared_context(browser):
+    """What the pages of a module are opened in: it has the modules of a page compiled."""
+    found = browser.new_context(viewport={"width": 1280, "height": 720})
+    found.set_default_timeout(60_000)
+    yield found
+    found.close()
+
+
 @pytest.fixture
-def page(browser):
+def context(shared_context):
+    """The same with no page in it; none is left, and nothing of what one has stored."""
+    yield shared_context
+    for page in shared_context.pages:
+        if page.url.startswith("http"):
+            page.evaluate("localStorage.clear()")
+        page.close()
+
+
+@pytest.fixture
+def page(context):
     """A page; a fault in it fails the test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(60_000)
     found = context.new_page()
     faults = []
     found.on("pageerror", lambda error: faults.append(str(error)))
     yield found
-    context.close()
     assert faults == []
 
 

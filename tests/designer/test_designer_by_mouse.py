@@ -16,9 +16,7 @@ pytestmark = [
 
 
 @pytest.fixture
-def open_page(browser, served):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(60_000)
+def open_page(context, served):
     faults = []
 
     def opened(name, text):
@@ -30,7 +28,6 @@ def open_page(browser, served):
         return page
 
     yield opened
-    context.close()
     assert faults == []
 
 

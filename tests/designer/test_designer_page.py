@@ -62,10 +62,8 @@ class Served:
 
 
 @pytest.fixture
-def window(browser, request):
+def window(context, request):
     """Make pages; a fault in one of them fails the test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(60_000)
     faults = []
 
     def open_page(address):
@@ -77,7 +75,6 @@ def window(browser, request):
         return page
 
     yield open_page
-    context.close()
     allowed = request.node.get_closest_marker("slow")  # a lost connection is said by the browser
     assert [fault for fault in faults if "WebSocket connection" not in fault] == [], allowed
 
