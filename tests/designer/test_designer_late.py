@@ -111,3 +111,19 @@ def test_of_two_comparisons_the_last_is_shown(page, slow):
     slow.release()
     compare.get_by_text("Both mean the same.").wait_for()
     assert compare.get_by_role("status").inner_text().startswith("Largest difference here: 0 at")
+
+
+def test_an_import_that_comes_late_turns_nobody_away(page, slow, tmp_path):
+    page.get_by_role("tab", name="Files").click()
+    files = page.locator("#view-files")
+    files.get_by_role("button", name="pd7.frb", exact=True).wait_for()
+    dropped = tmp_path / "brought.frb"
+    shutil.copy(shipped("roompi.frb"), dropped)
+    slow.holds = True
+    files.locator("input[type=file]").set_input_files(dropped)
+    slow.wait('"brought.frb"')
+    page.locator("header select").select_option("pd7.frb")
+    slow.release()
+    until(lambda: page.locator("header select option[value='brought.frb']").count(), "it is there")
+    page.locator(".findings").get_by_text("no findings").wait_for()
+    assert page.locator("header select").input_value() == "pd7.frb"

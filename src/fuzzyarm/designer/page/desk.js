@@ -105,7 +105,9 @@ export class Desk {
       largest: this.page.largest,
       imports: this.page.imports,
       listed: this.page.listed,
-      turnTo: this.page.turnTo,
+      turnTo: (name) => {
+        if (this.root.isConnected) this.page.turnTo(name); // an answer that comes late turns nobody away
+      },
     };
   }
 

@@ -292,7 +292,7 @@ export class TextPane {
   rename = async () => {
     const at = this.position(this.head());
     const found = await this.question("rename", { at });
-    if (!found.name) return;
+    if (!found.name || !this.section.isConnected) return; // another file is shown by now
     await rename(found.name, async (name) => {
       const answer = await this.question("rename", { at, name });
       if (!answer.error) this.apply(answer, "input.rename");
@@ -304,6 +304,7 @@ export class TextPane {
   /** Offer the repairs of a finding; without its name those of all in the line. */
   fixes = async (offsetOfFinding, name = null) => {
     const found = await this.question("fixes", { at: this.position(offsetOfFinding), name });
+    if (!this.section.isConnected) return;
     if (!found.fixes?.length) {
       this.link.say(found.error ?? S.noFix);
       return;
