@@ -62,10 +62,10 @@ Tune
 What goes wrong
     FuzzyarmError       What went wrong, in one clear sentence to a person.
     RuleBaseError       A file or a model that cannot be used.
-    FileWarning         What load has to say of a file of another program that it could read.
+    FileWarning         A warning of load about a file of another program.
 
 Packages with public names of their own
-    api                 The short way in: load any file, check it, whatever kind it is.
+    api                 Load and check any file, whatever its kind.
     closed_loop         Proofs of a controller together with its plant: stable, inside, reached.
     controller          Controllers of the arm: the study's, and yours.
     export              Controllers as source text for small machines: C99 and IEC 61131-3
