@@ -1,6 +1,6 @@
 // The curves of a run over time: what is followed with its reference, errors, and the drives of each unit.
 
-import { colourOf, eachFrame, el, hue, shortNumber } from "./draw.js";
+import { colourOf, eachFrame, el, FONTS, hue, shortNumber } from "./draw.js";
 import { valueRange } from "./geometry/chart.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
@@ -9,7 +9,6 @@ import { uPlot } from "./vendor/uplot.js";
 const LEGEND = 22; // above each plot, px
 const TIMES = 26; // below the last plot, px
 const VALUES = 56; // left of each plot, px
-const FONT = "11px system-ui, sans-serif";
 
 /** A plot for each unit, one above the other, with one time. */
 export class CurvePane extends Pane {
@@ -120,7 +119,7 @@ export class CurvePane extends Pane {
     show,
     size,
     space,
-    font: FONT,
+    font: FONTS.small,
     stroke: () => colourOf("--soft"),
     grid: { stroke: () => colourOf("--line"), width: 1 },
     ticks: { show: false },

@@ -125,6 +125,16 @@ export function tableOf({ class: kind = "", caption, head, rows }) {
   );
 }
 
+/** Where the arrow keys lead: to the right and up. */
+export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+/** What is written on a canvas: numbers and labels, words, the names of axes. */
+export const FONTS = {
+  small: "11px system-ui, sans-serif",
+  words: "13px system-ui, sans-serif",
+  bold: "600 12px system-ui, sans-serif",
+};
+
 /** A number to so many significant digits, without zeros that say nothing. */
 export function shortNumber(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";

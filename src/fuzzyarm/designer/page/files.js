@@ -1,6 +1,6 @@
 // Files: what stands in the folder, new files, other names, and what is dropped on the page.
 
-import { clean, el, keepFocus, pairsOf, space, tableOf } from "./draw.js";
+import { ARROWS, clean, el, keepFocus, pairsOf, space, tableOf } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
 import { ExportPane } from "./exports.js";
 import { invitation, offers } from "./starts.js";
@@ -43,7 +43,7 @@ class FolderPane extends Pane {
     body.append(this.said, this.table, this.below);
 
     this.list.addEventListener("keydown", (event) => {
-      const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+      const step = -ARROWS[event.key]?.[1];
       const names = [...this.list.querySelectorAll("button.go")];
       const at = names.indexOf(document.activeElement);
       if (!step || at < 0) return;

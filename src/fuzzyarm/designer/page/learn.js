@@ -1,13 +1,25 @@
 // Learn: an SOC table that grows cell by cell while passes run, its visits, the error of each pass.
 
 import { stage } from "./charts.js";
-import { clean, colourOf, el, field, pairsOf, pane, placeWords, refill, select, shortNumber, space } from "./draw.js";
+import {
+  ARROWS,
+  clean,
+  colourOf,
+  el,
+  field,
+  FONTS,
+  pairsOf,
+  pane,
+  placeWords,
+  refill,
+  select,
+  shortNumber,
+  space,
+} from "./draw.js";
 import { cellAt, cellsPanel, gridOf, outlineOf } from "./geometry/panel.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 import { showGrounds, Work } from "./work.js";
-
-const STEPS = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
 
 /** @type {import("./work.js").Kind} */
 const KIND = { name: "learn", title: S.learn, go: S.start, facts: "learnable", form: () => "learn" };
@@ -64,7 +76,7 @@ class LearnWork extends Work {
       plot = this.table() ? drawPanel(made.canvas, panel()) : null;
       if (plot) return;
       g.fillStyle = colourOf("--soft");
-      g.font = "13px system-ui, sans-serif";
+      g.font = FONTS.words;
       g.fillText(S.noTraining, 12, 24);
     });
     const { canvas } = made;
@@ -211,8 +223,9 @@ class LearnWork extends Work {
   }
 
   moved(event) {
-    const way = STEPS[event.key];
-    if (!way || !this.training) return;
+    if (!ARROWS[event.key] || !this.training) return;
+    const [right, up] = ARROWS[event.key];
+    const way = [-up, right];
     event.preventDefault();
     const counts = [this.cells.y.length - 1, this.cells.x.length - 1];
     this.point(counts.map((count, k) => Math.min(count - 1, Math.max(0, (this.cell?.[k] ?? 0) + way[k]))));

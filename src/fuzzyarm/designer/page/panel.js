@@ -1,13 +1,12 @@
 // Panels of pictures, drawn on a canvas: the page's renderer beside those for print and for the terminal. What there is
 // to be seen, and between which ends, is said by Python (fuzzyarm.picture); here are pixels and colours.
 
-import { clean, colourOf, context, heatOf, hue, inkOn, SHADES, shortNumber } from "./draw.js";
+import { clean, colourOf, context, FONTS, heatOf, hue, inkOn, SHADES, shortNumber } from "./draw.js";
 import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
 import { crossings, spotsOf } from "./geometry/surface.js";
 
 /** @typedef {Messages.PanelData} PanelData */
 
-const LABELS = "11px system-ui, sans-serif";
 const DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
 const SMOOTH = 40; // so many samples along an axis are a surface, not cells to be read
 const POINT = 1.3; // pixels of a point of print
@@ -74,7 +73,7 @@ function paintPanel({ g, width, height }, panel, tone) {
 
 function title({ g, inside, panel }) {
   g.fillStyle = colourOf("--ink");
-  g.font = "600 12px system-ui, sans-serif";
+  g.font = FONTS.bold;
   g.textAlign = "left";
   g.fillText(clean(panel.title), inside.left, 15, inside.right - inside.left);
 }
@@ -82,7 +81,7 @@ function title({ g, inside, panel }) {
 /** Numbers along both axes, their names, and rulings where no cells are. */
 function axes({ g, inside, panel, toX, toY }, ruled) {
   const { left, right, top, bottom } = inside;
-  g.font = "11px system-ui, sans-serif";
+  g.font = FONTS.small;
   g.fillStyle = colourOf("--soft");
   g.strokeStyle = colourOf("--line");
   g.lineWidth = 1;
@@ -96,7 +95,7 @@ function axes({ g, inside, panel, toX, toY }, ruled) {
   for (const value of ticksOf(panel.across, Math.max(2, (right - left) / 70))) {
     g.fillText(shortNumber(value), toX(value), bottom + 14);
   }
-  g.font = "600 12px system-ui, sans-serif";
+  g.font = FONTS.bold;
   g.fillText(clean(panel.across.words), (left + right) / 2, bottom + 30, right - left);
   g.save();
   g.translate(11, (top + bottom) / 2);
@@ -239,7 +238,7 @@ function levels({ g, inside, toX, toY }, { x, y, values, value }) {
     ).forEach((spot) => named.push({ spot, level }));
   }
   g.stroke();
-  g.font = "10.5px system-ui, sans-serif";
+  g.font = FONTS.small;
   g.textAlign = "center";
   g.lineWidth = 3;
   g.strokeStyle = "rgb(0 0 0 / 0.7)";
@@ -266,7 +265,7 @@ export function paintScale(g, [left, top, wide, tall], axis, { isSigned, right, 
   }
   const toY = scaleOf(axis, top + tall, top);
   g.fillStyle = colourOf("--soft");
-  g.font = LABELS;
+  g.font = FONTS.small;
   g.textAlign = right ? "left" : "right";
   for (const tick of ticksOf(axis, Math.max(2, tall / apart)))
     g.fillText(shortNumber(tick, digits), right ? left + wide + 4 : left - 4, toY(tick) + 4);
@@ -308,7 +307,7 @@ function cells({ g, toX, toY }, part) {
   const isEdged = values.length === (x.length - 1) * (y.length - 1);
   const [columns, rows] = isEdged ? [x.length - 1, y.length - 1] : [x.length, y.length];
   const [across, up] = [edgesOf(x, columns), edgesOf(y, rows)];
-  g.font = "11px system-ui, sans-serif";
+  g.font = FONTS.small;
   g.textAlign = "center";
   values.forEach((value, k) => {
     const [i, j] = [k % columns, Math.floor(k / columns)];
@@ -341,7 +340,7 @@ const wordsOf = (value, { whole }) =>
  * @returns {Array<{ part: any, x: number, row: number }>}
  */
 function legendOf(g, panel, width) {
-  g.font = LABELS;
+  g.font = FONTS.small;
   let [x, row] = [ROOM.left, 0];
   return panel.parts
     .filter((part) => part.label || part.missing)
@@ -356,7 +355,7 @@ function legendOf(g, panel, width) {
 
 /** What the labels say. */
 function legend({ g, labels, panel, tone }) {
-  g.font = LABELS;
+  g.font = FONTS.small;
   g.textAlign = "left";
   for (const { part, x, row } of labels) {
     const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * row + 4;

@@ -1,7 +1,7 @@
 // The plant of a run: its drawing, and the hand that pushes it.
 
 import { stage as canvasStage } from "./charts.js";
-import { colourOf, el, space } from "./draw.js";
+import { ARROWS, colourOf, el, FONTS, space } from "./draw.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 
@@ -41,7 +41,6 @@ export class PicturePane extends Pane {
     });
     for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"])
       this.canvas.addEventListener(name, this.letGo);
-    const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     this.canvas.addEventListener("keydown", (event) => {
       const way = ARROWS[event.key];
       if (!way || event.ctrlKey || event.metaKey) return;
@@ -139,7 +138,7 @@ export class PicturePane extends Pane {
 
   words = (g, text, x, y) => {
     g.fillStyle = colourOf("--soft");
-    g.font = "13px system-ui, sans-serif";
+    g.font = FONTS.words;
     g.textAlign = "center";
     g.fillText(text, x, y);
     g.textAlign = "start";

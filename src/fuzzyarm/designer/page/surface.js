@@ -4,7 +4,20 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { choice, clean, colourOf, context, eachFrame, el, SHADES, shortNumber, slider, space } from "./draw.js";
+import {
+  ARROWS,
+  choice,
+  clean,
+  colourOf,
+  context,
+  eachFrame,
+  el,
+  FONTS,
+  SHADES,
+  shortNumber,
+  slider,
+  space,
+} from "./draw.js";
 import { ticks } from "./geometry/chart.js";
 import { farToNear, fillTriangle, limitsOf, linePanel, planePanel, projectionOf } from "./geometry/surface.js";
 import { drawPanel, paintScale } from "./panel.js";
@@ -55,7 +68,7 @@ export class SurfacePane extends Pane {
       else this.turn(0.01 * event.movementX, 0.01 * event.movementY);
     });
     this.canvas.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+      const step = ARROWS[event.key];
       if (!step || !this.store.scene) return;
       event.preventDefault();
       if (this.isPlane()) this.nudge(step[0] ? this.store.axes.x : this.store.axes.y, step[0] + step[1]);
@@ -70,10 +83,10 @@ export class SurfacePane extends Pane {
       if (event.buttons) this.aimLine(event);
     });
     this.line.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+      const step = ARROWS[event.key];
       if (!step) return;
       event.preventDefault();
-      this.nudge(this.otherInput(), step);
+      this.nudge(this.otherInput(), step[0] + step[1]);
     });
 
     this.redraw = eachFrame(this.draw);
@@ -218,7 +231,7 @@ export class SurfacePane extends Pane {
     }
     if (source) {
       g.fillStyle = colourOf("--soft");
-      g.font = "11px system-ui, sans-serif";
+      g.font = FONTS.small;
       g.textAlign = "left";
       g.fillText(source, 8, height - 6);
     }
@@ -229,7 +242,7 @@ export class SurfacePane extends Pane {
   nothing = (words) => {
     const { g, width } = context(this.canvas, this.size.width, this.size.height);
     g.fillStyle = colourOf("--soft");
-    g.font = "13px system-ui, sans-serif";
+    g.font = FONTS.words;
     this.wrapped(g, clean(words), 12, 24, width - 24);
     this.canvas.setAttribute("aria-label", clean(words));
   };
@@ -338,7 +351,7 @@ export class SurfacePane extends Pane {
   frame = (g, project, { x, y, low, high, output, wanted }) => {
     g.strokeStyle = colourOf("--line");
     g.fillStyle = colourOf("--soft");
-    g.font = "11px system-ui, sans-serif";
+    g.font = FONTS.small;
     g.textAlign = "center";
     g.lineWidth = 1;
     const base = [
@@ -358,9 +371,9 @@ export class SurfacePane extends Pane {
       for (const tick of ticks(a, b, wanted)) {
         g.fillText(shortNumber(tick), ...at((tick - a) / (b - a) - 0.5, 1.1));
       }
-      g.font = "600 12px system-ui, sans-serif";
+      g.font = FONTS.bold;
       g.fillText(clean(variable.name).slice(0, 24), ...at(0, 1.32));
-      g.font = "11px system-ui, sans-serif";
+      g.font = FONTS.small;
     };
     axis(x, (t, out) => project(t, near * out, -0.5));
     axis(y, (t, out) => project(side * out, t, -0.5));

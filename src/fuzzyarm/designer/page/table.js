@@ -1,7 +1,19 @@
 // Tables: the cells of one as a grid, and how far a table is from direct inference.
 
-import { choice, clean, eachFrame, el, heat, pairsOf, placeWords, shortNumber, space, tableOf } from "./draw.js";
-import { cellsPanel, gridOf } from "./geometry/panel.js";
+import {
+  ARROWS,
+  choice,
+  clean,
+  eachFrame,
+  el,
+  heat,
+  pairsOf,
+  placeWords,
+  shortNumber,
+  space,
+  tableOf,
+} from "./draw.js";
+import { axisOf, cellsPanel, gridOf } from "./geometry/panel.js";
 import { drawPanel, levelAt, markAt } from "./panel.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
@@ -104,14 +116,14 @@ class CellsPane extends Pane {
 
   /** Arrow keys go from cell to cell; one of them is in the order of the Tab key. */
   step = (event, made) => {
-    const [dy, dx] = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key] ?? [];
+    const [right, up] = ARROWS[event.key] ?? [];
     const held = /** @type {HTMLElement} */ (document.activeElement);
     const td = held.closest?.("td");
-    if (dy === undefined || !td) return;
+    if (right === undefined || !td) return;
     event.preventDefault();
     const next =
-      made.tBodies[0].rows[/** @type {HTMLTableRowElement} */ (td.parentElement).sectionRowIndex + dy]?.cells[
-        td.cellIndex + dx
+      made.tBodies[0].rows[/** @type {HTMLTableRowElement} */ (td.parentElement).sectionRowIndex - up]?.cells[
+        td.cellIndex + right
       ]?.querySelector("button");
     if (!next) return;
     held.tabIndex = -1;
@@ -293,7 +305,7 @@ class ErrorPane extends Pane {
     const values = Array(columns * (grid.y.length - 1)).fill(null);
     for (const [i, j, value] of this.found.cells.map(this.cellOf(map))) values[j * columns + i] = value;
     const high = Math.max(...values) || 1;
-    return cellsPanel(grid, values, { words: "", low: -high, high });
+    return cellsPanel(grid, values, axisOf("", [-high, high]));
   }
 }
 

@@ -1,6 +1,6 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
-import { eachFrame, el, hue, pairsOf, select, shortNumber, space, svg } from "./draw.js";
+import { ARROWS, eachFrame, el, hue, pairsOf, select, shortNumber, space, svg } from "./draw.js";
 import { evenly, ticks } from "./geometry/chart.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
@@ -481,12 +481,12 @@ export class TermsPane extends Pane {
   };
 
   step = (event, variable, term, shape, index) => {
-    const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-    if (!sign || !this.edit) return;
+    if (!ARROWS[event.key] || !this.edit) return;
     event.preventDefault();
     this.grip(variable);
     this.begin(variable);
-    const steps = sign * (event.ctrlKey ? 10 : 1);
+    const [right, up] = ARROWS[event.key];
+    const steps = (right + up) * (event.ctrlKey ? 10 : 1);
     const rises = this.isRaised(shape, index) && /Up|Down/.test(event.key);
     const old = this.drag.from.get(shape).parameters;
     const where = index === null ? 0 : this.handleAt(shape, old, index);

@@ -4,6 +4,9 @@ import { decades, ticks } from "./chart.js";
 
 /** @typedef {{ low: number, high: number, logarithmic?: boolean, whole?: boolean, words?: string }} Axis */
 
+/** An axis of a panel. */
+export const axisOf = (words, [low, high]) => ({ words, low, high, logarithmic: false, whole: false });
+
 /**
  * The scale of an axis, from a value to a pixel.
  *
@@ -157,8 +160,8 @@ export function gridOf(across, down, areEdges = false) {
  * @param {Record<string, any>} looks what else is said of the cells
  */
 export function cellsPanel({ x, y, names }, values, value, looks = {}) {
-  const across = { words: names[0], low: x[0], high: x.at(-1), logarithmic: false, whole: false };
-  const up = { words: names[1], low: y[0], high: y.at(-1), logarithmic: false, whole: !names[1] };
+  const across = axisOf(names[0], [x[0], x.at(-1)]);
+  const up = { ...axisOf(names[1], [y[0], y.at(-1)]), whole: !names[1] };
   return { title: "", across, up, parts: [{ is: "cells", x, y, values, value, signed: true, ...looks }] };
 }
 

@@ -1,5 +1,7 @@
 // A surface as numbers: how it is turned, what covers what, where it has a level. No drawing, no elements.
 
+import { axisOf } from "./panel.js";
+
 /** Fill a triangle of an image of 32-bit pixels. */
 export function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
   if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
@@ -29,7 +31,6 @@ export function limitsOf(z, output) {
   return low < high ? [low, high] : [low - 1, low + 1];
 }
 
-const axisOf = (words, [low, high]) => ({ words, low, high, logarithmic: false, whole: false });
 const numbersOf = (values) => Array.from(values, (value) => (Number.isFinite(value) ? value : null));
 
 /**
