@@ -186,9 +186,9 @@ def test_help_opens_by_its_button_and_its_keys_but_is_typed_in_the_text(served, 
         dialog.get_by_text("Design: terms").wait_for()
         page.keyboard.press("Escape")
         until(lambda: dialog.count() == 0, "the help closes")
-    page.locator("header select").select_option("tipper.frb")  # a page has one help, not one a file
-    page.locator("header select").select_option("pd7.frb")
-    until(lambda: page.title().startswith("pd7.frb"), "turned")
+    for name in ("tipper.frb", "pd7.frb"):  # a page has one help, not one a file
+        page.locator("header select").select_option(name)
+        until(lambda name=name: page.title().startswith(name), f"turned to {name}")
     page.locator("header [role=tab]").first.focus()
     page.keyboard.press("?")
     assert dialog.count() == 1

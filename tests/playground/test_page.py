@@ -16,8 +16,9 @@ import time
 from pathlib import Path
 
 import pytest
-from budget import crossed
+from budget import cases, crossed
 
+from fuzzyarm.native import build
 from fuzzyarm.playground.folder import wasm_kernels, write_playground
 from fuzzyarm.playground.memory import python_memory
 
@@ -56,10 +57,19 @@ class Site:
         self.server.server_close()
 
 
+def kernels():
+    """Compile the kernels, in the suite without optimisation: 1 s in place of 8."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not cases(0, 1):
+            flags = [each for each in build.FLAGS if each != "-O3"]
+            patch.setattr(build, "FLAGS", (*flags, "-O0", "-fno-sanitize=undefined"))
+        return wasm_kernels()
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("playground")
-    write_playground(folder, pyodide=PYODIDE, kernels=wasm_kernels, memory=python_memory)
+    write_playground(folder, pyodide=PYODIDE, kernels=kernels, memory=python_memory)
     return folder
 
 
