@@ -17,6 +17,8 @@ from fuzzyarm.cli.main import main
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.live import ScriptError, read_script
 
+pytestmark = pytest.mark.slow  # a process for each script
+
 STAND_IN = Path(__file__).parents[1] / "formats/stand_in/fuzzylite"
 
 

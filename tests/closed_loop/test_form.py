@@ -118,6 +118,7 @@ def test_a_form_of_another_loop_is_contradicted_by_runs(servo):
     assert "the run from" in contradiction(other, loop, certificate)
 
 
+@pytest.mark.slow
 def test_a_function_that_rises_is_contradicted(servo):
     _, problem, loop, certificate = servo
     tilted = [list(row) for row in certificate.p]

@@ -177,6 +177,7 @@ def test_who_arrives_late_has_to_arrive_nearer_to_rest(servo, haven):
         assert not arrives(last - periods, 1.001 * level)
 
 
+@pytest.mark.slow
 def test_a_region_that_is_damaged_is_no_haven(servo, haven):
     _, certificate = haven
     maker = FormMaker(problem_of(servo, certificate.claim))

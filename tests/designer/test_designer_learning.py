@@ -332,6 +332,7 @@ def test_a_plant_of_ones_own_offers_its_trajectories(page, monkeypatch, capsys):
     assert report["rows"] == told["rows"]
 
 
+@pytest.mark.slow
 def test_a_plant_that_was_named_is_learned_and_tuned_on(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     (page.folder / "own.py").write_text(OWN)

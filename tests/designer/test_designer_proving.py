@@ -108,6 +108,7 @@ def test_sectors_and_the_error_of_a_table_are_those_of_the_command(page, monkeyp
     assert (last["field"], "not a table of this folder" in last["message"]) == ("table", True)
 
 
+@pytest.mark.slow
 def test_the_drives_of_a_controller_have_ranges_gains_and_sectors(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
     (news,) = verdicts(page.do("prove", "servo.frb", sector=True, plant="motor"))
@@ -118,6 +119,7 @@ def test_the_drives_of_a_controller_have_ranges_gains_and_sectors(page, monkeypa
     assert news["panels"]
 
 
+@pytest.mark.slow
 def test_a_certificate_is_offered_and_proves_what_it_says(page, monkeypatch, capsys):
     from fuzzyarm.designer.jobs import Downloads
 

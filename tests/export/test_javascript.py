@@ -230,6 +230,7 @@ KERNEL = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(8, 15))
 @given(KERNEL)
 def test_any_rule_base_has_the_values_of_the_kernel(tmp_path_factory, rulebase):

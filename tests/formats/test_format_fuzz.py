@@ -68,6 +68,7 @@ def test_damage_to_other_peoples_files() -> None:
         check(mutated(texts[path], others, random_), path.suffix)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(50, 150), deadline=None)
 @given(st.text(max_size=200), st.sampled_from((*FOREIGN, ".fml")))
 def test_any_text(text: str, suffix: str) -> None:

@@ -251,6 +251,7 @@ def test_what_pyit2fls_alone_has_is_refused_by_name(options: Any, said: str) -> 
     assert [d.message.partition(";")[0] for d in read_object(type_2(**options)).errors] == [said]
 
 
+@pytest.mark.slow
 def test_a_function_without_a_shape_is_taken_at_points_and_the_size_is_said() -> None:
     system = type_2()
     two = pyit2fls.IT2FS_Gaussian_UncertMean(np.linspace(-1, 1, 51), [0, 0.4, 0.3, 1])

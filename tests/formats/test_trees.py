@@ -153,6 +153,7 @@ def _open(rulebase: RuleBase) -> RuleBase:
     return replace(rulebase, inputs=inputs, outputs=outputs)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(4, 60))
 @given(strategies.rulebases(), strategies.rulebases(), st.randoms(use_true_random=False))
 def test_any_two_rule_bases_give_the_same_joined_and_apart(one, other, random) -> None:

@@ -383,6 +383,7 @@ def test_points_where_nothing_fires(pd7: RuleBase) -> None:
     assert holding(e=3.0, ce=-6.0, held={"u": 0.25}) == {"u": 0.25}
 
 
+@pytest.mark.slow
 def test_all_that_is_made_of_a_rule_base_belongs_to_one_object(pd7: RuleBase) -> None:
     own = dataclasses.replace(pd7)
     made = prepared(own)

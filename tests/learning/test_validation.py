@@ -89,6 +89,7 @@ def test_firing_strengths_are_those_of_the_trace():
     assert outputs["u"][0] == pytest.approx(trace.outputs[0].value)
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(strategies.rulebases(), st.data())
 def test_strengths_come_with_the_outputs_of_inference(rulebase, data):

@@ -59,6 +59,7 @@ def test_random_rule_bases_stay_inside(seed: int) -> None:
     judged(irregular(draw, 1), draw, Told(), 3_000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", OTHERS)
 def test_random_rule_bases_of_other_defuzzifiers_stay_inside(
     way: str, monkeypatch: pytest.MonkeyPatch
@@ -81,6 +82,7 @@ def test_bounds_over_two_inputs_are_tight(seed: int) -> None:
     assert bounds.high - bounds.reached_high < 1e-6
 
 
+@pytest.mark.slow
 @given(strategies.rulebases(), st.integers(0, 10**6))
 @settings(max_examples=12, deadline=None)
 def test_rule_bases_of_any_kind_stay_inside_or_are_refused(rulebase: RuleBase, seed: int) -> None:

@@ -52,6 +52,7 @@ def run(tmp_path):
     return call
 
 
+@pytest.mark.slow
 def test_in_the_terminal(run):
     out = run(["show", "own.frb", "--at", "x=2"])
     assert "  A ▆▆▇▇▇█████████▇▇▇▇▆▆▅▅▅▄▄▃▃▂▂▂▁▁▁▁▁▁" in out
@@ -60,6 +61,7 @@ def test_in_the_terminal(run):
     assert "  B  1.0000  ████████████████████" in out
 
 
+@pytest.mark.slow
 def test_while_the_file_is_written(run):
     views = ("surface", "rules", "terms", "firing")
     words = [word for view in views for word in ("--view", view)]

@@ -82,6 +82,7 @@ def pictures(model):
     return [rulebase_figure(model), inference_figure(model, explain(model, point(model)))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
     [

@@ -182,6 +182,7 @@ def moved():
     return pd7, other, samples_of(other)
 
 
+@pytest.mark.slow
 def test_samples_bring_terms_back(moved):
     pd7, other, samples = moved
     made = tune(pd7, data=samples, tune=["peaks e mirrored, partition"], evals=80, workers=1)
