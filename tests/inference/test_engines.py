@@ -202,6 +202,38 @@ def test_axes_broadcast(pd7: RuleBase) -> None:
     np.testing.assert_array_equal(table, full.reshape(31, 17))
 
 
+def test_a_number_broadcasts_along_axes_of_two_others() -> None:
+    rulebase = parse(
+        "rulebase three\ninput x 0 .. 1\ninput y 0 .. 1\ninput z 0 .. 1\noutput u 0 .. 3\n"
+        "terms x: triangles L H\nterms y: triangles L H\nterms z: triangles L H\n"
+        "term u A: singleton 0\nterm u B: singleton 3\n"
+        "inference u: defuzzifier weighted-average\n"
+        "rule if x is H and y is H or z is H then u is B\nrule if x is L or y is L then u is A\n"
+    ).rulebase
+    assert rulebase is not None
+    x, y = np.linspace(0, 1, 3)[:, None], np.linspace(0, 1, 4)[None, :]
+    values = infer_arrays(rulebase, {"x": x, "y": y, "z": 0.25})["u"]
+    each = [[infer(rulebase, x=a, y=b, z=0.25)["u"] for b in y[0]] for a in x[:, 0]]
+    np.testing.assert_allclose(values, each, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["centroid exact", "bisector exact"])
+def test_a_set_that_is_nowhere_above_0_takes_no_part(method: str) -> None:
+    text = (
+        "rulebase none\ninput x 0 .. 1\noutput u 0 .. 1\nterms x: triangles L H\n"
+        f"{{}}term u G: gaussian 0.3 0.2\ninference u: defuzzifier {method}\n{{}}"
+        "rule if x is H then u is G\n"
+    )
+    bare = parse(text.format("", "")).rulebase
+    extra = "term u Z: points (0, 0) (1, 0)\n", "rule if x is L then u is Z\n"
+    rulebase = parse(text.format(*extra)).rulebase
+    assert bare is not None
+    assert rulebase is not None
+    x = np.linspace(0.1, 1, 10)
+    values = [infer_arrays(model, {"x": x})["u"] for model in (bare, rulebase)]
+    np.testing.assert_allclose(values[0], values[1], atol=1e-12)
+
+
 def test_chunks_change_nothing(pd7: RuleBase, monkeypatch: pytest.MonkeyPatch) -> None:
     e, ce = np.linspace(-6, 6, 23)[:, None], np.linspace(-6, 6, 29)[None, :]
     whole = infer(pd7, e=e, ce=ce)["u"]
