@@ -22,6 +22,7 @@ from fuzzyarm.closed_loop import (
     write_certificate,
 )
 from fuzzyarm.closed_loop.certificate import _seal, sealed
+from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form import Form
@@ -241,6 +242,21 @@ def test_no_run_leaves_a_proved_region(file, plant, duration, few):
         # It falls in every period; near rest rounding counts.
         assert (np.diff(values) <= 1e-12).all()
         assert values[-1] < 0.999 * values[0]
+
+
+@pytest.mark.slow
+def test_what_a_certificate_says_of_a_plant_that_is_not_linear_holds_all_over_its_box():
+    text = load(shipped("cartpole.frb"))
+    certificate = prove(text, "stable", plant="cartpole", budget=60).certificate
+    problem, evidence = problem_of(text, certificate.claim), certificate.evidence
+    checked_loop(problem, certificate.states, evidence)
+    assert len(evidence.spread) > 10
+    for i, (k, j, low, high) in enumerate(evidence.spread):
+        part = (high - low) / 4
+        for ends in ((low + part, high), (low, high - part)):
+            spread = (*evidence.spread[:i], (k, j, *ends), *evidence.spread[i + 1 :])
+            with pytest.raises(LoopProofError, match="motion is not as it is claimed"):
+                checked_loop(problem, certificate.states, replace(evidence, spread=spread))
 
 
 def far_gains(gain):

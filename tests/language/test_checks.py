@@ -557,6 +557,15 @@ def test_a_linear_consequent_that_is_cut_is_an_info():
     (found,) = check_text(text).diagnostics
     assert (found.name, found.line, found.severity) == ("clamped-output", 5, Severity.INFO)
     assert names(text.replace("0 .. 5", "0 .. 7")) == []
+    assert "clamped-output" not in names(text.replace("sum", "sum, outside extend"))
+
+
+def test_a_claim_may_reach_to_the_ends_of_a_range():
+    claims = ("e in -6 .. 6 -> u in -6 .. 6", "e in -6 .. 0 -> u <= 6", "e in 0 .. 6 -> u >= -6")
+    for claim in claims:
+        assert names(f"{PD7}\nprove {claim}\n") == names(PD7)
+    for claim in ("e in -6.5 .. 0 -> u <= 6", "e in 0 .. 7 -> u >= -6"):
+        assert "bad-range" in names(f"{PD7}\nprove {claim}\n")
 
 
 def test_rules_that_share_a_conclusion_of_an_average_are_a_doubt_until_it_is_settled():

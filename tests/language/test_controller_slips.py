@@ -182,6 +182,16 @@ def test_one_slip_is_one_finding_with_the_line_as_it_should_be(right, wrong):
     assert finding.hint.startswith(("write  ", "did you mean"))
 
 
+@pytest.mark.parametrize("words", ["pd7 e ce", "pd7 e, ce"])
+def test_inputs_beside_a_rule_base_are_put_into_parentheses(words):
+    right = TEXT.replace("(e, ce) * G_u", "(e, ce)").replace("sum = u", "sum = u * G_u")
+    wrong = right.replace("pd7(e, ce)", words)
+    assert faults(right) == []
+    (finding,) = faults(wrong)
+    first = next(fix for fix in fixes(finding, wrong) if fix.preferred)
+    assert format_text(apply_edits(wrong, first.edits)) == format_text(right)
+
+
 COMMENTS = ("// the error", "% the error", "(* the error *)", "/* the error */", "-- the error")
 
 

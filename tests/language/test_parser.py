@@ -200,6 +200,8 @@ def test_every_mistake_is_reported_in_one_run_and_in_order():
         ("rule if u is N then u is N", "cyclic-blocks", ""),
         ("block b\nblock b", "duplicate-block", ""),
         ("lookup\n  levels 0 .. 1 step 0.3", "bad-levels", ""),
+        ("lookup\n  levels 0 .. 1 count 1", "bad-levels", ""),
+        ("lookup\n  levels 0 .. 1 count 2.5", "bad-levels", ""),
         ("lookup\n  bins 1 2", "missing-levels", ""),
         ("lookup\n  levels 0 1 2\n  bins 1", "bad-bins", ""),
         ("lookup\n  round 0\n  levels 0 1", "bad-round", ""),

@@ -27,6 +27,7 @@ from fuzzyarm.language.queries import (
 )
 from fuzzyarm.language.queries.fixes import Edit
 from fuzzyarm.language.statements import GridNode
+from fuzzyarm.shipped_files import shipped
 from fuzzyarm.text.names import quote
 
 HEAD = """\
@@ -286,6 +287,11 @@ def test_a_term_shows_its_shape_and_a_drawing() -> None:
     assert "█" in shown
 
 
+def test_a_word_means_what_it_means_at_its_place() -> None:
+    assert "gains of the controller" in _shown(f"{HEAD}tune ga|in 0.5 .. 2\n")
+    assert "gains of the controller" not in _shown("controller c\nga|in K = 1\n")
+
+
 def test_the_drawing_is_highest_at_the_peak() -> None:
     shown = _shown(HEAD.replace("MIDDLE RIGHT", "MID|DLE RIGHT"))
     top = shown.split("```text\n")[1].splitlines()[0]
@@ -426,6 +432,17 @@ def test_edits_keep_the_ends_of_other_lines() -> None:
 
 
 # ── outline, folding, colours ────────────────────────────────────────────────────────────
+
+
+@pytest.mark.parametrize("name", ["pd7.frb", "servo.frb"])
+def test_a_part_of_the_outline_is_selected_by_its_name(name: str) -> None:
+    reading = read(shipped(name).read_text("utf-8"))
+    named = [symbol for symbol in symbols(reading) if " " not in symbol.name]
+    assert len(named) >= 4
+    for symbol in named:
+        span = symbol.selection
+        assert span.line == span.end_line
+        assert reading.raw_line(span.line)[span.column - 1 : span.end_column - 1] == symbol.name
 
 
 def test_the_outline_has_every_part() -> None:

@@ -221,3 +221,24 @@ def test_the_numbers_of_a_partner_keep_odd_names():
     formatted = format_text(text + "axis joint1\n  drive torque = partner base\n")
     assert "mrac, 'a b.gravity' = 0, 'x..' = 1, m_1 = 2" in formatted
     assert format_text(formatted) == formatted
+
+
+@pytest.mark.parametrize(
+    ("bins", "words"),
+    [
+        ((-3.0, -1.0, 1.0, 3.0), "bins 1 3 mirrored"),
+        ((-1.0, 0.0, 1.0), "bins -1 0 1"),
+        ((-3.0, -1.0, 1.0, 2.0), "bins -3 -1 1 2"),
+    ],
+)
+def test_bins_that_mirror_each_other_are_written_once(bins, words):
+    levels = " ".join(str(i) for i in range(-len(bins), len(bins) + 1, 2))
+    text = (
+        "rulebase t\ninput x -6 .. 6\noutput u 0 .. 1\nterms x: triangles L H\n"
+        "terms u: singletons A B\nrule if x is L then u is A\n"
+        f"lookup\n  levels {levels}\n  bins {' '.join(map(str, bins))}\n"
+    )
+    rulebase = parse(text).rulebase
+    written = write(rulebase)
+    assert words in " ".join(written.split()).replace("bins x:", "bins").replace(".0", "")
+    assert parse(written).rulebase == rulebase
