@@ -47,6 +47,16 @@ def servo_verdict(servo):
     return prove(servo, "stable", plant="motor")
 
 
+@pytest.fixture(scope="module")
+def heater():
+    return load(shipped("heater.frb"))
+
+
+@pytest.fixture(scope="module")
+def heater_verdict(heater):
+    return prove(heater, "stable at temperature = 21", plant="room")
+
+
 class Double(Plant):
     """A mass without friction: force to position."""
 
@@ -195,12 +205,11 @@ def test_a_claim_about_a_drive(servo, statement, expected):
 
 
 @pytest.mark.slow
-def test_integral_filter_slew_and_bounds_of_the_heater():
-    verdict = prove(load(shipped("heater.frb")), "stable at temperature = 21", plant="room")
-    assert verdict.proved
-    assert verdict.rest["room.power total"] == pytest.approx(44.5714285714)
-    assert verdict.region["temperature"][1] - 21.0 > 3.0
-    assert check_certificate(verdict.certificate).proved
+def test_integral_filter_slew_and_bounds_of_the_heater(heater_verdict):
+    assert heater_verdict.proved
+    assert heater_verdict.rest["room.power total"] == pytest.approx(44.5714285714)
+    assert heater_verdict.region["temperature"][1] - 21.0 > 3.0
+    assert check_certificate(heater_verdict.certificate).proved
 
 
 # ── what attacks it ──────────────────────────────────────────────────────────────────
@@ -560,12 +569,12 @@ def test_a_loop_without_an_equilibrium_at_its_set_points_says_so():
 
 
 @pytest.mark.slow
-def test_a_claim_without_starts_is_of_the_whole_region(servo):
+def test_a_claim_without_starts_is_of_the_whole_region(servo, servo_verdict):
     """What the verdict says of the region holds from everywhere in it."""
     verdict = prove_loop(servo, read_claim("stable on motor: position in -0.1 .. 0.1"), budget=60.0)
     assert verdict.proved
     assert -0.1 <= verdict.region["position"][0] < verdict.region["position"][1] <= 0.1
-    whole = prove_loop(servo, read_claim("stable on motor"), budget=60.0).certificate
+    whole = servo_verdict.certificate
     for ends in (("after", 0.01), ("always", 0.0)):
         narrow = replace(
             whole.claim, output="position", low=-0.1, high=0.1, when=ends[0], begin=ends[1]
@@ -591,11 +600,9 @@ def test_parameters_as_intervals_are_proved_and_checked(servo):
 
 
 @pytest.mark.slow
-def test_the_picture_of_a_loop_whose_memory_starts_alone_claims_no_starts():
-    text = load(shipped("heater.frb"))
-    verdict = prove(text, "stable at temperature = 21", plant="room")
-    assert not verdict.start_region
-    (plane,) = region_planes(text, verdict)
+def test_the_picture_of_a_loop_whose_memory_starts_alone_claims_no_starts(heater, heater_verdict):
+    assert not heater_verdict.start_region
+    (plane,) = region_planes(heater, heater_verdict)
     assert plane.covered is None
     assert not len(plane.start)
     assert not plane.runs
