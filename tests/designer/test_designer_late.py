@@ -64,6 +64,7 @@ def test_nothing_is_begun_before_it_is_known_what_may_be_asked(page, slow):
     for view in FORMS:
         page.get_by_role("tab", name=view, exact=True).click()
         assert button(page, view).is_disabled(), view
+        assert page.locator(f"#view-{view.lower()}").get_by_text("working …").is_visible(), view
         for name in ("One pass", "Stop"):
             others = page.locator(f"#view-{view.lower()}").get_by_role("button", name=name)
             assert all(other.is_disabled() for other in others.all()), (view, name)

@@ -12,7 +12,7 @@ class ComparePane extends Pane {
     super(store, hand, "compare", S.compare);
     const { body } = this;
     this.canvases = [0, 1].map(() => el("canvas", { role: "img" }));
-    this.state = el("p", { class: "note", role: "status", textContent: S.chooseOther });
+    this.state = el("p", { class: "note", role: "status" });
     this.changes = el("div", { class: "differing" });
     this.pictures = el("div", { class: "three", hidden: true }, ...this.canvases);
     body.append(this.state, this.pictures, this.changes);

@@ -74,6 +74,7 @@ export class Work extends Pane {
   ask() {
     if (this.store.view !== this.kind.name || !this.stale || !this.isOver) return;
     this.stale = false;
+    if (!this.facts) this.told.textContent = S.working;
     this.asking.begin({}, (news) => {
       if (news.end === "failed") this.refuse(news.message);
       else if (!news.end) this.know(news);
