@@ -27,7 +27,9 @@ import fuzzyarm
 from fuzzyarm.language import write
 from fuzzyarm.live import compare
 from fuzzyarm.live.objects import comparison_points, read_object
-from fuzzyarm.model.rulebase import Defuzzifier
+from fuzzyarm.live.simpful import from_simpful
+from fuzzyarm.model.rulebase import Defuzzifier, Shape
+from fuzzyarm.model.shapes import membership
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 STAND_IN = Path(__file__).parent / "stand_in"
@@ -407,3 +409,24 @@ def test_points_cover_the_ranges_and_what_is_beside_them() -> None:
     cells = {tuple(row) for row in (inside // 1.0).astype(int)}
     assert len(cells) == 16
     assert SimpleNamespace(**points[0]).a == 0.0
+
+
+def test_points_of_simpful_go_on_at_their_boundary_values() -> None:
+    sets = [
+        simpful.FuzzySet(points=[[1, 1], [2, 0.4], [4, 0.2]], boundary_values=[0, 0.4], term="a"),
+        simpful.FuzzySet(points=[[1, 0.2], [2, 0.7], [4, 0.2]], boundary_values=[0.7, 0], term="b"),
+        simpful.SingletonsSet(pairs=[[3, 0.8]], term="one"),
+    ]
+    system = simpful.FuzzySystem(show_banner=False)
+    system.add_linguistic_variable(
+        "x", simpful.LinguisticVariable(sets, universe_of_discourse=[0, 6])
+    )
+    system.set_crisp_output_value("two", 2)
+    system.add_rules([f"IF (x IS {name}) THEN (y IS two)" for name in ("a", "b", "one")])
+    rulebase = from_simpful(system, "points").rulebase
+    assert rulebase is not None
+    shapes = {term.name: term.shape for term in rulebase.inputs[0].terms}
+    assert shapes["one"] == Shape("singleton", (3.0,), 0.8)
+    for each in sets[:2]:
+        for x in (0.0, 0.9, 1.0, 1.3, 2.0, 3.5, 4.0, 4.1, 6.0):
+            assert membership(shapes[each._term], x) == pytest.approx(each.get_value(x)), x

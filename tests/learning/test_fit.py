@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +19,7 @@ from fuzzyarm.inference import infer
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.learning.data import Samples, as_samples, read_samples
 from fuzzyarm.learning.fit import FitError, Options, fit, linear_outputs, outputs_of, rms, score
+from fuzzyarm.learning.starts import _overlap
 from fuzzyarm.learning.structure import CrossValidation
 from fuzzyarm.learning.validation import validate
 from tests.learning.mackey_glass import mackey_glass
@@ -143,6 +146,38 @@ def test_comments_say_what_the_rules_rest_on():
     assert "% of the samples, error" in made.text
     assert f"Training RMS error {made.error:.4g}" in made.text
     assert sum(made.support) == pytest.approx(60.0)
+
+
+def test_shares_of_rules_are_percent_of_all_samples():
+    made = fit(bumps(), Options(terms=(2, 1), nested=False))
+    shares = [float(part) for part in re.findall(r"([\d.e+-]+) % of the samples", made.text)]
+    assert len(shares) == len(made.support)
+    expected = 100.0 * np.array(made.support) / len(bumps())
+    assert shares == pytest.approx(expected, rel=0.006)  # of two figures, 99.5 is 1e+02
+
+
+def test_rules_of_words_say_how_many_rest_on_one_sample():
+    made = fit(bumps(), Options(method="wang-mendel", words=(7, 7)))
+    ones = sum(count == 1 for count in made.support)
+    assert 0 < ones < len(made.support)
+    assert f"{ones} rules rest on one." in " ".join(made.text.replace("#", " ").split())
+
+
+def test_a_request_to_fit_has_the_defaults_of_the_options():
+    from fuzzyarm.requests.learn import FitRequest
+
+    request, options = FitRequest(data="x.csv"), Options()
+    for name in ("rules", "start", "seed"):
+        assert getattr(request, name) == getattr(options, name), name
+
+
+@pytest.mark.parametrize("distance", [0.0, 0.5, 2.0, 4.0])
+def test_how_alike_two_gaussians_are(distance):
+    # Equal ones meet in the middle: what is below both are two tails of d/2 deviations.
+    below_both = math.erfc(distance / 2 / math.sqrt(2))
+    share = below_both / (2 - below_both)
+    for a, b in (((1.0, 0.5), (1.0 + 0.5 * distance, 0.5)), ((0.0, 2.0), (-2.0 * distance, 2.0))):
+        assert _overlap(a, b) == pytest.approx(share, abs=2e-3)
 
 
 @pytest.mark.slow

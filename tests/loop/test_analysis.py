@@ -16,6 +16,8 @@ from fuzzyarm.loop import (
     nonlinearity,
     phase_portrait,
 )
+from fuzzyarm.loop.course import OptionError, require_points
+from fuzzyarm.loop.metrics import metrics_of
 from fuzzyarm.plant import find_plant
 
 SATURATION = parse("""rulebase limited
@@ -131,3 +133,30 @@ def test_the_command_draws_both(tmp_path, capsys):
     assert main(["plot", str(shipped("servo.frb")), "-o", str(path), "--what", "phase"]) == 1
     assert "needs a plant" in capsys.readouterr().err
     assert main(["plot", str(shipped("pd7.frb")), "-o", str(path), "--plant", "motor"]) == 2
+
+
+# ── figures of a run ─────────────────────────────────────────────────────────────────
+
+
+def test_integrals_of_a_constant_error_have_their_closed_forms():
+    count, period, size = 50, 0.02, -0.5
+    time = period * np.arange(count)
+    drives = np.array([[3.0, -3.0][i % 2] for i in range(count)])[:, None]
+    errors = np.full(count, size)
+    figures = metrics_of(time, np.ones(count), errors, drives, [(-4.0, 3.0)], period)
+    assert figures.ise == pytest.approx(size**2 * count * period)
+    assert figures.iae == pytest.approx(abs(size) * count * period)
+    assert figures.itae == pytest.approx(abs(size) * period**2 * count * (count - 1) / 2)
+    assert figures.rms == pytest.approx(abs(size))
+    assert figures.effort == pytest.approx(3.0)
+    assert figures.variation == pytest.approx(6.0 * (count - 1) / (count * period))
+    assert figures.saturated == 0.5
+    idle = metrics_of(time, np.ones(count), errors, np.zeros((count, 0)), [], period)
+    assert (idle.effort, idle.variation, idle.saturated) == (0.0, 0.0, 0.0)
+
+
+def test_a_run_without_end_has_no_number_of_set_points():
+    assert require_points(1.0, 0.01) == 100
+    for duration in (math.inf, 1e9, 0.0):
+        with pytest.raises(OptionError, match="is out of range"):
+            require_points(duration, 0.01)
