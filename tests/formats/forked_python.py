@@ -50,7 +50,8 @@ def forked_python(folder: Path) -> Iterator[str]:
     program.chmod(0o755)
     environment = os.environ | {"MPLBACKEND": "Agg"}
     words = [sys.executable, __file__, address]
-    with subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, text=True) as server:
+    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(words, env=environment, text=True, **streams) as server:
         assert server.stdout is not None
         assert server.stdout.readline() == "ready\n"
         yield str(program)
@@ -71,6 +72,7 @@ def asked(address: str) -> tuple[list[str], socket.socket]:
         del sys.modules[name]
     gc.collect()
     gc.freeze()
+    threading.Thread(target=end_with_tests, daemon=True).start()
     listening = socket.socket(socket.AF_UNIX)
     listening.bind(address)
     listening.listen()
@@ -95,6 +97,12 @@ def asked(address: str) -> tuple[list[str], socket.socket]:
         os.environ.clear()
         os.environ.update(environment)
         return words, line
+
+
+def end_with_tests() -> None:
+    """End the server when the tests have ended, however they did."""
+    sys.stdin.read()
+    os._exit(0)
 
 
 def tell(line: socket.socket, child: int) -> None:
