@@ -17,7 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.designer import open_files, requests
-from fuzzyarm.designer.assets import PAGE, asset
+from fuzzyarm.designer.assets import PAGE, asset, index_page, modules
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.mailed_page import NotWrittenError, page_of, page_of_text, script_source
 from fuzzyarm.designer.shared import ConflictError, SharedText
@@ -714,3 +714,12 @@ def test_a_folder_has_a_port_of_its_own_where_that_is_free(monkeypatch):
         assert one.getsockname()[1] == own != two.getsockname()[1]
         with pytest.raises(server.ServerPortError, match=f"port {own} cannot be used"):
             server._bound(three, own, TOKEN)
+
+
+def test_the_page_asks_at_once_for_every_module_that_it_imports():
+    page = index_page({"files": []}, "nonce")
+    assert "PRELOADS" not in page
+    wanted = {path.name for path in (PAGE / "geometry").glob("*.js")} | {"app.js", "task.js"}
+    assert wanted <= {name.rpartition("/")[2] for name in modules()}
+    assert all(f'href="page/{name}"' in page for name in modules())
+    assert all(asset(name) for name in modules())

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from posixpath import dirname, join, normpath
 from typing import Any
 
 from fuzzyarm.export.javascript import engine_source, script_json
@@ -41,8 +43,23 @@ def asset(name: str) -> tuple[bytes, str] | None:
     return (PAGE / name).read_bytes(), KINDS[Path(name).suffix]
 
 
+@cache
+def modules(first: str = "app.js") -> tuple[str, ...]:
+    """Return a module and all that it imports, each once."""
+    found = [first]
+    for name in found:  # which grows meanwhile
+        content, _ = asset(name) or (b"", "")
+        paths = re.findall(r'\bfrom "(\.[^"]+)";$', content.decode(), re.MULTILINE)
+        modules = (normpath(join(dirname(name), path)) for path in paths)
+        found += [module for module in dict.fromkeys(modules) if module not in found]
+    return tuple(found)
+
+
 def index_page(facts: Mapping[str, Any], nonce: str) -> str:
     """Return the page that talks to the server, with what it has to know at once."""
     page = (PAGE / "index.html").read_text(encoding="utf-8")
     start = {**facts, "nonce": nonce, "version": __version__}
-    return page.replace("START", script_json(start))
+    # A browser would learn of each module only when it has read the one that imports it.
+    links = [f'<link rel="modulepreload" href="page/{name}">' for name in modules()]
+    preloads = "\n".join(reversed(links))  # the largest ones stand last
+    return page.replace("PRELOADS", preloads).replace("START", script_json(start))
