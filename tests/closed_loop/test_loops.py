@@ -236,11 +236,14 @@ def runs_from(verdict, text, plant, count, duration):
 
 @pytest.mark.parametrize(
     ("file", "plant", "duration", "few"),
-    [
-        ("servo", "motor", 0.15, 20),
-        pytest.param("cartpole", "cartpole", 4.0, 10, marks=pytest.mark.slow),
-        pytest.param("ball-and-beam", "ball-and-beam", 4.0, 10, marks=pytest.mark.slow),
-    ],
+    part(
+        [
+            ("servo", "motor", 0.15, 20),
+            pytest.param("cartpole", "cartpole", 4.0, 10, marks=pytest.mark.slow),
+            pytest.param("ball-and-beam", "ball-and-beam", 4.0, 10, marks=pytest.mark.slow),
+        ],
+        2,
+    ),
 )
 def test_no_run_leaves_a_proved_region(file, plant, duration, few):
     text = load(shipped(f"{file}.frb"))
