@@ -5,7 +5,6 @@ Every number is compared with that of the program's own library, at a hundred po
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -13,7 +12,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from budget import cases
 
 from fuzzyarm.live import ScriptError, System, read_script
 from fuzzyarm.live.systems import SLIGHT
@@ -83,17 +81,14 @@ ENDLESS = {"10_greenhouse_serial", "24_car_pygame"}
 
 
 @pytest.fixture(scope="module")
-def python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str | None]:
-    """Yield the Python that runs scripts: with ``--thorough`` one that loads all of them anew."""
-    if cases(0, 1) or not hasattr(os, "fork"):
-        yield None
-    else:
-        with forked_python(tmp_path_factory.mktemp("python")) as path:
-            yield path
+def python(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Yield the Python that runs scripts."""
+    with forked_python(tmp_path_factory.mktemp("python")) as path:
+        yield path
 
 
 def run(
-    stem: str, folder: Path, python: str | None, call: str | None = None
+    stem: str, folder: Path, python: str, call: str | None = None
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
     script = Path(shutil.copy(PROGRAMS / f"{stem}.py", folder))
     seconds = 1.0 if stem in ENDLESS else 120.0
@@ -109,7 +104,7 @@ def test_every_program_has_an_outcome() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stem", OUTCOMES)
-def test_what_a_program_makes(stem: str, tmp_path: Path, python: str | None) -> None:
+def test_what_a_program_makes(stem: str, tmp_path: Path, python: str) -> None:
     expected = OUTCOMES[stem]
     systems, diagnostics = run(stem, tmp_path, python, expected.call)
     assert tuple(system.name for system in systems) == expected.systems
@@ -141,7 +136,7 @@ def greatest_difference(comparisons: list[Diagnostic]) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize("stem", REFUSED)
 def test_what_is_said_of_a_program_that_makes_nothing(
-    stem: str, tmp_path: Path, python: str | None
+    stem: str, tmp_path: Path, python: str
 ) -> None:
     with pytest.raises(ScriptError) as caught:
         run(stem, tmp_path, python)
