@@ -14,6 +14,7 @@ from fuzzyarm.expression.formulas import read_formula
 from fuzzyarm.live.gather import _noting
 from fuzzyarm.live.objects import read_object
 from fuzzyarm.live.python_formulas import function_shape
+from fuzzyarm.model.rulebase import Shape
 
 DOMAIN = np.linspace(0.0, 100.0, 101)
 LOW = pyit2fls.T1FS(DOMAIN, pyit2fls.tri_mf, [-1.0, 0.0, 100.0, 1.0])
@@ -168,3 +169,19 @@ def test_centres_without_a_value_are_told() -> None:
 def test_formulas_are_read_back() -> None:
     shape = function_shape(lambda x, y: (x + y) ** 2 / 7 - abs(x), ["x", "y"])
     assert read_formula(shape.formula).function(["x", "y"])(3.0, 4.0) == pytest.approx(4.0)
+
+
+def test_a_function_that_is_another_at_one_of_its_numbers_is_not_linear() -> None:
+    def jumps(x: float) -> float:
+        if x == 33.25:
+            return 7.0
+        return 2.0 * x + 1.0
+
+    def goes_on(x: float) -> float:
+        if x == 33.25:
+            return 67.5
+        return 2.0 * x + 1.0
+
+    with pytest.raises(ValueError, match=r"."):
+        function_shape(jumps, ["x"], [(0.0, 100.0)])
+    assert function_shape(goes_on, ["x"], [(0.0, 100.0)]) == Shape("linear", (2.0, 1.0))

@@ -416,13 +416,14 @@ def test_points_of_simpful_go_on_at_their_boundary_values() -> None:
         simpful.FuzzySet(points=[[1, 1], [2, 0.4], [4, 0.2]], boundary_values=[0, 0.4], term="a"),
         simpful.FuzzySet(points=[[1, 0.2], [2, 0.7], [4, 0.2]], boundary_values=[0.7, 0], term="b"),
         simpful.SingletonsSet(pairs=[[3, 0.8]], term="one"),
+        simpful.SingletonsSet(pairs=[[1, 0.5], [3, 0.8]], term="two"),  # which no shape is
     ]
     system = simpful.FuzzySystem(show_banner=False)
     system.add_linguistic_variable(
         "x", simpful.LinguisticVariable(sets, universe_of_discourse=[0, 6])
     )
     system.set_crisp_output_value("two", 2)
-    system.add_rules([f"IF (x IS {name}) THEN (y IS two)" for name in ("a", "b", "one")])
+    system.add_rules([f"IF (x IS {name}) THEN (y IS two)" for name in ("a", "b", "one", "two")])
     rulebase = from_simpful(system, "points").rulebase
     assert rulebase is not None
     shapes = {term.name: term.shape for term in rulebase.inputs[0].terms}
