@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
@@ -269,6 +270,37 @@ def test_what_a_certificate_says_of_a_plant_that_is_not_linear_holds_all_over_it
             spread = (*evidence.spread[:i], (k, j, *ends), *evidence.spread[i + 1 :])
             with pytest.raises(LoopProofError, match="motion is not as it is claimed"):
                 checked_loop(problem, certificate.states, replace(evidence, spread=spread))
+
+
+BY_AXIS = """rulebase by_axis
+input e -1 .. 1
+input joint -3 .. 3
+output u -1 .. 1
+terms e: triangles N Z P
+term joint FIRST: trapezoid 0 0.5 inf inf
+term joint OTHER: trapezoid -inf -inf -0.5 0
+terms u: singletons N Z P
+inference and min, defuzzifier weighted-average, aggregation sum
+rule if e is Z then u is Z
+rule if e is N and joint is FIRST then u is N
+rule if e is P and joint is FIRST then u is P
+rule if e is N and joint is OTHER then u is P
+rule if e is P and joint is OTHER then u is N
+"""
+
+
+@pytest.mark.parametrize(("word", "proved"), [("FIRST", True), ("OTHER", False)])
+def test_a_rule_base_that_reads_the_axis_is_that_of_its_axis(tmp_path, word, proved):
+    swapped = {"FIRST": "OTHER", "OTHER": "FIRST"}
+    text = re.sub(r"(joint is )(\w+)", lambda m: m[1] + swapped[m[2]], BY_AXIS)
+    (tmp_path / "by_axis.frb").write_text(BY_AXIS if word == "FIRST" else text)
+    (tmp_path / "c.frb").write_text(
+        'controller c\nuse by_axis from "by_axis.frb"\nperiod 10 ms\naxis mass\n'
+        "  e = error of x\n  d = error of v\n  s = e * 0.5 + d * 0.5\n"
+        "  w = rules by_axis(s) * 2\n  drive force = w\n"
+    )
+    verdict = prove(load(tmp_path / "c.frb"), "stable", plant=Double(), budget=5)
+    assert verdict.proved is proved
 
 
 def far_gains(gain):
