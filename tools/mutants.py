@@ -79,7 +79,8 @@ TESTS = {
     "live/": [
         f"tests/formats/test_{name}.py"
         for name in ("live_objects", "programs", "functions_of_pyit2fls", "skfuzzy_bridge")
-    ],
+    ]
+    + ["tests/cli/test_convert_scripts.py"],
     "formats/": ["tests/formats"],
     "model/": ["tests/language", "tests/inference", "tests/python"],
     "text/": ["tests/text", "tests/language", "tests/cli"],
@@ -102,7 +103,7 @@ TESTS = {
     "show/": ["tests/show", "tests/cli", "tests/watch"],
     "shipped_files.py": ["tests/text", "tests/cli"],
     "extras.py": ["tests/project"],
-    "picture.py": ["tests/show", "tests/plant"],
+    "picture.py": ["tests/show", "tests/plant", "tests/python/test_frozen.py"],
     "figure_files.py": ["tests/show", "tests/cli"],
     "frozen.py": ["tests/python", "tests/language"],
     "grading.py": ["tests/grading"],

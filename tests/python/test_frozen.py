@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import importlib
 import inspect
 import pickle
 import typing
@@ -164,3 +165,13 @@ def test_what_is_inherited_from_is_made_here_too():
 
     with pytest.raises(AssertionError, match="made here, too"):
         frozen.dataclass(frozen=True)(type("Below", (Base,), {}))
+
+
+@pytest.mark.parametrize("module", ["picture", "model.rulebase", "model.controller"])
+def test_what_is_shared_by_many_cannot_be_changed(module):
+    found = importlib.import_module(f"fuzzyarm.{module}")
+    classes = [kind for kind in vars(found).values() if isinstance(kind, type)]
+    kinds = [kind for kind in classes
+             if kind.__module__ == found.__name__ and dataclasses.is_dataclass(kind)]  # fmt: skip
+    assert kinds
+    assert [kind.__name__ for kind in kinds if not kind.__dataclass_params__.frozen] == []
