@@ -30,7 +30,7 @@ AXE = ROOT / "editors/designer/node_modules/axe-core/axe.min.js"
 PATIENCE = 100.0  # s: other tests run beside
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.slow(seconds=15),  # all of them: another worker would write the folder again
     pytest.mark.skipif(CHROMIUM is None, reason="no chromium"),
     pytest.mark.skipif(not PYODIDE.exists(), reason="pyodide is not installed: make page-tools"),
 ]
