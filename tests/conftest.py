@@ -142,7 +142,7 @@ def is_long(item: pytest.Item) -> bool:
     assert isinstance(item, pytest.Function)
     return (
         item.get_closest_marker("slow") is not None
-        or bool({"browser", "runner", "lsp_client"} & set(item.fixturenames))
+        or bool({"browser", "runner"} & set(item.fixturenames))
         or is_of_pages(item.path)
         or uses(item.function, STARTING, set())
     )

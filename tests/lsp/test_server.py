@@ -14,7 +14,10 @@ from server_client import CHANGE, CONFIG, File, partial, start
 from fuzzyarm.api import check_text
 from fuzzyarm.language import format_text
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [
+    pytest.mark.asyncio(loop_scope="module"),
+    pytest.mark.slow,  # a process that is started for them
+]
 ROOT = Path(__file__).parents[2]
 PD7 = (ROOT / "rulebases" / "pd7.frb").read_text(encoding="utf-8")
 TABLE = (ROOT / "rulebases" / "performance-yamazaki.lut").read_text(encoding="utf-8")
