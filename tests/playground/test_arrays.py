@@ -43,6 +43,15 @@ SAME = {
     "extremes of stretches": lambda x: x.maximum.reduceat(x.array(LONG), x.array([0, 10, 500])),
     "extremes with a start": lambda x: x.max(x.array([]), initial=0.0),
     "differences": lambda x: [x.diff(x.array(A), axis=0), x.diff(x.array(B))],
+    "differences between others": lambda x: [
+        x.diff(x.arange(24).reshape(2, 3, 4) ** 2, axis=axis) for axis in (0, 1, 2, -2)
+    ],
+    "turned": lambda x: [
+        x.transpose(x.arange(24).reshape(2, 3, 4), *order) for order in ((), ((1, 2, 0),))
+    ],
+    "cut to whole numbers": lambda x: [
+        x.array([1.9, -2.9, 3.0], x.int64), x.array([1, 2.5], x.int16), x.array([True, 2], float),
+    ],
     "order": lambda x: [x.sort(x.array(LONG)), x.argsort(x.array(B)), x.unique([3, 1, 3])],
     "places": lambda x: [x.argwhere(x.array(A) > 1.0), x.flatnonzero(x.array([0, 2, 0, 1]))],
     "place in order": lambda x: x.unravel_index(7, (3, 4)),
