@@ -172,6 +172,20 @@ def test_ends_of_karnik_and_mendel_are_no_averages() -> None:
     assert bounds.high - bounds.low < 1e-9
 
 
+def test_a_single_point_where_nothing_of_type_2_fires_counts() -> None:
+    rulebase = read(
+        "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\n"
+        "term x A: trapezoid -1 0 0.5 1 over trapezoid -1 0 0.25 0.75\n"
+        "term x B: trapezoid 1 1.5 2 3 over trapezoid 1.25 1.75 2 3\n"
+        "term u P: singleton 0.5 over singleton 0.4\n"
+        "inference u: defuzzifier karnik-mendel, no-rule 1\n"
+        "rule if x is A then u is P\nrule if x is B then u is P\n"
+    )
+    assert fuzzyarm.infer(rulebase, x=1.0) == {"u": 1.0}
+    assert not prove(rulebase, "u <= 0.6", budget=2).proved
+    assert prove(rulebase, "x in 0 .. 0.5 -> u <= 0.6", budget=2).proved
+
+
 @pytest.mark.slow
 def test_strengths_too_small_for_floats_give_values_all_the_same() -> None:
     rulebase = read(

@@ -161,6 +161,6 @@ def _straight_bounder(shape: Shape) -> Callable[[float, float], tuple[float, flo
         inside = [y for x, y in corners if low <= x <= high]
         values = [lines.at(low), lines.at(high), *inside]
         least, most = min(values), max(values)
-        return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
+        return max(0.0, least - SLACK), (most and most + SLACK)
 
     return of_stretch
