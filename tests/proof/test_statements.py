@@ -19,6 +19,7 @@ from fuzzyarm.language.queries import complete, hover, read
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof import Prover, prove, prove_all
+from fuzzyarm.proof.tables import cell_errors
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 if TYPE_CHECKING:
@@ -435,3 +436,13 @@ def test_no_table_is_made_of_what_nothing_is_proved_of(monkeypatch):
     *_, verdict = prove_all(parsed.rulebase)
     assert verdict.verdict == "undecided"
     assert verdict.reason == "no rule concludes 'u'"
+
+
+def test_the_errors_of_a_table_are_those_of_all_its_cells() -> None:
+    rulebase = fuzzyarm.load(fuzzyarm.shipped("balance.frb"))
+    (output,) = rulebase.outputs
+    counts = zip(rulebase.inputs, (3, 4), strict=True)
+    levels = {each.name: np.linspace(each.low, each.high, n).tolist() for each, n in counts}
+    table = fuzzyarm.compile_table(rulebase, output.name, levels=levels)
+    cells = [cell for cell, _ in cell_errors(table, rulebase, "linear")]
+    assert cells == [(i, j) for i in range(2) for j in range(3)]

@@ -271,3 +271,13 @@ def test_a_journal_refuses_what_it_is_not(tmp_path):
     path.write_text("a,b\n1,2\n")
     with pytest.raises(JournalError, match="is not a sweep file"):
         journal.resume()
+
+
+@pytest.mark.parametrize("name", ["simulate", "sweep", "compare", "learn", "tune", "fit"])
+def test_what_is_on_by_default_can_be_switched_off(name: str) -> None:
+    parser = find_command(name).parser()
+    on = [action for action in parser._actions if action.default is True]
+    assert on or name == "fit"
+    for action in on:
+        off = [word for word in action.option_strings if word.startswith("--no-")]
+        assert off, action.dest
