@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import subprocess
 import sys
@@ -193,3 +194,29 @@ def test_the_scale_of_a_thermometer_stays_while_a_run_that_is_over_is_shown():
     assert scales[0] == scales[1]
     values = [*run.outputs["temperature"], *run.wanted["temperature"]]
     assert float(scales[0][0]) < min(values) <= max(values) < float(scales[0][1])
+
+
+def test_an_area_has_the_dots_inside_it_and_no_others():
+    canvas = Canvas(30, 12, 0.0, 10.0, 0.0, 8.0)
+    corners = [(0.7, 0.4), (9.1, 2.3), (4.2, 7.6)]
+    canvas.area(*zip(*corners, strict=True), "red")
+    braille = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]]
+    dots = {
+        (2 * column + j, 4 * row + i)
+        for row, line in enumerate(canvas.lines())
+        for column, letter in enumerate(line.plain)
+        for i, j in itertools.product(range(4), range(2))
+        if letter != " " and (ord(letter) - 0x2800) & braille[i][j]
+    }
+    places = [canvas.place(x, y) for x, y in corners]
+
+    def inside(column, row):
+        sides = [
+            (x1 - x0) * (row - y0) - (y1 - y0) * (column - x0)
+            for (x0, y0), (x1, y1) in zip(places, [*places[1:], places[0]], strict=True)
+        ]
+        return all(side <= 0 for side in sides) or all(side >= 0 for side in sides)
+
+    every = itertools.product(range(60), range(48))
+    assert dots == {(column, row) for column, row in every if inside(column, row)}
+    assert len(dots) > 300
