@@ -15,7 +15,7 @@ declare namespace Messages {
     saved?: string;
   }
 
-  /** What is said of a file: `close`, `write`, and `ask` and `start` before their own fields. */
+  /** Messages about a file: `close`, `write`, and `ask` and `start` before their own fields. */
   interface OfFile {
     file: string;
   }
@@ -53,7 +53,7 @@ declare namespace Messages {
     what: string;
   }
 
-  /** What is said to long work: `stop`, and `say` before its words. */
+  /** Messages to long work: `stop`, and `say` before its words. */
   interface OfJob {
     id: number;
   }
@@ -69,7 +69,7 @@ declare namespace Messages {
     at: [number, number];
   }
 
-  /** What stands at a position; with a name, the edit that gives it this one. */
+  /** The name at a position; with another name, the edit that renames it. */
   interface Rename {
     at: [number, number];
     name?: string | null;

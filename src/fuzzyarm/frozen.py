@@ -81,11 +81,11 @@ else:
 
 
 class _Settings(dict[str, Any]):
-    """What is said of a field behind its equals sign."""
+    """The settings of a field behind its equals sign."""
 
 
 class _Field:
-    """One field: its name, its type as it is written, and what is said of it."""
+    """One field: its name, its type as written, and its settings."""
 
     __slots__ = ("annotation", "name", "settings")
 
@@ -96,7 +96,7 @@ class _Field:
 
 
 _ABSENT = object()
-"""In place of a default where there is none, and of an argument that was not given."""
+"""Marks a missing default and a missing argument."""
 
 
 def _frozen(cls: Any, written: Sequence[str], *, slots: bool) -> Any:
@@ -125,7 +125,7 @@ def _frozen(cls: Any, written: Sequence[str], *, slots: bool) -> Any:
 
 
 def _defines(cls: Any, name: str) -> bool:
-    """Whether the body of a class has a method; Python's ``__hash__ = None`` is none."""
+    """Whether the body of a class has a method; Python's ``__hash__ = None`` does not count."""
     return vars(cls).get(name) is not None
 
 

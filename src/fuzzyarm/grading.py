@@ -1,4 +1,4 @@
-"""Assignments: what hidden lines hold of the rule bases that students hand in.
+"""Assignments: hidden lines judged on the rule bases that students hand in.
 
 An assignment is a folder: ``task.md`` for students, ``hidden.frb`` with ``expect`` and ``prove``
 lines, ``model.frb`` with an answer that passes them, and ``submissions`` with a ``.frb`` of each
@@ -45,7 +45,7 @@ _POINTS = re.compile(r"(?P<points>\d+)\s+points?\b:?\s*(?P<about>.*)$")
 
 
 class GradingError(FuzzyarmError, ValueError):
-    """An assignment is not one, or its own answer does not pass it."""
+    """An assignment is incomplete, or its own answer fails it."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class HiddenLine:
     points : int
         What it is worth.
     about : str
-        What a student is told of it; the line itself by default.
+        The text that a student sees; the line itself by default.
     """
 
     text: str
@@ -87,13 +87,13 @@ class Assignment:
 
     @property
     def points(self) -> int:
-        """What can be had."""
+        """All points together."""
         return sum(line.points for line in self.lines)
 
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one demand: ``passed``, ``failed`` or ``undecided``, and why."""
+    """Result of one demand: ``passed``, ``failed`` or ``undecided``, and why."""
 
     verdict: str
     says: str = ""
@@ -214,7 +214,7 @@ def grade(assignment: Assignment, tell: Callable[[str], object] = lambda name: N
 
 
 def _graded(path: Path, lines: Sequence[HiddenLine]) -> Grade:
-    """Return the row of one file; whatever it is, it does not end the others."""
+    """Return the row of one file; no file can end the run."""
     name = printable(path.stem)
     try:
         text, rulebase = _read(path)
@@ -251,7 +251,7 @@ def _read(path: Path) -> tuple[str, RuleBase]:
 
 
 def _result(text: str, rulebase: RuleBase, line: HiddenLine) -> Result:
-    """Return what becomes of one demand, which is read as if it stood in the submission."""
+    """Return the result of one demand, which is read as a line of the submission."""
     parsed = parse(f"{text}\n{line.text}\n", "submission")
     if parsed.rulebase is None:
         return Result("failed", next(d.message for d in parsed.diagnostics if d.is_error))

@@ -56,11 +56,11 @@ PART: FormField = {
 WRITTEN_TABLES = (*TABLES, LATEX)
 
 _DRAWING = threading.Lock()
-"""Figures are drawn one at a time: settings of the library are everybody's."""
+"""Figures are drawn one at a time: matplotlib's settings are global."""
 
 
 class ExportRefusedError(FuzzyarmError, ValueError):
-    """A text that is not exported so."""
+    """A text cannot be exported in this form."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
 
 
 def export(session: Session, request: ExportWork, job: WindowJob) -> None:
-    """Make files, and tell what is said of them; a page loads them by their addresses."""
+    """Make files and report on them; a page loads them by their addresses."""
     files, lines = files_of(session, request.suffix, request.options, job.progress)
     job.check()
     offered = [
@@ -136,7 +136,7 @@ def export(session: Session, request: ExportWork, job: WindowJob) -> None:
 def files_of(
     session: Session, suffix: str, options: FormValues, progress: Callable[[str], None]
 ) -> tuple[list[Offered], list[str]]:
-    """Return the files of an export and what is said of them.
+    """Return the files of an export and its report.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def _content(session: Session) -> bytes:
 
 
 def making_on_page(session: Session, options: FormValues) -> Making:
-    """Return what the fields of a dialog say; an empty field is as without the option."""
+    """Return the options of a dialog; an empty field counts as absent."""
     request = form_of(ExportRequest, **{**options, "file": Path(session.path).name})
     try:
         return making_of(request)

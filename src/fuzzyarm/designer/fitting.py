@@ -37,7 +37,7 @@ def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
 
 
 def fit(session: Session, record: FitWork, job: WindowJob) -> None:
-    """Learn, tell, and write what a page takes; goes on until it wants no more."""
+    """Learn, report, and write what the page saves, until it stops."""
     if not record.form.get("data"):
         raise FieldError("choose the samples to learn from", field="data")
     request = FIT.request(record.form, Path(session.path).parent)
@@ -90,7 +90,7 @@ def _learned(request: FitRequest, job: WindowJob) -> Fit:
 
 
 class _Teller:
-    """Says how far it is; the user may end it, which keeps the best."""
+    """Reports progress; the user may end it, which keeps the best."""
 
     def __init__(self, job: WindowJob) -> None:
         self.job = job

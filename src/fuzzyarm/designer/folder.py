@@ -1,4 +1,4 @@
-"""The files of the designer: what stands in its folder, new ones, other names, and what is dropped.
+"""The files of the designer: those of its folder, new, renamed and imported ones.
 
 Nothing outside the folder is read or written. A name that comes from a page is checked before it
 becomes a path: it must be one that every system takes, and it never leads out of the folder.

@@ -1,7 +1,7 @@
 """Where a controller of a page runs: plants, their trajectories, references, sensors.
 
 A page names plants that come with the package, and those that were named on the command line,
-where a file of Python is executed. What is said of a run are the words of the command line.
+where a file of Python is executed. A run is described in the words of the command line.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def signal_of(folder: Path, word: str) -> str:
 
 
 def check_words(request: ExperimentRequest, plant: Plant) -> None:
-    """Read each of the words by itself, so that a mistake is said at its field."""
+    """Read each word separately, so that a mistake shows at its field."""
     from fuzzyarm.loop.words import connections, driven, options_of, signals
     from fuzzyarm.plant.plant import interface_of
 

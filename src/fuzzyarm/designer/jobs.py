@@ -96,7 +96,7 @@ class WindowJob:
     Parameters
     ----------
     number : int
-        The page's own number of it, which goes with all that is told.
+        The page's number of the job, which all its messages carry.
     tell : callable
         Sends a message to the window.
     folder : Folder
@@ -181,7 +181,7 @@ class WindowJob:
         kind : type
             The record of a word, one of `fuzzyarm.designer.requests.WORDS`.
         wait : float, optional
-            How long to wait for a word where there is none, s.
+            How long to wait for a message, s.
         """
         words: list[Word] = []
         # It waits for the first word only.

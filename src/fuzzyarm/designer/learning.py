@@ -83,7 +83,7 @@ def learnable(session: Session, request: BareMessage, job: WindowJob) -> None:
 
 
 def learn(session: Session, request: LearnWork, job: WindowJob) -> None:
-    """Train, and tell; goes on until the page wants no more."""
+    """Train and report until the page stops."""
     TrainingWork(session, request, job).run()
 
 
@@ -97,7 +97,7 @@ class TrainingWork:
     asked : LearnWork
         What is trained, on what, how.
     job : WindowJob
-        Who is told, and says what is to be done.
+        Where messages go to and come from.
     """
 
     def __init__(self, session: Session, request: LearnWork, job: WindowJob) -> None:
@@ -242,7 +242,7 @@ class TrainingWork:
         """Whether it neither waits nor has been stopped."""
         return self.mode in ("run", "step")
 
-    # --- What is told ---
+    # --- Messages ---
 
     def _tell_begin(self) -> None:
         trainee = self.trainee

@@ -1,8 +1,8 @@
-"""The open files and the windows on them: what is said of them, and by whom it is answered.
+"""The open files and their windows: messages about them, and their handlers.
 
 What carries the messages is another matter: a socket to this machine's server
 (`fuzzyarm.designer.server`), or a page that has its own Python (`fuzzyarm.playground`). A message
-is JSON, an object each way. A window may have several files open: what is said of one names it,
+is JSON, an object each way. A window may have several files open: a message about one names it,
 under ``file``. What a window may say are the records of `fuzzyarm.designer.requests`, each read by
 `fuzzyarm.designer.records`: what does not fit is refused, and what a handler fails at after that is
 an internal error (`fuzzyarm.designer.faults`). What a window hears are the records of
@@ -84,7 +84,7 @@ class Window:
         """Those that it has open."""
         self.jobs: dict[int, WindowJob] = {}
         self.follows = False
-        """Whether it is told which files have unsaved changes."""
+        """Whether it hears which files have unsaved changes."""
 
     def stop(self) -> None:
         """End all its work."""

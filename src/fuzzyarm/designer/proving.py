@@ -68,7 +68,7 @@ def _form(*, is_loop: bool) -> RequestForm[ProveRequest]:
 
 
 def prove(session: Session, record: ProveWork, job: WindowJob) -> None:
-    """Judge what is asked for; each verdict is told when it is there."""
+    """Judge the claims; each verdict is sent as soon as it is known."""
     from fuzzyarm.closed_loop.orders import require_sensible
 
     _refuse_table(session)
@@ -155,7 +155,7 @@ def _verdict_lines(verdict: Verdict | LoopVerdict) -> list[str]:
 
 
 class _LoopProof:
-    """What is asked of a controller in its loop."""
+    """Claims about a controller in its loop."""
 
     def __init__(
         self,

@@ -161,7 +161,7 @@ def _truth(value: Any, where: str) -> bool:
 
 
 def _whole(value: Any, where: str) -> int:
-    # A whole number of JavaScript beyond 2**53 is none any more.
+    # Beyond 2**53 JavaScript no longer has every whole number.
     if isinstance(value, bool) or not isinstance(value, int) or abs(value) > 2**53:
         raise MessageError(f"must be a whole number, not {_shown(value)}", where)
     return value

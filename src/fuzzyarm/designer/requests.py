@@ -50,7 +50,7 @@ class Open:
 
 @dataclass(frozen=True)
 class OfFile:
-    """What is said of a file: `close`, `write`, and `ask` and `start` before their own fields."""
+    """Messages about a file: `close`, `write`, and `ask` and `start` before their own fields."""
 
     file: str
 
@@ -108,7 +108,7 @@ class StartWork:
 
 @dataclass(frozen=True)
 class OfJob:
-    """What is said to long work: `stop`, and `say` before its words."""
+    """Messages to long work: `stop`, and `say` before its words."""
 
     id: int
 
@@ -141,7 +141,7 @@ class At:
 
 @dataclass(frozen=True)
 class Rename:
-    """What stands at a position; with a name, the edit that gives it this one."""
+    """The name at a position; with another name, the edit that renames it."""
 
     at: Position
     name: str | None = None
@@ -464,7 +464,7 @@ class RunWork:
     form : mapping
         See `fuzzyarm.designer.forms.RUN`.
     until, window : str
-        The time to stand at, or how much stays in view; where the form has no duration.
+        The time to stop at, or how much stays in view; for forms without a duration.
     speed : float or None
         Simulated for real time; None is as fast as possible.
     calm : bool

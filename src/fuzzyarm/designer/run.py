@@ -117,7 +117,7 @@ class Running:
             {
                 "plants": plants,
                 "chosen": chosen or next(iter(fitting), ""),
-                # On which a command runs it by itself; a rule base on that of its controller.
+                # As the command chooses it; a rule base runs on the plant of its controller.
                 "likely": site.name if site is not None else "",
                 # A rule base takes the place of that of a controller of the catalogue.
                 "direct": "" if _is_in(controller, text) else controller.name,
@@ -195,7 +195,7 @@ class LiveRun:
         self.controller = controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()
-        self.until: int | None = None  # the set point to stand at
+        self.until: int | None = None  # the set point to stop at
         words = RUN.request(self.request.form, Path(self.path).parent)
         name = words.plant or ""
         check_words(words, self.plants.new(name))
@@ -398,7 +398,7 @@ class LiveRun:
             self.used = used
             self._take_text()
 
-    # --- What the page is told ---
+    # --- Messages to the page ---
 
     def _gains(self) -> list[dict[str, Any]]:
         text = source_of(self.controller)

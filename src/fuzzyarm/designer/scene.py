@@ -118,7 +118,7 @@ def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
     output = rulebase.variable(variable)
     middles = isinstance(output, Output) and output.defuzzifier.record.both
     if middles and any(term.lower and is_value(term.lower) for term in output.terms):
-        return None  # what stands in the numbers is the middle of two
+        return None  # the number stored is the middle of two
     try:
         return numbers_of(rulebase, loose=variable)
     except NotCoveredError:

@@ -293,7 +293,7 @@ class SharedText:
         self.conflict = None
         self.replace(text, DISK)
 
-    # --- What a page is told ---
+    # --- Messages to the page ---
 
     def findings(self, session: Session) -> Findings:
         """Return the findings and the colours of a session's text."""

@@ -1,4 +1,4 @@
-"""The plants of a page: which there are, how they are drawn, and how the user pushes them."""
+"""The plants of a page: their list, how they are drawn, and how the user pushes them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Plants:
         return find_plant(name)
 
     def described(self, controller: Controller) -> list[dict[str, Any]]:
-        """Return for each plant what a page says of it, and why a controller does not fit."""
+        """Return for each plant its description on the page, and why a controller does not fit."""
         return [
             {
                 "name": name,

@@ -1,4 +1,4 @@
-"""What a page does not compute by itself, or too slowly: a surface, and what fires at a point."""
+"""Surfaces, and the rules that fire at a point, for pages that cannot compute them fast enough."""
 
 from __future__ import annotations
 

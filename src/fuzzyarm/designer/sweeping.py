@@ -60,7 +60,7 @@ def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = plan.file(str(Path(folder) / f"{Path(session.path).stem}-sweep.csv"))
         answer = answered(plan, file, request, None, moved)
-        job.check()  # a hand that stops it is not a fault of a run
+        job.check()  # stopping it is not a fault of a run
         many = many_of(plan.bench, plan.changes, answer.rows)
         charts = _charts(plan, request, many) if len(many) == plan.count else []
         lines = [*sweep_lines(many, request.metric), *answer.faults]
@@ -99,7 +99,7 @@ def _axes(plan: Sweep, request: SweepRequest) -> Any:
 
 
 def _charts(plan: Sweep, request: SweepRequest, many: Many) -> list[Chart]:
-    """Return the picture of runs on a grid; of runs with drawn values there is none."""
+    """Return the picture of runs on a grid; None for runs with random values."""
     from fuzzyarm.show.sweep import sweep_chart
 
     if request.random is not None:

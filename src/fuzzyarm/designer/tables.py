@@ -45,7 +45,7 @@ MOST_CELLS = 1_600
 """Cells whose errors are proved one by one."""
 
 AT_ONCE = 24
-"""Cells that are told together."""
+"""Cells in one message."""
 
 PROOF_SECONDS = 60.0
 
@@ -112,7 +112,7 @@ def cell_place(session: Session, cell: Sequence[int]) -> Any:
 
 
 def table_error(session: Session, request: TableErrorWork, job: WindowJob) -> None:
-    """Tell how far a table is from direct inference: a map, the worst point, proofs.
+    """Report how far a table is from direct inference: a map, the worst point, proofs.
 
     Of a rule base the table is compiled as the page asks; a table is compared with the file
     of the folder that it was compiled from.
@@ -246,7 +246,7 @@ def _held(axis: TableAxis, value: float | None) -> float:
 
 
 def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: WindowJob) -> None:
-    """Tell what the error of each cell nowhere exceeds, where that can be proved."""
+    """Report a proved bound of the error of each cell, where there is one."""
     if len(table.axes) > 2:
         job.tell({"unproved": "cells of more than two inputs are not proved one by one"})
         return

@@ -165,7 +165,7 @@ def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
 
 
 def tune(session: Session, request: TuneWork, job: WindowJob) -> None:
-    """Search, tell, report; goes on until the page wants no more."""
+    """Search and report until the page stops."""
     order = order_of(session, request, job)
     prepared(order)  # what does not fit is said at once
     report = _searched(order, job)

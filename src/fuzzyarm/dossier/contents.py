@@ -1,4 +1,4 @@
-"""What stands in a report: everything that went into an export, and all that is known of it."""
+"""The contents of a report: the inputs of an export, and everything known about it."""
 
 from __future__ import annotations
 

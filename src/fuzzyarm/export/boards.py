@@ -84,7 +84,7 @@ BOARDS = {
 
 
 def board_named(name: str) -> Board:
-    """Return a board; ExportError if there is none of this name."""
+    """Return a board; ExportError if its name is unknown."""
     if name not in BOARDS:
         raise ExportError(f"no board '{name}'", hint=f"there are {', '.join(BOARDS)}")
     return BOARDS[name]

@@ -732,7 +732,7 @@ def reads(step: Step) -> Iterator[str]:
 
 
 def _whole(table: LearningTable) -> str:
-    """Return the type of a cell in a ring, where -1 is none."""
+    """Return the type of a cell in a ring, where -1 means no cell."""
     return "int" if len(table.values) <= 0x7FFF else "long"
 
 

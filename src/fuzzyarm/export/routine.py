@@ -248,7 +248,7 @@ def _library_words(routines: Sequence[Routine]) -> str:
 
 
 def routine_words(routine: Routine) -> list[str]:
-    """Return what is said of one routine: arguments, remarks, error, cost, origin."""
+    """Return the description of a routine: arguments, remarks, error, cost, origin."""
     cost, accuracy = routine.cost(), routine.accuracy
     lines = [_argument(argument) for argument in routine.arguments]
     lines.append(f"result {_argument(routine.output)}")

@@ -1,6 +1,6 @@
 """A walk over tables in C: the kernel's function for one point, self-contained.
 
-Arrays of the kernel are pointers with a length. What stands in flash stays ``const``; the room is
+Arrays of the kernel are pointers with a length. Constants in flash stay ``const``; the room is
 on the stack of the caller.
 """
 

@@ -59,7 +59,7 @@ def imported(
     lossy: bool,
     strict: bool,
 ) -> Imported:
-    """Refuse a text of absurd length, else have it read with line ends of one kind."""
+    """Refuse a text that is too long; read others with uniform line ends."""
     findings = Findings(path, lossy=lossy, strict=strict)
     if len(text) > MAX_CHARACTERS:
         message = (

@@ -136,7 +136,7 @@ class SystemWriter:
     def no_rule(self, output: Output) -> float | str | None:
         """Return what the file says of an output that no rule concludes: a number or ``hold``.
 
-        None where the program does so by itself; what the file cannot say is reported.
+        None if that is the default of the program; what the file cannot express is reported.
         """
         value = output.no_rule
         if self.dialect.silent == "nothing" and self._takes_maximum_of_nothing(output):

@@ -1,6 +1,6 @@
 """What is written in controllers elsewhere: how it is written here, or what to do instead.
 
-Slips are lines that can be put right as they stand (:mod:`fuzzyarm.language.slips`). An advice is
+Slips are lines that can be corrected automatically (:mod:`fuzzyarm.language.slips`). An advice is
 for a line that needs more than itself: another line above it, a rule base, a number.
 """
 
@@ -355,7 +355,7 @@ SLIPS = (
         ("learn",),
     ),
 )  # fmt: skip
-"""Every other notation, in the order in which a line of a controller is put right."""
+"""Every other notation, in the order in which a line of a controller is corrected."""
 
 ENDINGS = re.compile(r"^\s*(?:end\w*(?:[ _-]\w+)?|begin|[{}]+)\s*[;.]?\s*$", ANY_CASE)
 """Lines that end a part elsewhere; here nothing does."""
@@ -501,7 +501,7 @@ ADVICE = (
         ("controller",),
     ),
 )
-"""What is said of lines that no slip puts right; the first that fits."""
+"""Advice on lines that no slip corrects; the first match counts."""
 
 
 def _mirrored(number: str) -> str:

@@ -1,4 +1,4 @@
-"""What a notation of elsewhere is: a record each for what is put right, and for what is advised."""
+"""Foreign notations: a record for each that can be corrected, and for each that gets advice."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Written = str | Callable[[re.Match[str]], str]
 
 
 class Slip(NamedTuple):
-    """A notation of elsewhere: what is said of it, what is looked for and what is written here.
+    """A foreign notation: its message, its pattern and its replacement.
 
     `words` are the statements in which it is looked for: of a rule base ``row`` and ``header`` for
     the lines of a grid, of a controller ``signal``, and an empty word for a line that begins like
@@ -32,7 +32,7 @@ class Slip(NamedTuple):
 
 
 class Advice(NamedTuple):
-    """What is said of a line that cannot be put right alone, and what to do.
+    """The message about a line that cannot be corrected automatically, and a hint.
 
     `message` and `hint` may ask the match; the finding stands at its group ``at``, or at all of it.
     """

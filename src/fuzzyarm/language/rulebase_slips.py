@@ -190,7 +190,7 @@ SLIPS = (
     Slip("write numbers without brackets", re.compile(r"[\[\](){}]"), " ", _NUMBERS),
     Slip("write a colon after the names", re.compile(r"\s*=\s*"), ": ", ("term", "terms")),
 )
-"""Every other notation, in the order in which a line of a rule base is put right."""
+"""Every other notation, in the order in which a line of a rule base is corrected."""
 
 ADVICE = (
     Advice(
@@ -224,10 +224,10 @@ ADVICE = (
         ("prove",),
     ),
 )  # fmt: skip
-"""What is said of lines that no slip puts right; the first that fits."""
+"""Advice on lines that no slip corrects; the first match counts."""
 
 LAST = Slip("a range is written with two points", _RANGE, r"\1 .. \2", ("input", "output"))
-"""Looked for when commas have been put right."""
+"""Tried after commas have been corrected."""
 
 _POINT = Slip("the decimal mark is a point", re.compile(r"(?<=\d),(?=\d)"), ".")
 _SPACE = Slip("separate numbers and cells by spaces only", re.compile(r"\s*[,;|]\s*"), "  ", _LISTS)

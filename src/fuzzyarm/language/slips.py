@@ -30,7 +30,7 @@ _LONGEST, _FARTHEST = 500, 400
 
 
 def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
-    """Return `document` with one finding for each line that can be put right, and those lines.
+    """Return `document` with one finding for each line that can be corrected, and those lines.
 
     The statements of the result are those that were meant.
     """
@@ -39,7 +39,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
     if len(document.diagnostics) > MAX_DIAGNOSTICS:
         return document, frozenset()
     diagnostics: dict[int, Diagnostic] = {}
-    # A header that is put right may show that its rows are to be put right too.
+    # A corrected header may show that its rows need correction too.
     for _ in range(_ROUNDS):
         first: dict[int, Diagnostic] = {}
         for diagnostic in best.diagnostics:
@@ -76,11 +76,11 @@ _FOREIGN = {
     "Structured Text": ("", r"^\s*(?:PROGRAM|VAR|END_VAR|END_IF|END_PROGRAM)\b"),
     "a program in Python": (".py", r"^(?:import|from)\s+\w+(?:\.\w+)*\s*(?:as|import|$)"),
 }
-"""What a text is that is not of this language: its suffix, and how its lines begin."""
+"""Texts of other languages: their suffix, and how their lines begin."""
 
 
 def foreign_text(text: str) -> Diagnostic | None:
-    """Return what is said of a text of another program; None of any other."""
+    """Return the message about a text of another program; None for any other text."""
     for what, (suffix, pattern) in _FOREIGN.items():
         match = re.search(pattern, text[:100_000], re.MULTILINE)
         if match is None:
@@ -95,7 +95,7 @@ def foreign_text(text: str) -> Diagnostic | None:
 
 
 def _finding(first: Diagnostic, before: str, after: str, words: str) -> Diagnostic:
-    """Return what is said of a line: its span and replacement are what differs."""
+    """Return the finding about a line; its span and replacement cover only what differs."""
     start = 0
     while start < min(len(before), len(after)) and before[start] == after[start]:
         start += 1
@@ -210,7 +210,7 @@ def _first_word(line: str) -> str:
 
 
 def _advised(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:
-    """Return a finding with what to do, where the line alone cannot be put right."""
+    """Return a finding with a hint, for a line that cannot be corrected automatically."""
     number = finding.line
     if not 1 <= number <= len(lines):
         return finding

@@ -1,4 +1,4 @@
-"""What is said of a rule base that was learned from samples: as data, and in lines."""
+"""The report on a rule base learned from samples: as data, and in lines."""
 
 from __future__ import annotations
 

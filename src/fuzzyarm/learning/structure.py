@@ -83,7 +83,7 @@ class StructureCandidate:
 
     @property
     def size(self) -> int:
-        """Rules, which is what a reader pays."""
+        """Number of rules, the price that a reader pays."""
         return len(self.premises.rules)
 
 

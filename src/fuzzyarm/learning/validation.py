@@ -1,4 +1,4 @@
-"""How good a rule base is on samples, where, and which of its rules carry it.
+"""Accuracy of a rule base on samples: overall, by region, and by rule.
 
 A single error says little. The error by region shows where a model fails, the residuals
 whether it fails in one direction, calibration whether a value that it gives can be taken for
@@ -129,7 +129,7 @@ class Bin(NamedTuple):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Validation(Plotted):
-    """What samples say of a rule base.
+    """The judgement of samples on a rule base.
 
     Attributes
     ----------

@@ -328,7 +328,7 @@ _HINTS = {
 def _about_script(
     data: Mapping[str, Any], path: str, seconds: float, *, lossy: bool, strict: bool
 ) -> tuple[Diagnostic, ...]:
-    """Return what is to be said of a script, or raise it where nothing is to be had of it.
+    """Return the findings about a script; raise an error if it yields nothing.
 
     What had been made before a script ended early is taken, with a warning.
     """

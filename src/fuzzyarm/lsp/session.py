@@ -123,7 +123,7 @@ class FileKind:
     read : callable
         From the text and its path to its reading.
     complete, hover : callable
-        What could stand at a line and column, and what stands there.
+        Completions at a line and column, and the hover text there.
     name_at : callable
         The name there and its span, or None.
     occurrences : callable
@@ -340,7 +340,7 @@ class Session:
         return () if self._judged is None or self._review is None else self._judged[2].verdicts
 
     def hover(self, line: int, column: int) -> Hover | None:
-        """Return what stands at a position, with the last verdict on a ``prove`` line."""
+        """Return the hover text at a position, with the last verdict on a ``prove`` line."""
         answer: Hover | None = self.kind.hover(self.reading, line, column)
         verdict = next((candidate for candidate in self.verdicts if candidate.line == line), None)
         if answer is None or verdict is None:

@@ -99,7 +99,7 @@ class TableText:
         return [Edit(span, name_text(name)) for span, _ in self._occurrences(name_and_span[0])]
 
     def complete(self, line: int, column: int) -> list[Completion]:
-        """Return the words that could stand at a position of the header."""
+        """Return the words that are possible at a position of the header."""
         before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
         column = len(before) + 1
         match = re.search(r"[^\W\d][\w-]*\Z", before)

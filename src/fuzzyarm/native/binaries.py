@@ -42,7 +42,7 @@ class Binary(NamedTuple):
 
 
 def read_binary(path: Path) -> Binary:
-    """Read what a shared library says of itself.
+    """Read the header of a shared library.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def read_binary(path: Path) -> Binary:
     Raises
     ------
     ValueError
-        If it is none of them.
+        If it has another format.
     """
     data = path.read_bytes()
     for magic, read in ((b"\x7fELF\x02\x01", _elf), (b"\xcf\xfa\xed\xfe", _mach_o), (b"MZ", _pe)):

@@ -284,7 +284,7 @@ def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
 
 
 PORTS = ("inputs", "outputs", "states", "parameters")
-"""What a plant says of itself, and no run changes."""
+"""Properties of a plant that no run changes."""
 
 
 def _names_of(plant: Any) -> list[list[str]]:

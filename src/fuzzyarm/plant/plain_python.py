@@ -301,7 +301,7 @@ def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
 
 
 def _of_error(plant: Plant, what: str, error: BaseException) -> tuple[str, str]:
-    """Return what is said of an error in a method of a plant, and what to do."""
+    """Return the message for an error in a method of a plant, and a hint."""
     message = f"{type(error).__name__}: {error}"
     names = {
         "x": list(plant.states), "u": list(plant.inputs), "p": list(plant.parameters),

@@ -43,12 +43,12 @@ _FOR_PLCS = dict.fromkeys((".st", ".xml", ".scl"), "float32")
 """The precision of source text for PLCs: few of them have a double."""
 
 Tell = Callable[[str], None]
-"""Called with a word on what is going on."""
+"""Called with the current step, in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Making:
-    """How a table, source text or a program is made; what is None is left to the file.
+    """Options for a table, source text or a program; None leaves the choice to the file.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Making:
 
 
 def making_of(request: ExportRequest) -> Making:
-    """Return what a request says of how something is made."""
+    """Return the options of a request."""
     if request.levels is not None and request.tolerance is not None:
         raise RequestError("tolerance", "and levels exclude each other")
     return Making(
@@ -188,7 +188,7 @@ def source_of(
     how : Making
         The wishes.
     progress : callable, optional
-        Called with a word on what is going on.
+        Called with the current step, in words.
 
     Raises
     ------

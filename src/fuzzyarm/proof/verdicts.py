@@ -292,7 +292,7 @@ class _Case:
         self.stop.say(0)  # before anything takes long
         try:
             return judge()
-        except FuzzyarmError as error:  # out of time, nothing to prove, a table that is none
+        except FuzzyarmError as error:  # out of time, nothing to prove, not a table
             return self._said(UNDECIDED, reason=_sentence(error))
 
     def _said(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:

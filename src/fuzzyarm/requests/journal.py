@@ -1,4 +1,4 @@
-"""A file that grows by a line for each piece of long work, from which the work goes on.
+"""A file that grows by a line for each piece of long work, so that the work can be resumed.
 
 It begins with what was asked, as JSON behind a ``#``; a heading follows, and the lines of a CSV
 file. So the file of work that was interrupted is the front of the whole one. Whoever asks

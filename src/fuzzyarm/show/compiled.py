@@ -1,4 +1,4 @@
-"""What is said of tables, source text and programs that have been made, line by line."""
+"""Reports on tables, source text and programs that have been made, line by line."""
 
 from __future__ import annotations
 

@@ -365,7 +365,7 @@ class _DiagramPart:
         return [(index, output, "") for output in range(len(outputs))]
 
     def _sheet(self, name: str) -> list[str]:
-        """Return what is said of a rule base or a table: its files and its size."""
+        """Return the description of a rule base or a table: its files and its size."""
         words = []
         if name in self.counts:
             count = self.counts[name]

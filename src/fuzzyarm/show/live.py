@@ -94,7 +94,7 @@ def frames_of(run: Run) -> list[int]:
 
 
 def play(run: Run, plant: Plant, console: Console) -> bool:
-    """Show a run in a terminal as it goes on; the last picture stays."""
+    """Show a run in a terminal while it runs; the last picture stays."""
     from rich.live import Live
 
     has_braille = "utf" in (console.encoding or "").lower()

@@ -34,7 +34,7 @@ Mark = Callable[[tuple[int, ...]], bool]
 def table_view(
     table: LookupTable, *, all_levels: bool = False, at: Sequence[float] | None = None
 ) -> Group:
-    """Return a table with all that it says of itself.
+    """Return a table with its header.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What could stand at a position, told by the words before it: a broken line does not matter.
+"""Completion at a position, from the words before it: a broken line does not matter.
 
 The reader of the statement is run over the words before the position by a cursor that never
 finds fault. Where they end, whatever the reader asks for is what could stand there.
@@ -42,7 +42,7 @@ from fuzzyarm.text.placed import Figure, Word
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """One thing that could stand at a position.
+    """A completion.
 
     Attributes
     ----------
@@ -385,7 +385,7 @@ def _rank(candidate: Completion) -> int:
     return 2 if candidate.kind == "hedge" else 1 if candidate.insert.endswith(":") else 0
 
 
-# --- What could stand at a position ---
+# --- Completions ---
 
 OF_PLANTS = (NameKind.PORT, NameKind.PLANT, NameKind.STATE, NameKind.PARAMETER)
 """Names that mean something of a plant."""
@@ -395,7 +395,7 @@ _ALLOW = re.compile(r"#\s*allow\s+(?:[\w-]+\s*,\s*)*([\w-]*)\Z")
 
 
 def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> list[Completion]:
-    """Return what could stand at a position, the likeliest first.
+    """Return the completions at a position, the likeliest first.
 
     Parameters
     ----------

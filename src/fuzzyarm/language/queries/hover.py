@@ -112,7 +112,7 @@ class Hover:
 
 
 def hover(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> Hover | None:
-    """Return what stands at a position, with what is known of it, or None where nothing does."""
+    """Return the hover text of what is at a position; None if nothing is there."""
     cell = _cell_at(reading, line, column)
     if cell is not None:
         return _of_cell(reading, *cell)
