@@ -1,7 +1,7 @@
 """The block diagram of a controller as data: what is drawn, and that nothing lies on another."""
 
 from collections import Counter
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import pytest
@@ -11,6 +11,7 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language import parse
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.show.diagram import BLOCK_KINDS, block_diagram, time_text
+from fuzzyarm.show.placement import Pen, place
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "controllers").glob("*.frb"))
 SHIPPED = [shipped(name) for name in sorted(shipped_names()) if name.endswith(".frb")]
@@ -196,3 +197,42 @@ def test_crossed_inputs_do_not_lie_on_one_another():
 )  # fmt: skip
 def test_times_are_written_short(seconds, words):
     assert time_text(seconds) == words
+
+
+# ── lengths ──────────────────────────────────────────────────────────────────────────
+
+PEN = Pen(lambda text, _style: 6.0 * len(text), line=12.0, pad=4.0, room=90.0, track=8.0, arrow=7.0)
+
+
+def directions(point, pieces):
+    """Return where wires go from a point."""
+    (x, y), found = point, set()
+    for ends in pieces:
+        for (x0, y0), (x1, y1) in (ends, ends[::-1]):
+            across = y0 == y1 == y and min(x0, x1) <= x <= max(x0, x1) and x1 != x
+            down = x0 == x1 == x and min(y0, y1) <= y <= max(y0, y1) and y1 != y
+            if across or down:
+                found.add((x1 > x) - (x1 < x) if across else ("down" if y1 > y else "up"))
+    return found
+
+
+def test_wires_go_from_the_edge_of_a_block_to_the_edge_of_another(diagram):
+    picture = place(diagram, PEN)
+    nets = {}
+    for wire, points in picture.wires:
+        source, target = picture.blocks[wire.source], picture.blocks[wire.target]
+        assert points[0][0] == source.x + source.width
+        assert points[-1][0] == pytest.approx(target.x)
+        for (_, y), block in ((points[0], source), (points[-1], target)):
+            assert block.y <= y <= block.y + block.height
+        assert all((x0 == x1) != (y0 == y1) or (x0, y0) == (x1, y1)
+                   for (x0, y0), (x1, y1) in pairwise(points))  # fmt: skip
+        nets.setdefault((wire.source, wire.output), []).extend(pairwise(points))
+    # A dot is where the wires of one output go on in three directions.
+    branches = {
+        point
+        for pieces in nets.values()
+        for point in {end for piece in pieces for end in piece}
+        if len(directions(point, pieces)) > 2
+    }
+    assert set(picture.dots) == branches

@@ -34,6 +34,7 @@ from fuzzyarm.show.drawing import make_console, plain_text
 from fuzzyarm.show.figures.panels import chart_figure
 from fuzzyarm.show.panels import LinePlot, SurfaceMap, panel_lines
 from fuzzyarm.show.response import Response
+from fuzzyarm.show.search import spreads
 from fuzzyarm.table import compile_table
 
 
@@ -167,3 +168,9 @@ def test_one_saver_writes_every_format(tmp_path, suffix):
     figure = chart_figure(Chart([[panel]], (2.0, 2.0)))
     save_figure(figure, tmp_path / f"a{suffix}", dpi=40)
     assert (tmp_path / f"a{suffix}").stat().st_size > 500
+
+
+def test_values_that_are_far_apart_are_drawn_by_their_ratios():
+    assert spreads([1.0, 2.0, 5.0])
+    for values in ([], [1.0, 4.9], [0.0, 5.0], [-1.0, 5.0]):
+        assert not spreads(values)
