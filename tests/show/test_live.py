@@ -220,3 +220,15 @@ def test_an_area_has_the_dots_inside_it_and_no_others():
     every = itertools.product(range(60), range(48))
     assert dots == {(column, row) for column, row in every if inside(column, row)}
     assert len(dots) > 300
+
+
+@pytest.mark.parametrize("height", [12, 20, 60])
+def test_a_picture_that_moves_leaves_room_for_the_cursor(cartpole, monkeypatch, height):
+    run, plant = cartpole
+    console = make_console(io.StringIO(), width=80)
+    console.height = height
+    asked = []
+    monkeypatch.setattr(LiveView, "at", lambda _, *size: asked.append(size) or "")
+    monkeypatch.setattr(live.time, "sleep", lambda _: None)
+    assert play(run, plant, console)
+    assert {tall for _, _, tall in asked} == {min(height - 2, 26)}

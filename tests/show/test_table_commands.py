@@ -263,3 +263,10 @@ def test_missing_and_damaged_files(capsys, tmp_path, command):
     assert out == ""
     assert "damaged.lut:18:11: error[not-a-number]: '-5,6' is not a number" in err
     assert "did you mean '-5.6'?" in err
+
+
+def test_visits_are_written_short():
+    from fuzzyarm.show.table import _count_text
+
+    assert [_count_text(n) for n in (1, 2, 99_999, 123_456)] == ["1", "2", "99999", "123k"]
+    assert not _count_text(0).isdigit()
