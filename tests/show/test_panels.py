@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import infer
+from fuzzyarm.inference.trace import FuzzyValue
 from fuzzyarm.picture import (
     Area,
     Axis,
@@ -35,6 +36,7 @@ from fuzzyarm.show.figures.panels import chart_figure
 from fuzzyarm.show.panels import LinePlot, SurfaceMap, panel_lines
 from fuzzyarm.show.response import Response
 from fuzzyarm.show.search import spreads
+from fuzzyarm.show.trace import _memberships
 from fuzzyarm.table import compile_table
 
 
@@ -174,3 +176,10 @@ def test_values_that_are_far_apart_are_drawn_by_their_ratios():
     assert spreads([1.0, 2.0, 5.0])
     for values in ([], [1.0, 4.9], [0.0, 5.0], [-1.0, 5.0]):
         assert not spreads(values)
+
+
+def test_a_bar_of_type_2_is_sure_up_to_the_lower_membership():
+    value = FuzzyValue("x", 1.0, 1.0, (("A", 0.9), ("B", 0.25)), (("A", 0.4), ("B", 0.25)))
+    first, second = _memberships(value).plain.splitlines()[1:]
+    assert (first.count("█"), first.count("░")) == (8, 10)
+    assert (second.count("█"), second.count("░")) == (5, 0)

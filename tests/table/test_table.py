@@ -219,3 +219,13 @@ def test_a_minus_before_zero_is_dropped():
     table = LookupTable((axis,), "u", [0.0], low=-0.0, high=-0.0)
     for x in (*axis.levels, axis.low, axis.high, table.low, table.high):
         assert math.copysign(1.0, x) == 1.0
+
+
+def test_levels_are_a_count_or_numbers():
+    from fuzzyarm.table.levels import read_levels
+
+    assert read_levels(" 7 ") == 7
+    assert tuple(read_levels("0 1")) == (0.0, 1.0)
+    assert tuple(read_levels("-1 0.5 2")) == (-1.0, 0.5, 2.0)
+    with pytest.raises(TableError, match="is not a whole number of levels"):
+        read_levels("0.5")
