@@ -97,7 +97,8 @@ def test_a_controller_says_which_rule_base_it_looks_up(words, said):
 
 @pytest.mark.parametrize("file", [RULES, TABLE])
 def test_the_hint_can_be_typed(file, said, capsys):
-    words = re.search(r"\(fuzzyarm (.*) runs it on the arm;", said(f"simulate {file}")).group(1)
+    hint = r"\(fuzzyarm (.*) runs (?:rules|a table) of e and ce on the arm;"
+    words = re.search(hint, said(f"simulate {file}")).group(1)
     assert main([*shlex.split(words), "--trajectory", "reach", "--segment", "0.1"]) == 0
     assert "rms" in capsys.readouterr().out
 

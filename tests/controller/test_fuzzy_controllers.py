@@ -187,7 +187,7 @@ def test_an_edit_of_the_rule_base_shows(tmp_path):
         ("pd", {"table": "thesis-6.1.lut"}, "takes no table"),
         ("fuzzy-lut", {"rulebase": "pd7.frb"}, "takes no rulebase"),
         ("cdid+fuzzy-lut", {"performance": "performance-yamazaki.lut"}, "takes no performance"),
-        ("fuzzy-direct", {"rulebase": "thermostat.frb"}, "is asked for"),
+        ("fuzzy-direct", {"rulebase": "thermostat.frb"}, "rule base 'thermostat' has the input"),
     ],
 )
 def test_sources_that_do_not_serve(name, sources, word):
@@ -202,7 +202,7 @@ def test_sources_that_do_not_serve(name, sources, word):
 def test_tables_that_do_not_serve():
     axes = (Axis("e", (-1, 0, 1)), Axis("rate", (-1, 0, 1)))
     odd = LookupTable(axes, "u", np.zeros((3, 3)))
-    with pytest.raises(SourceError, match="is asked for 'rate'"):
+    with pytest.raises(SourceError, match="the table has the input 'rate'"):
         controller("fuzzy-lut", sources=Sources(table=odd))
     joints = LookupTable(
         (Axis("joint", (0, 1)), Axis("e", (-1, 1)), Axis("ce", (-1, 1))), "u", np.zeros((2, 2, 2))

@@ -104,9 +104,15 @@ def test_what_cannot_be_swept_is_said_at_its_field(page, asked, words, field):
     assert words in last["message"]
 
 
-@pytest.mark.parametrize("file", ["thesis-6.1.lut", "tipper.frb"])
-def test_what_does_not_run_is_not_swept(page, file):
-    assert page.message("sweepable", file)
+@pytest.mark.parametrize(
+    ("file", "words"),
+    [
+        ("thesis-6.1.lut", "a table does not run by itself"),
+        ("tipper.frb", "tipper.frb is a rule base, not a controller (the view Run makes one"),
+    ],
+)
+def test_what_does_not_run_is_not_swept(page, file, words):
+    assert words in page.message("sweepable", file)
 
 
 def test_a_sweep_that_is_stopped_tells_no_result(page):

@@ -42,12 +42,14 @@ def without_controller(parsed: Parsed, path: str | os.PathLike[str]) -> Exceptio
 def not_a_controller(path: str | os.PathLike[str], kind: str) -> MistakenKindError:
     """Return the error of a file where a controller is wanted, with what can be typed."""
     name, file = typed(os.fspath(path)), quote(Path(path).name, '"')
-    option, law = ("--table", "fuzzy-lut") if kind == TABLE else ("--rulebase", "fuzzy-direct")
-    if kind == TABLE:
+    is_table = kind == TABLE
+    option, law = ("--table", "fuzzy-lut") if is_table else ("--rulebase", "fuzzy-direct")
+    if is_table:
         other = f"another plant takes a controller with  use F from {file}  and  u = table F(e, ce)"
     elif kind_by_suffix(path):
         other = f"another plant takes a controller with  use F from {file}  and  u = rules F(e, ce)"
     else:
         other = f"fuzzyarm new NAME --kind controller --around {name} writes a controller with it"
-    hint = f"fuzzyarm simulate {law} {option} {name} runs it on the arm; {other}"
+    what = "a table" if is_table else "rules"
+    hint = f"fuzzyarm simulate {law} {option} {name} runs {what} of e and ce on the arm; {other}"
     return MistakenKindError(os.fspath(path), kind, CONTROLLER, hint=hint)

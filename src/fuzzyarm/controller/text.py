@@ -273,6 +273,7 @@ def zeros_like(table: LookupTable) -> LookupTable:
 def by_name(name: str, sheet: Sheet) -> Change:
     """Return what asks a rule base or a table in another's place for its inputs by name."""
     inputs = tuple(input_name for input_name in input_names(sheet) if input_name != AXIS)
+    what = f"rule base '{sheet.name}'" if isinstance(sheet, RuleBase) else "the table"
 
     def change(model: ControllerModel) -> ControllerModel:
         def asked(axes: Axes, line: Line) -> Line:
@@ -286,7 +287,7 @@ def by_name(name: str, sheet: Sheet) -> Change:
                 if signal not in lines:
                     names = ", ".join(dict.fromkeys(line.source.inputs))
                     raise SourceError(
-                        f"'{name}' is asked for '{signal}', which the controller does not have",
+                        f"{what} has the input '{signal}', which the controller does not have",
                         hint=f"its inputs may be called {names}, {AXIS}",
                     )
             return replace(line, source=replace(line.source, inputs=inputs))

@@ -105,7 +105,7 @@ class Running:
         try:
             controller = controller_of(text, session.path)
         except SourceError:
-            if not _is_rule_base(text, session.path):
+            if not is_rule_base(text, session.path):
                 raise
             job.tell({"plants": [], "chosen": "", "likely": "", "direct": "", "alone": True})
             return
@@ -121,7 +121,7 @@ class Running:
                 "likely": site.name if site is not None else "",
                 # A rule base takes the place of that of a controller of the catalogue.
                 "direct": "" if _is_in(controller, text) else controller.name,
-                "alone": _is_rule_base(text, session.path),
+                "alone": is_rule_base(text, session.path),
                 "form": RUN.fields(),
             }
         )
@@ -144,7 +144,7 @@ def _uses(text: str, path: str) -> list[str]:
     return sorted({file for use in model.uses for file in use.files}) if model else []
 
 
-def _is_rule_base(text: str, path: str) -> bool:
+def is_rule_base(text: str, path: str) -> bool:
     """Whether a text has rules, and no controller around them."""
     parsed = parse(text, path)
     return parsed.rulebase is not None and parsed.controller is None

@@ -14,6 +14,7 @@ from fuzzyarm.designer.requests import BareMessage, SweepWork
 from fuzzyarm.designer.results import tell_result
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.requests.runs import SweepRequest
+from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.controller import CompiledController
@@ -38,11 +39,20 @@ def sweepable(session: Session, request: BareMessage, job: WindowJob) -> None:
 
 def _controller(session: Session) -> tuple[CompiledController, ControllerModel]:
     """Return the controller of a text; of a rule base the one that asks it directly."""
-    from fuzzyarm.designer.run import controller_of, source_of
+    from fuzzyarm.controller.program import SourceError
+    from fuzzyarm.designer.run import controller_of, is_rule_base, source_of
 
     if session.path.lower().endswith(".lut"):
         raise TextRefusedError("a table does not run by itself; open a controller")
-    controller = controller_of(session.text, session.path)
+    try:
+        controller = controller_of(session.text, session.path)
+    except SourceError:
+        if not is_rule_base(session.text, session.path):
+            raise
+        name = printable(Path(session.path).name)
+        raise TextRefusedError(
+            f"{name} is a rule base, not a controller", hint="the view Run makes one around it"
+        ) from None
     return controller, source_of(controller).model
 
 
