@@ -13,6 +13,7 @@ from fuzzyarm.controller import controller, find_controller
 from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.inference import infer
+from fuzzyarm.language import parse
 from fuzzyarm.learning.data import as_samples
 from fuzzyarm.loop import Sensor, Signal, simulate
 from fuzzyarm.loop.many import Bench, Experiment
@@ -449,3 +450,14 @@ def test_a_time_is_that_of_the_whole(linear, monkeypatch):
     assert len(at_once.found.trials) == 1  # the file itself, always
     assert {len(row.scores["unseen"].parts) for row in at_once.rows} == {1}
     assert all("noisy" not in row.scores for row in at_once.rows)
+
+
+def test_the_nearest_plane_of_a_plane_is_itself():
+    rulebase = parse(
+        "rulebase plane\ninput a -1 .. 1\ninput b 0 .. 2\noutput u -9 .. 9\n"
+        "terms a: triangles L H\nterm u P: linear 2*a - b + 3\n"
+        "inference u: defuzzifier weighted-average, aggregation sum\n"
+        "rule if a is L then u is P\nrule if a is H then u is P\n"
+    ).rulebase
+    slopes, constant = nearest_plane(rulebase, "u")
+    assert (*slopes, constant) == pytest.approx((2.0, -1.0, 3.0))

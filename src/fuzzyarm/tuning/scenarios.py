@@ -201,7 +201,7 @@ def _scaled(
     return Scenario(f"{at + 1}: {motion.name}{', ' if text else ''}{text}", motion, changes)
 
 
-def scaled(signal: Signal, scale: float, resting: float = 0.0) -> Signal:
+def scaled(signal: Signal, scale: float, resting: float) -> Signal:
     """Return a reference whose way, from where the plant rests, has another size.
 
     One from a file stays as it is, and so does a sine but for its amplitude.
