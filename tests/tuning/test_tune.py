@@ -19,6 +19,7 @@ from fuzzyarm.loop import Sensor, Signal, simulate
 from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.run import ClosedLoop, plant_motion
 from fuzzyarm.plant import find_plant, reach_return
+from fuzzyarm.plant.plant import interface_of
 from fuzzyarm.proof import prove_all
 from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.tuning import Journal, TuneError, tune
@@ -347,6 +348,20 @@ def test_references_are_scaled_from_where_the_plant_rests():
     assert len(set(goals)) == 20
     noisy = Stage.noisy(stage)
     assert noisy.options.sensors["temperature"].noise == pytest.approx(80.0 * 1e-5)
+
+
+def test_noise_leaves_what_a_sensor_has_beside_it():
+    stage = stage_of(load(HEATER), None, {"reference": ROOM["reference"], "duration": 600.0})
+    arm, late = find_plant("arm"), Sensor(delay=0.001)
+    options = replace(stage.options, sensors={"position": late})  # of both joints
+    sensors = replace(stage, plant=arm, options=options).noisy().options.sensors
+    axes = [axis for axis, name in interface_of(arm).outputs if name == "position"]
+    assert len(axes) == 2
+    assert "position" not in sensors
+    for axis in axes:
+        sensor = sensors[f"{axis}.position"]
+        assert sensor.delay == late.delay
+        assert (sensor.noise > 0.0) == math.isfinite(arm.outputs[f"{axis}.position"].high)
 
 
 def test_the_opponent_is_the_plane_nearest_to_the_rules():

@@ -104,14 +104,21 @@ class Stage:
 
     def noisy(self) -> Stage:
         """Return it with noise on every sensor that has none, as far as its range is known."""
-        sensors = dict(self.options.sensors)
+        given = self.options.sensors
         interface = interface_of(self.plant)
+        # A sensor that goes by the name of its port alone is that of every axis.
+        sensors = {
+            name: sensor
+            for name, sensor in given.items()
+            if all(name != port[1] for port in interface.outputs)
+        }
         for port, output in interface.outputs.items():
             label, width = interface.label(port), output.high - output.low
-            sensor = sensors.get(label, sensors.get(port[1], Sensor()))
-            if sensor.noise == 0.0 and math.isfinite(width):
-                sensors.pop(port[1], None)
-                sensors[label] = replace(sensor, noise=NOISE * width)
+            sensor = given.get(label, given.get(port[1]))
+            if math.isfinite(width) and (sensor is None or sensor.noise == 0.0):
+                sensors[label] = replace(sensor or Sensor(), noise=NOISE * width)
+            elif sensor is not None:
+                sensors[label] = sensor
         return replace(self, options=replace(self.options, sensors=sensors))
 
     @property
