@@ -18,6 +18,7 @@ from fuzzyarm.inference import centroid, infer
 from fuzzyarm.inference.overlap import closed_form
 from fuzzyarm.inference.plan import OutputPlan, plan
 from fuzzyarm.inference.sets import degrees as array_membership
+from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
 from fuzzyarm.model.shapes import membership
 from tests.strategies import SMOOTH, STRAIGHT, plain_mamdani
@@ -216,3 +217,22 @@ def _bare_output(shapes: list[Shape], low: float, high: float) -> OutputPlan:
         (RuleBlock(rules),),
     )
     return plan(rulebase).outputs["u"]
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations("ABC")))
+def test_three_sets_over_one_another_in_any_order(order):
+    shapes = {"A": "0 4 10", "B": "1 5 9", "C": "2 7 8"}
+    text = (
+        "rulebase over\ninput x 0 .. 1\noutput u 0 .. 10\nterms x: triangles L M H\n"
+        + "".join(f"term u {name}: triangle {shapes[name]}\n" for name in order)
+        + "inference u: defuzzifier {method}\n"
+        + "".join(f"rule if x is {x} then u is {u} with {w}\n"
+                  for x, u, w in (("L", "A", 0.9), ("M", "B", 0.8), ("H", "C", 0.7)))
+        + "rule if x is L then u is C with 0.4\nrule if x is H then u is A with 0.3\n"
+    )  # fmt: skip
+    exact, sampled = (
+        parse(text.replace("{method}", method)).rulebase
+        for method in ("centroid exact", "centroid(20001)")
+    )
+    for x in (0.1, 0.3, 0.45, 0.6, 0.8):
+        assert infer(exact, x=x)["u"] == pytest.approx(infer(sampled, x=x)["u"], abs=1e-4)
