@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.trace import FuzzyValue
+from fuzzyarm.model.rulebase import Input, Shape, Term
 from fuzzyarm.picture import (
     Area,
     Axis,
@@ -36,6 +37,7 @@ from fuzzyarm.show.figures.panels import chart_figure
 from fuzzyarm.show.panels import LinePlot, SurfaceMap, panel_lines
 from fuzzyarm.show.response import Response
 from fuzzyarm.show.search import spreads
+from fuzzyarm.show.terms import TermPlots
 from fuzzyarm.show.trace import _memberships
 from fuzzyarm.table import compile_table
 
@@ -183,3 +185,13 @@ def test_a_bar_of_type_2_is_sure_up_to_the_lower_membership():
     first, second = _memberships(value).plain.splitlines()[1:]
     assert (first.count("█"), first.count("░")) == (8, 10)
     assert (second.count("█"), second.count("░")) == (5, 0)
+
+
+def test_plots_of_terms_begin_below_one_another():
+    names = ("A", "MIDDLE", "BIG")
+    terms = tuple(Term(name, Shape("triangle", (-1.0, 5.0, 11.0))) for name in names)
+    plots = TermPlots(Input("x", 0.0, 10.0, terms=terms), width=40)
+    _, *lines = plain_text(plots, 40).splitlines()
+    assert [line.split()[0] for line in lines[:3]] == list(names)
+    assert len({line.split(maxsplit=1)[1].rstrip() for line in lines[:3]}) == 1
+    assert len({len(line.rstrip()) for line in lines[:3]}) == 1
