@@ -71,6 +71,10 @@ TESTS = {
         f"inference/{name}": [f"tests/inference/test_{each}.py" for each in ("compiled", "engines")]
         for name in ("kernel", "firing_strengths", "closed_form")
     },
+    **{
+        f"inference/{name}": ["tests/proof/test_soundness.py", "tests/inference"]
+        for name in ("centroid_bounds", "place_bounds")
+    },
     "inference/": ["tests/inference", "tests/expression/test_norms.py"],
     "table/lookup.py": [f"tests/table/test_{each}.py" for each in _LOOKUP],
     "table/": ["tests/table"],
