@@ -469,6 +469,22 @@ def test_every_hedge_is_the_same_in_c(tmp_path):
         np.testing.assert_allclose(found, degree, rtol=1e-12, atol=1e-12)
 
 
+def test_consequents_under_any_are_compiled_without_a_warning(tmp_path):
+    rules = """
+term u C: gaussian 0 1
+rule if a is L and b is N then u is any C
+rule if a is L then u is any M
+rule if a is H then u is U
+"""
+    models = [made(rules, implication=name) for name in ("min", "drastic")]
+    routines = [routine for model in models for routine in routines_of(model)]
+    points = [np.array([0.5, 1.5, 3.0, 3.9]), np.array([-0.9, -0.2, 0.3, 0.9])]
+    for routine, found in zip(
+        routines, run_c(routines, [points] * len(routines), tmp_path), strict=True
+    ):
+        np.testing.assert_allclose(found, routine.model(*points), rtol=1e-6)
+
+
 @pytest.fixture
 def own_kinds():
     kinds.shape(

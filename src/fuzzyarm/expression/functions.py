@@ -95,7 +95,8 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
     lines, result = printed(root, PYTHON, reserved=(*rows, *numbers))
     names = symbols(root)
     head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in names]
-    body = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
+    elements = [f"{row} = {row}_row[i]" for row in rows if row in names]
+    body = [*elements, *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
     # How many numbers there are, used or not, belongs to what the function is: its program of
     # operations counts them all, and functions of one text are taken for one.

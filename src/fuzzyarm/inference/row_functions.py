@@ -16,7 +16,7 @@ import numpy as np
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
 from fuzzyarm.expression.lines import degree_on_corners
-from fuzzyarm.expression.nodes import Node, constant, replace, symbol
+from fuzzyarm.expression.nodes import Node, constant, replace, symbol, symbols
 from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import block as at
@@ -131,16 +131,16 @@ def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:
     The symbols are not read as words of Python: what a user calls a variable may be any text.
     """
     plain = tuple(f"n{index}" for index in range(len(numbers)))
-    symbols = dict(zip(numbers, map(symbol, plain), strict=True))
-    return _row_function(replace(root, symbols), ("x",), plain, "expression")
+    replacements = dict(zip(numbers, map(symbol, plain), strict=True))
+    return _row_function(replace(root, replacements), ("x",), plain, "expression")
 
 
 def built_in_curve(name: str) -> Callable[..., None]:
     """Return a kind of shapes as a function of a row, with its numbers as arguments."""
     kind = SHAPES[name]
     names = [f"n{index}" for index in range(len(kind.symbols) - 1)]
-    symbols = dict(zip(kind.symbols[1:], map(symbol, names), strict=True))
-    return _row_function(replace(kind.expression, symbols), ("x",), tuple(names), name)
+    replacements = dict(zip(kind.symbols[1:], map(symbol, names), strict=True))
+    return _row_function(replace(kind.expression, replacements), ("x",), tuple(names), name)
 
 
 kernel(degree_on_corners)
@@ -170,11 +170,12 @@ def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
     """Return a straight term under hedges as a function of a row and of its corners."""
     if not hedges:
         return corners_row
-    lines, result = printed(
-        _under(hedges, symbol("degree"), constant), PYTHON, reserved=("degree",)
-    )
-    head = ["for i in range(into.shape[0]):", "    degree = degree_on_corners(corners, x_row[i])"]
-    body = [*head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
+    root = _under(hedges, symbol("degree"), constant)
+    lines, result = printed(root, PYTHON, reserved=("degree",))
+    if "degree" in symbols(root):  # else they are 1 or 0 everywhere, as `any` is
+        lines = ["degree = degree_on_corners(corners, x_row[i])", *lines]
+    head = "for i in range(into.shape[0]):"
+    body = [head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
     source = "\n".join(
         ["def corners(x_row, corners, into):", *(f"    {line}" for line in body), ""]
     )
