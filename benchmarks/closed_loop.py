@@ -135,7 +135,9 @@ def c_exact_rules(name: str, rulebase: RuleBase) -> str:
     pieces = [straight_pieces(polyline(t.shape), output.low, output.high) for t in output.terms]
     form = closed_form(pieces, output.low, output.high)
     assert form is not None
-    own = [layer(layers, 1.0) for layers in form.set_layers]
+    # A tree of before calls them otherwise.
+    set_layers = form.set_layers if hasattr(form, "set_layers") else form.own
+    own = [layer(layers, 1.0) for layers in set_layers]
     pairs = {(min(o.member, *o.others), max(o.member, *o.others)): o for o in form.overlaps}
     overlaps = [layer(pairs[k, k + 1].layers, -1.0) for k in range(6)]
     assert len(pairs) == 6
