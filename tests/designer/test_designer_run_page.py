@@ -118,9 +118,11 @@ def test_what_is_changed_at_the_end_is_run_from_the_start(served, browser):
     page.locator(".run").get_by_role("button", name="Start").click()
     page.get_by_text("2 s, the time asked for").wait_for()
     rms = page.locator(".metrics tr.first td").first
+    until(rms.inner_text, "the metrics of the first")
     before = rms.inner_text()
-    page.get_by_label("G_u: value").fill("2")
-    page.keyboard.press("Enter")
+    gain = page.get_by_label("G_u: value")
+    gain.fill("2")
+    gain.press("Enter")
     until(lambda: rms.inner_text() not in {"", before}, "another response")
     page.get_by_text("2 s, the time asked for").wait_for()
     page.locator(".run").get_by_label("open end").check()
