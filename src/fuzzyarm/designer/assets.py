@@ -46,13 +46,13 @@ def asset(name: str) -> tuple[bytes, str] | None:
 @cache
 def modules(first: str = "app.js") -> tuple[str, ...]:
     """Return a module and all that it imports, each once."""
-    found = [first]
-    for name in found:  # which grows meanwhile
+    names = [first]
+    for name in names:  # which grows meanwhile
         content, _ = asset(name) or (b"", "")
         paths = re.findall(r'\bfrom "(\.[^"]+)";$', content.decode(), re.MULTILINE)
-        modules = (normpath(join(dirname(name), path)) for path in paths)
-        found += [module for module in dict.fromkeys(modules) if module not in found]
-    return tuple(found)
+        imports = dict.fromkeys(normpath(join(dirname(name), path)) for path in paths)
+        names += [module for module in imports if module not in names]
+    return tuple(names)
 
 
 def index_page(facts: Mapping[str, Any], nonce: str) -> str:

@@ -31,11 +31,7 @@ export class Work extends Pane {
     this.facts = null; // what may be asked for
     this.form = new Form();
     this.known = ""; // which form is shown
-    const { section, body } = this;
-    section.classList.add("asked");
-    /** @type {Node} */
-    this.section = section;
-    this.body = body;
+    this.section.classList.add("asked");
     this.place = el("div");
     this.start = el("button", { class: "main", textContent: kind.go, disabled: true, onclick: () => this.press() });
     this.stop = el("button", { textContent: kind.stop ?? S.stop, disabled: true, onclick: () => this.halt() });
@@ -43,14 +39,12 @@ export class Work extends Pane {
     this.actions = el("div", { class: "actions" }, this.start, this.stop);
     this.said = el("p", { class: "said", role: "status" });
     this.told = this.said; // where it is said what may be asked for
-    body.append(this.place, this.actions, this.said);
+    this.body.append(this.place, this.actions, this.said);
     store.on("view", () => this.ask());
-    for (const name of ["text", "files"]) {
-      store.on(name, () => {
-        this.stale = true;
-        this.ask();
-      });
-    }
+    this.on(["text", "files"], () => {
+      this.stale = true;
+      this.ask();
+    });
   }
 
   /** Have a name for what came of it, and a button that writes it. */
