@@ -94,6 +94,18 @@ def test_what_was_asked_for_when_the_line_went_is_asked_again(page, slow):
     compare.get_by_text("Choose the file").wait_for()
 
 
+def test_a_new_file_is_made_when_the_folder_is_known(page, slow):
+    slow.holds = True
+    page.get_by_role("tab", name="Files").click()
+    make = page.get_by_role("button", name="New file")
+    slow.wait('"starts"')
+    assert make.is_disabled()
+    slow.release()
+    make.click()
+    kinds = page.locator("dialog select[name=kind] option")
+    assert kinds.evaluate_all("all => all.map(each => each.value)")[:2] == ["blank", "pd"]
+
+
 def test_of_two_comparisons_the_last_is_shown(page, slow):
     shutil.copy(shipped("roompi.frb"), slow.folder)
     shutil.copy(slow.folder / "pd7.frb", slow.folder / "same.frb")

@@ -641,35 +641,6 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     until(lambda: text_of(page).startswith("# mine\n"), "what was not saved")
 
 
-def test_a_new_file_is_made_when_the_folder_is_known(served, browser):
-    _, address = put(served, "first.frb")
-    context = browser.new_context()
-    page = context.new_page()
-    held = []
-
-    def line(socket):
-        server = socket.connect_to_server()
-        # What the server says of the folder comes late, as from a busy machine.
-        server.on_message(
-            lambda text: held.append(text) if '"starts"' in text else socket.send(text)
-        )
-        sockets.append(socket)
-
-    sockets = []
-    page.route_web_socket("**/socket", line)
-    page.goto(address)
-    page.get_by_role("tab", name="Files").click()
-    make = page.get_by_role("button", name="New file")
-    until(lambda: page.wait_for_timeout(20) or held, "the folder is told")
-    assert make.is_disabled()
-    for text in held:
-        sockets[0].send(text)
-    make.click()
-    kinds = page.locator("dialog select[name=kind] option")
-    assert kinds.evaluate_all("all => all.map(each => each.value)")[:2] == ["blank", "pd"]
-    context.close()
-
-
 def test_turning_to_another_file_keeps_all_that_belongs_to_each(served, window):
     (_, address), (_, far) = put(served, "one.frb"), put(served, "two.frb")
     page, other = window(address), window(far)
