@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Generator
 from pathlib import Path
 
@@ -50,6 +51,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="leave out what takes over a second, a browser, a compiler, a process or the pages",
     )
+    parser.addoption("--write-skipped", metavar="FILE", help="list the tests that were skipped")
+    parser.addoption("--run-skipped", metavar="FILE", help="run only the tests of such a list")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -115,10 +118,27 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if hasattr(config, "workerinput"):  # all of them with the same order, see above
         items.sort(key=lambda item: item.path.parts)
     items.sort(key=seconds_of)
+    if config.getoption("--run-skipped"):
+        skipped = {*Path(config.getoption("--run-skipped")).read_text("utf-8").splitlines()}
+        left = [item for item in items if not {item.nodeid, item.nodeid.split("::")[0]} & skipped]
+        config.hook.pytest_deselected(items=left)
+        gone = set(left)
+        items[:] = [item for item in items if item not in gone]
     if config.getoption("--quick"):
         left = [item for item in items if not is_long(item)]
         config.hook.pytest_deselected(items=[item for item in items if is_long(item)])
         items[:] = left
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say in one line for each reason how many tests, or whole modules, were skipped."""
+    reports = terminalreporter.stats.get("skipped", [])
+    skipped = {report.nodeid: report.longrepr[2].removeprefix("Skipped: ") for report in reports}
+    for reason, count in Counter(skipped.values()).most_common():
+        terminalreporter.write_line(f"skipped {count}: {reason}")
+    written = terminalreporter.config.getoption("--write-skipped")
+    if written:
+        Path(written).write_text("".join(f"{each}\n" for each in skipped), "utf-8")
 
 
 def pytest_collection_finish() -> None:

@@ -2,11 +2,11 @@
 
 import importlib.util
 import math
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import requires
 
 from fuzzyarm.controller import Controller, SourceError, Sources, controller
 from fuzzyarm.controller.catalogue import Choice, text_controller
@@ -267,7 +267,7 @@ def benchmark(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs a C compiler")
+@requires("C compiler")
 @pytest.mark.parametrize("name", C_LOOPS)
 def test_the_c_loop_of_the_benchmark_gives_the_same_errors(benchmark, name):
     module, folder = benchmark

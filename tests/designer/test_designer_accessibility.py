@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 from budget import crossed
+from needs import requires
 from test_designer_learning import SOC
-from test_designer_page import CHROMIUM, put, until
+from test_designer_page import put, until
 
 from fuzzyarm.shipped_files import shipped
 
@@ -17,8 +18,8 @@ AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.mi
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium"),
-    pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make page-tools)"),
+    requires("chromium"),
+    requires("axe-core"),
 ]
 
 SIZES = {"wide": (1280, 720), "narrow": (420, 800)}

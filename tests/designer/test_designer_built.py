@@ -1,10 +1,9 @@
 """What is built is what its sources say: types of messages, the editor, the mailed page."""
 
-import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
+from needs import requires
 
 from tools.message_types import FILE, printed_types
 
@@ -17,10 +16,7 @@ def test_the_types_of_messages_are_those_of_the_records(update_golden):
     assert FILE.read_text(encoding="utf-8") == printed_types(), "make types"
 
 
-@pytest.mark.skipif(
-    shutil.which("node") is None or not (TOOLS / "node_modules/esbuild").exists(),
-    reason="esbuild is not installed (make page-tools)",
-)
+@requires("esbuild")
 def test_the_editor_and_the_mailed_page_are_what_their_sources_say():
     words = ["node", "build.js", "--check"]
     done = subprocess.run(words, cwd=TOOLS, capture_output=True, text=True, check=False)

@@ -3,14 +3,15 @@
 import re
 
 import pytest
-from test_designer_page import CHROMIUM, put, text_of, until
+from needs import requires
+from test_designer_page import put, text_of, until
 
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.shipped_files import shipped
 
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 

@@ -4,7 +4,8 @@ import json
 import shutil
 
 import pytest
-from test_designer_page import CHROMIUM, put, text_of, until
+from needs import requires
+from test_designer_page import put, text_of, until
 
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.designer.diagram import PEN, diagram_of, sheets
@@ -103,7 +104,7 @@ def test_a_shipped_rule_base_can_be_copied_beside_its_controller(tmp_path):
 
 
 slow = pytest.mark.slow
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+needs_browser = requires("chromium")
 
 
 @slow

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import requires
 
 import fuzzyarm
 from fuzzyarm.builder.starting import PURPOSES
@@ -199,7 +200,7 @@ def test_an_exported_controller_is_the_file_of_the_command(
     assert found == of_command(folder, monkeypatch, *words)
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+@requires("C compiler")
 def test_an_exported_unit_is_the_file_of_the_command(folder, monkeypatch):
     found = exported(folder / "servo.frb", ".fmu", {"fmi": "3"})
     words = ["compile", "servo.frb", "-o", "OUT/servo.fmu", "--fmi", "3"]

@@ -3,13 +3,14 @@
 import os
 
 import pytest
-from test_designer_page import CHROMIUM, Served, put, text_of, until
+from needs import requires
+from test_designer_page import Served, put, text_of, until
 
 from fuzzyarm.builder.starting import starting_text
 from fuzzyarm.shipped_files import shipped
 
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 

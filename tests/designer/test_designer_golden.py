@@ -11,12 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import requires
 from test_designer_page import CHROMIUM, Served, put, until
 
 from fuzzyarm.shipped_files import shipped
 
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

@@ -1,12 +1,13 @@
 """What a hand has typed or reached stays: unsaved texts, drafts, the focus."""
 
 import pytest
-from test_designer_page import CHROMIUM, Served, text_of, until
+from needs import requires
+from test_designer_page import Served, text_of, until
 
 from fuzzyarm.shipped_files import shipped
 
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 

@@ -1,13 +1,13 @@
 """The designer in a browser: what a hand does is an edit of the text, what is typed is drawn."""
 
 import os
-import shutil
 import tempfile
 import time
 from pathlib import Path
 
 import forked_server
 import pytest
+from needs import program, requires
 
 import fuzzyarm
 from fuzzyarm.designer.exports import files_of
@@ -16,10 +16,9 @@ from fuzzyarm.designer.mailed_page import page_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped
 
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser")  # the first takes least time
-CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
+CHROMIUM = program("chromium")
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

@@ -3,13 +3,14 @@
 import re
 
 import pytest
+from needs import requires
 from test_designer_accessibility import AXE, violations
-from test_designer_page import CHROMIUM, put, text_of, until
+from test_designer_page import put, text_of, until
 
 from fuzzyarm.shipped_files import shipped
 
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 

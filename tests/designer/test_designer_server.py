@@ -15,6 +15,7 @@ import pytest
 from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from needs import requires
 
 from fuzzyarm.designer import open_files, requests
 from fuzzyarm.designer.assets import PAGE, asset, index_page, modules
@@ -114,7 +115,7 @@ console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, numbers]) => 
 """
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+@requires("node")
 def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
     shutil.copytree(PAGE / "geometry", tmp_path / "geometry")
     (tmp_path / "package.json").write_text('{"type": "module"}')
@@ -150,7 +151,7 @@ console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, p]) => [
 """
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+@requires("node")
 def test_widths_lead_to_handles_and_back_and_mirrors_are_mirrors(tmp_path):
     shutil.copytree(PAGE / "geometry", tmp_path / "geometry")
     (tmp_path / "package.json").write_text('{"type": "module"}')

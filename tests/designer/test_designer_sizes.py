@@ -1,12 +1,12 @@
 """The designer at any width, its borders moved by hand and by keys, and its help."""
 
 import json
-import shutil
 import subprocess
 
 import pytest
 from budget import part
-from test_designer_page import CHROMIUM, Served, put, until
+from needs import requires
+from test_designer_page import Served, put, until
 
 from fuzzyarm.designer.assets import asset
 from fuzzyarm.designer.mailed_page import page_of
@@ -25,7 +25,7 @@ console.log(JSON.stringify([
 """
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+@requires("node")
 def test_a_border_shares_its_room_and_leaves_some_to_both(tmp_path):
     (tmp_path / "geometry").mkdir()
     for name in ("split.js", "draw.js", "strings.js", "geometry/chart.js"):
@@ -73,7 +73,7 @@ def opened(context, served, file):
     return page
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@requires("chromium")
 @pytest.mark.slow
 @pytest.mark.parametrize("width", part([390, 1024, 1440, 3840], 3))
 def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, width):
@@ -114,7 +114,7 @@ BROKEN = """() => {
 }"""
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@requires("chromium")
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["pd7.frb", "tipper.frb"])
 def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, browser, file):
@@ -131,7 +131,7 @@ def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, 
     context.close()
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@requires("chromium")
 @pytest.mark.slow
 def test_borders_are_dragged_moved_by_keys_and_remembered(served, browser):
     context = browser.new_context(viewport={"width": 1280, "height": 720})
@@ -174,7 +174,7 @@ def test_borders_are_dragged_moved_by_keys_and_remembered(served, browser):
     context.close()
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@requires("chromium")
 @pytest.mark.slow
 def test_help_opens_by_its_button_and_its_keys_but_is_typed_in_the_text(served, browser, tmp_path):
     context = browser.new_context(viewport={"width": 1280, "height": 720})

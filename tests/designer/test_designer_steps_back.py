@@ -1,10 +1,11 @@
 """Steps back in the designer: what a hand has done is undone, and nothing else."""
 
 import pytest
-from test_designer_page import CHROMIUM, put, text_of, until
+from needs import requires
+from test_designer_page import put, text_of, until
 
 pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    requires("chromium"),
     pytest.mark.slow,
 ]
 

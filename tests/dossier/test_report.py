@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from needs import requires
 
 from fuzzyarm import shipped
 from fuzzyarm.cli import main
@@ -17,9 +18,7 @@ from fuzzyarm.dossier.contents import report_of
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.proof.compiled import Making, source_of
 
-needs_gcc = pytest.mark.skipif(
-    shutil.which("gcc") is None or shutil.which("gcov") is None, reason="no gcc and gcov here"
-)
+needs_gcc = requires("gcov")
 
 PROVED = """rulebase lamp "a <lamp> & more"
 input  light 0 .. 1

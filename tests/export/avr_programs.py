@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
-from functools import cache
 from pathlib import Path
 
-import pytest
-
-CORE = Path("/usr/share/arduino/hardware/arduino/avr")
-"""Where Debian's arduino-core-avr is."""
+from needs import ARDUINO_CORE as CORE
+from needs import need
 
 STRICT = ["-Wall", "-Wextra", "-Werror"]
 _OF_OTHER_BOARDS = {"CDC", "PluggableUSB", "USBCore", "IPAddress", "Tone"}
@@ -19,18 +15,9 @@ _OF_OTHER_BOARDS = {"CDC", "PluggableUSB", "USBCore", "IPAddress", "Tone"}
 TARGET = ["-mmcu=atmega328p", "-DF_CPU=16000000UL", "-Os", "-ffunction-sections", "-fdata-sections"]
 
 
-@cache
-def _present(program: str) -> bool:
-    return shutil.which(program) is not None
-
-
 def need_avr(*, simulated: bool = True, core: bool = False) -> None:
     """Skip where avr-gcc, simavr or the Arduino core is missing."""
-    for program in ["avr-gcc", *(["simavr"] if simulated else [])]:
-        if not _present(program):
-            pytest.skip(f"no {program} here")
-    if core and not (CORE / "cores").is_dir():
-        pytest.skip("no arduino-core-avr here")
+    need("avr-gcc", *(["simavr"] if simulated else []), *(["arduino-core-avr"] if core else []))
 
 
 def build(folder: Path, *words: str | Path) -> None:

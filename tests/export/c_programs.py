@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import functools
-import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
+import needs
 import numpy as np
-import pytest
 
 from fuzzyarm.export import export_files
 from fuzzyarm.export.numbers import C_TYPES
@@ -20,20 +18,12 @@ STRICT = [
 ]  # fmt: skip
 SANITIZED = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
 
-HOST, ARM = "gcc", "arm-linux-gnueabihf-gcc"
-
-
-@functools.cache
-def _present(program: str) -> str | None:
-    return shutil.which(program)
+HOST, ARM = needs.program("C compiler") or "cc", "arm-linux-gnueabihf-gcc"
 
 
 def need(target: str) -> None:
     """Skip where a compiler (and, for another machine, its emulator) is missing."""
-    if _present(target) is None:
-        pytest.skip(f"no {target} here to compile the exported C with")
-    if target == ARM and _present("qemu-arm") is None:
-        pytest.skip("no qemu-arm here to run ARM programs with")
+    needs.need(*((ARM, "qemu-arm") if target == ARM else ("C compiler",)))
 
 
 def compile_c(

@@ -6,15 +6,13 @@ host, by semihosting.
 
 from __future__ import annotations
 
-import shutil
 import subprocess
-from functools import cache
 from pathlib import Path
 
 import numpy as np
-import pytest
 from c_programs import STRICT
 from controller_programs import driver
+from needs import need
 
 from fuzzyarm.export.controller_c import TestSequence, controller_c
 
@@ -46,15 +44,9 @@ _START = """    .section .vectors, "a"
 """
 
 
-@cache
-def _missing() -> list[str]:
-    return [program for program in TOOLS if shutil.which(program) is None]
-
-
 def need_cortex() -> None:
     """Skip where the compiler or the emulator is missing."""
-    if _missing():
-        pytest.skip(f"no {_missing()[0]} here")
+    need(*TOOLS)
 
 
 def run_on_cortex(name, steps, rows, folder: Path):

@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from needs import lacking
 
 _PACKAGE = "@micropython/micropython-webassembly-pyscript/micropython.mjs"
 
@@ -51,7 +52,7 @@ def run_micropython(module: Path, script: str, folder: Path) -> str:
         (folder / "run.mjs").write_text(_RUN)
         words = ["node", "run.mjs", _module(), str(module), "script.py"]
     else:
-        pytest.skip("no MicroPython here, neither of a shell nor of node")
+        pytest.skip(lacking("micropython"))
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-600:]
     return done.stdout

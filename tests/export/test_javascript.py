@@ -2,7 +2,6 @@
 
 import json
 import math
-import shutil
 import subprocess
 from dataclasses import replace
 
@@ -11,6 +10,7 @@ import pytest
 from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from needs import requires
 from strategies import SMOOTH, STRAIGHT, plain_mamdani
 
 import fuzzyarm
@@ -25,8 +25,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier
 from fuzzyarm.shipped_files import shipped
 
-NODE = shutil.which("node")
-pytestmark = pytest.mark.skipif(NODE is None, reason="node is not installed")
+pytestmark = requires("node")
 
 SHIPPED = (
     "alpha7", "balance", "fan", "fine7", "pd7", "pd7-study", "roompi", "slide7", "thermostat",
@@ -37,7 +36,7 @@ SHIPPED = (
 def run(folder, script, data=None):
     """Run a module of node that prints JSON; return it, with null as NaN."""
     (folder / "run.mjs").write_text(script)
-    words = [NODE, str(folder / "run.mjs")]
+    words = ["node", str(folder / "run.mjs")]
     done = subprocess.run(
         words, input=json.dumps(data), capture_output=True, text=True, timeout=60, check=False
     )

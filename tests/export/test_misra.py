@@ -6,13 +6,13 @@ The rules that may be reported are read from the table of `docs/howto/misra.md`.
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from collections import Counter
 from pathlib import Path
 
 import pytest
 from budget import part
+from needs import requires
 
 from fuzzyarm import shipped
 from fuzzyarm.cli import main
@@ -53,7 +53,7 @@ def findings(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+@requires("cppcheck")
 @pytest.mark.parametrize("name", part(list(CASES), 2))
 def test_only_what_the_page_lists_is_reported(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
@@ -71,7 +71,7 @@ def test_only_what_the_page_lists_is_reported(tmp_path, monkeypatch, name):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+@requires("cppcheck")
 def test_the_addon_reports_what_is_wrong(tmp_path):
     (tmp_path / "wrong.c").write_text("int f(int a);\nint f(int a) { return a + a * 2; }\n")
     assert "12.1" in {rule for rule, _, _ in findings(tmp_path)}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 import table_definition as definition
+from needs import need
 from st_programs import Program
 
 from fuzzyarm.export import ExportError, export_files, routines_of
@@ -121,8 +121,7 @@ def test_thresholds_midpoints_and_levels_are_those_of_the_definition(mode, tmp_p
 @pytest.mark.slow
 @pytest.mark.parametrize("options", [OPTIONS[0], OPTIONS[5]], ids=str)
 def test_a_parser_of_other_people_reads_it(options, tmp_path):
-    if importlib.util.find_spec("blark") is None:
-        pytest.skip("blark, a parser of IEC 61131-3, is not installed")
+    need("blark")
     import blark
 
     axes = (Axis("e", (-1.0, 0.0, 2.5)), Axis("if", (0.0, 1e-9), bins=(5e-10,)))

@@ -2,7 +2,6 @@
 
 import ctypes
 import math
-import shutil
 import struct
 import subprocess
 
@@ -11,6 +10,7 @@ import pytest
 from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from needs import program, requires
 
 from fuzzyarm.expression import kinds, op
 from fuzzyarm.expression.evaluation import (
@@ -216,10 +216,10 @@ def test_bounds_hold_every_value(kind):
         assert values.max() <= high
 
 
-COMPILER = shutil.which("gcc") or shutil.which("cc")
+COMPILER = program("C compiler")
 
 
-@pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")
+@requires("C compiler")
 @pytest.mark.slow
 @pytest.mark.parametrize("real", ["double", "float"])
 def test_c_is_the_floats(real, tmp_path):

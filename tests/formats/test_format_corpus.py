@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from functools import cache
-from pathlib import Path
 
 import pytest
 from corpus import Row, summary, survey
+from needs import CORPUS, requires
 
-CORPUS = Path(
-    os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
-)
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not at hand"),
+    requires("corpus"),
 ]
 
 EXPLAINED = {"tsukamoto": "fuzzylite gives infinity for a sigmoid that fires fully"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 from pathlib import Path
 
@@ -11,14 +10,12 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mutation import mutated
+from needs import CORPUS, requires
 
 from fuzzyarm.formats import FOREIGN, parse, write
 
 DATA = Path(__file__).parent / "data"
 OWN = {path: path.read_text(encoding="utf-8") for path in sorted(DATA.glob("*.f??"))}
-CORPUS = Path(
-    os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
-)
 
 
 def check(text: str, suffix: str) -> bool:
@@ -54,7 +51,7 @@ def test_damage_to_our_files(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not at hand")
+@requires("corpus")
 def test_damage_to_other_peoples_files() -> None:
     texts = {
         path: path.read_text(encoding="utf-8", errors="replace")

@@ -6,7 +6,6 @@ itself where it is installed.
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 import warnings
 from pathlib import Path
@@ -21,6 +20,7 @@ import skfuzzy
 from fuzzylogic.classes import Domain, Rule
 from fuzzylogic.functions import R, S, gauss, rectangular, triangular
 from fuzzylogic.hedges import minus, very
+from needs import requires
 from skfuzzy import control
 
 import fuzzyarm
@@ -309,9 +309,7 @@ def test_the_size_of_a_difference_is_said(stand_in: Any, error: float, severity:
             fuzzyarm.from_live(engine)
 
 
-@pytest.mark.skipif(
-    importlib.util.find_spec("fuzzylite") is None, reason="pyfuzzylite takes a NumPy below 2"
-)
+@requires("pyfuzzylite")
 def test_pyfuzzylite_itself() -> None:
     names: dict[str, Any] = {}
     script = Path(__file__).parents[2] / "examples/elsewhere/blinds_pyfuzzylite.py"

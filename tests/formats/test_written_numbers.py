@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import random
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,6 +13,7 @@ import pytest
 from budget import cases, crossed
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from needs import CORPUS, requires
 from strategies import odd_text, rulebases
 
 from fuzzyarm.expression.formulas import read_formula, write_formula
@@ -24,9 +24,6 @@ from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
 DATA = Path(__file__).parent / "data"
-CORPUS = Path(
-    os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
-)
 POINTS = 50
 TARGETS = [(suffix, each) for suffix in FOREIGN for each in PRODUCERS[suffix]] + [(".frb", None)]
 SOURCES = [
@@ -130,7 +127,7 @@ def test_what_is_written_without_a_warning_keeps_its_numbers(
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not OTHERS, reason="the corpus is not at hand")
+@requires("corpus")
 @pytest.mark.parametrize(("suffix", "program"), TARGETS)
 def test_so_do_other_peoples_files(suffix: str, program: str | None) -> None:
     for path in OTHERS:

@@ -6,7 +6,6 @@ What an engine does not take stands in `OUT`, with the reason; what is not named
 from __future__ import annotations
 
 import json
-import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from budget import cases, part
+from needs import requires
 
 from fuzzyarm.controller.program import rule_block
 from fuzzyarm.export import export_files, routines_of
@@ -235,7 +235,7 @@ console.log(JSON.stringify(found));
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+@requires("node")
 def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
     columns = {name: column.tolist() for name, column in points(60).items()}
     for index, case in enumerate(CASES):

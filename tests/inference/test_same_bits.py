@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from budget import cases
+from needs import CORPUS, requires
 
 import fuzzyarm
 from fuzzyarm.errors import FuzzyarmError
@@ -32,9 +32,6 @@ from tests.export.c_programs import run_c
 
 SHIPPED = ("pd7", "pd7-study", "alpha7", "alpha7-study", "fine7", "slide7", "balance", "fan",
            "roompi", "thermostat", "tipper", "tipper2")  # fmt: skip
-CORPUS = Path(
-    os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
-)
 FOREIGN = sorted(CORPUS.glob("files/*")) if CORPUS.is_dir() else []
 
 Columns = dict[str, np.ndarray]
@@ -114,7 +111,7 @@ def test_c_agrees_on_shipped_rule_bases(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not FOREIGN, reason="the corpus is not at hand")
+@requires("corpus")
 def test_engines_agree_on_rule_files_of_others() -> None:
     compared = 0
     for path in FOREIGN:

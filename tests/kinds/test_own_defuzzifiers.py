@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import need
 
 import fuzzyarm
 from fuzzyarm import kinds, op
@@ -111,8 +111,7 @@ def test_c_structured_text_and_javascript_have_its_bits(tmp_path: Path) -> None:
         matrix.demand_same(case, found, matrix.truth(case, 60))
     for case in CASES[::3]:
         matrix.test_structured_text_has_the_bits_of_a_point(case)
-    if shutil.which("node") is None:
-        return
+    need("node")
     for index, rulebase in enumerate(rulebases):
         (tmp_path / f"case{index}.mjs").write_text(rule_base_module(rulebase))
     (tmp_path / "run.mjs").write_text(matrix.NODE)

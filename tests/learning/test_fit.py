@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import DATA, requires
 
 from fuzzyarm.api import check_text
 from fuzzyarm.cli import main
@@ -25,10 +24,7 @@ from fuzzyarm.learning.validation import validate
 from tests.learning.mackey_glass import mackey_glass
 
 fitting = sys.modules["fuzzyarm.learning.fit"]  # of the name of a function
-DATA = Path(os.environ.get("FUZZYARM_DATA", Path(__file__).parents[2].parent / "shared" / "data"))
-needs_data = pytest.mark.skipif(
-    not DATA.is_dir(), reason="the data sets are not ours to ship: set FUZZYARM_DATA"
-)
+needs_data = requires("data")
 
 
 def test_error(made, inputs, values):

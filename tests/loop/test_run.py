@@ -1,13 +1,13 @@
 """The closed loop: against an independent loop, compiled against interpreted, its faults."""
 
 import math
-import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from budget import cases
+import needs
 
 from fuzzyarm import kernels
 from fuzzyarm.controller import CATALOGUE, Controller, controller
@@ -97,13 +97,12 @@ def test_plain_run_equals_an_independent_loop(name, ki, whole):
 
 @pytest.mark.slow
 def test_benchmark_c_loop_gives_the_same_errors(tmp_path):
-    compiler = shutil.which("gcc") or shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler here")
+    needs.need("C compiler")
+    compiler = needs.program("C compiler")
     source = Path(__file__).parents[2] / "benchmarks" / "closed_loop.c"
-    program = tmp_path / "loop"
-    subprocess.run([compiler, "-O2", str(source), "-o", str(program), "-lm"], check=True)
-    words = subprocess.run([str(program), "1"], check=True, capture_output=True, text=True).stdout
+    binary = tmp_path / "loop"
+    subprocess.run([compiler, "-O2", str(source), "-o", str(binary), "-lm"], check=True)
+    words = subprocess.run([str(binary), "1"], check=True, capture_output=True, text=True).stdout
     run = simulate(controller("cdid"), reach_return(), payload=True)
     np.testing.assert_allclose(run.rms, [float(word) for word in words.split()[1:]], rtol=1e-9)
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from needs import need
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "authoring.md").read_text("utf-8")
@@ -37,9 +37,7 @@ def test_the_configuration_of_helix_can_be_read() -> None:
 
 @pytest.mark.slow
 def test_the_configuration_of_neovim_works_as_written(tmp_path: Path) -> None:
-    nvim = shutil.which("nvim")
-    if nvim is None:
-        pytest.skip("needs Neovim")
+    need("nvim")
     (tmp_path / "init.lua").write_text(_block("lua"), "utf-8")
     damaged = (ROOT / "rulebases" / "pd7.frb").read_text("utf-8").replace("PB\n  NM", "PX\n  NM")
     (tmp_path / "damaged.frb").write_text(damaged.replace("ZE\n  NM", "ZX\n  NM"), "utf-8")
@@ -47,7 +45,7 @@ def test_the_configuration_of_neovim_works_as_written(tmp_path: Path) -> None:
     say = "for _, d in ipairs(vim.diagnostic.get(0)) do print(d.message) end"
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        [nvim, "--headless", "-u", "init.lua", "damaged.frb", "-c", f"lua {wait}",
+        ["nvim", "--headless", "-u", "init.lua", "damaged.frb", "-c", f"lua {wait}",
          "-c", f"lua {say}", "-c", "qa!"],
         cwd=tmp_path, env={**os.environ, "PATH": path}, capture_output=True, text=True,
         check=False, timeout=60,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
+from needs import need
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS, SIGNAL
@@ -145,8 +145,6 @@ def test_the_lock_file_names_no_host() -> None:
 
 @pytest.mark.slow
 def test_the_grammars_pass_their_own_tests() -> None:
-    npm = shutil.which("npm")
-    if npm is None or not (FOLDER / "node_modules").is_dir():
-        pytest.skip("needs node and `npm ci` in editors/vscode")
-    done = subprocess.run([npm, "test"], cwd=FOLDER, capture_output=True, text=True, check=False)
+    need("npm", "tools of the extension")
+    done = subprocess.run(["npm", "test"], cwd=FOLDER, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

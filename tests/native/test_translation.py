@@ -5,6 +5,7 @@ import subprocess
 from typing import NamedTuple
 
 import pytest
+from needs import need
 
 from fuzzyarm.kernels import kernel
 from fuzzyarm.translation.functions import NotTranslatedError, Translation
@@ -86,10 +87,8 @@ def test_loops_count_down_and_keep_their_last_number():
 
 
 def run_javascript(text):
-    try:
-        done = subprocess.run(["node", "-e", text], capture_output=True, text=True, check=True)
-    except FileNotFoundError:
-        pytest.skip("node is not installed")
+    need("node")
+    done = subprocess.run(["node", "-e", text], capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
 

@@ -4,13 +4,13 @@ import copy
 import json
 import pickle
 import re
-import shutil
 import subprocess
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import need, program
 
 from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
@@ -172,9 +172,8 @@ DESCRIPTION = {
 def unit(tmp_path_factory):
     """Return what makes an FMU of a version and kind with the C compiler at hand."""
     fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
-    compiler = shutil.which("cc") or shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no C compiler")
+    need("C compiler")
+    compiler = program("C compiler")
     folder = tmp_path_factory.mktemp("units")
     built = {}
 

@@ -6,10 +6,8 @@ started anew for each of them.
 
 import functools
 import http.server
-import importlib.util
 import json
 import re
-import shutil
 import subprocess
 import threading
 import time
@@ -17,13 +15,13 @@ from pathlib import Path
 
 import pytest
 from budget import cases, crossed
+from needs import program, requires
 
 from fuzzyarm.native import build
 from fuzzyarm.playground.folder import wasm_kernels, write_playground
 from fuzzyarm.playground.memory import python_memory
 
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser")  # the first takes least time
-CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
+CHROMIUM = program("chromium")
 ROOT = Path(__file__).parents[2]
 PYODIDE = ROOT / "editors/designer/node_modules/pyodide"
 AXE = ROOT / "editors/designer/node_modules/axe-core/axe.min.js"
@@ -31,8 +29,8 @@ PATIENCE = 100.0  # s: other tests run beside
 
 pytestmark = [
     pytest.mark.slow(seconds=15),  # all of them: another worker would write the folder again
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium"),
-    pytest.mark.skipif(not PYODIDE.exists(), reason="pyodide is not installed: make page-tools"),
+    requires("chromium"),
+    requires("pyodide"),
 ]
 
 
@@ -225,10 +223,7 @@ def printed(folder, call):
     return list(map(float, done.stdout.split()))
 
 
-@pytest.mark.skipif(
-    importlib.util.find_spec("ziglang") is None,
-    reason="ziglang is not installed: a run of kernels in plain Python takes minutes in a browser",
-)
+@requires("ziglang")  # in plain Python the kernels take minutes in a browser
 def test_the_motor_runs(page):
     turned_to(page, "servo.frb")
     page.get_by_role("tab", name="Run").click()
@@ -321,7 +316,7 @@ def test_it_is_there_without_a_network(visitor, folder):
 SIZES = [(1280, 720), (420, 800)]
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: make page-tools")
+@requires("axe-core")
 def test_everybody_can_use_it(page):
     """No serious fault in any view of a controller: light and dark, wide and narrow.
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import wheels
 from budget import cases
+from needs import requires
 
 from fuzzyarm.native.abroad import declared_names, definition_of_python3, headers_for_any_platform
 from fuzzyarm.native.binaries import platform_tag
@@ -19,9 +20,7 @@ from fuzzyarm.native.build import zig
 
 ROOT = Path(__file__).parents[2]
 
-needs_zig = pytest.mark.skipif(
-    importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed: `make wheels`"
-)
+needs_zig = requires("ziglang")
 
 
 def hook(monkeypatch, **environment):

@@ -9,6 +9,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from needs import lacking
 
 import fuzzyarm
 
@@ -155,7 +156,7 @@ def test_the_readme_and_slips_are_the_same_to_pyright(tmp_path):
     beside = Path(sys.executable).parent
     pyright = shutil.which("pyright", path=f"{beside}{os.pathsep}{os.environ['PATH']}")
     if pyright is None:
-        pytest.skip("pyright is not installed")
+        pytest.skip(lacking("pyright"))
     files = {"slips.py": SLIPS, "sound.py": SOUND, "readme.py": blocks_of_pages()["README_0.py"]}
     for name, text in files.items():
         (tmp_path / name).write_text(text, "utf-8")

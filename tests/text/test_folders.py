@@ -1,9 +1,8 @@
 """Which files of a folder are somebody's own; an oracle is git itself."""
 
-import shutil
 import subprocess
 
-import pytest
+from needs import requires
 
 from fuzzyarm.cli.main import main
 from fuzzyarm.shipped_files import shipped
@@ -64,7 +63,7 @@ NAMES = [
 ]  # fmt: skip
 
 
-@pytest.mark.skipif(shutil.which("git") is None, reason="no git")
+@requires("git")
 def test_what_git_leaves_out_is_left_out(tmp_path):
     write(tmp_path, *NAMES)
     (tmp_path / ".gitignore").write_text(IGNORED)
