@@ -61,7 +61,7 @@ lint-page: page-tools
 	else echo "skipped: eslint, prettier, tsc and node --test of the designer's page"; fi
 
 unit: $(VENV)/.dev page-tools
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(BIN)/python -m pytest -n 2 --dist worksteal $(FLAGS)
 
 quick: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --dist worksteal --quick

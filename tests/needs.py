@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import importlib.util
 import os
+import re
 import shutil
 import sys
 from dataclasses import dataclass
@@ -54,6 +55,9 @@ def _program(name: str, debian: str = "") -> Need:
     return Need((name,), debian=debian or name)
 
 
+_ZIG = re.findall(r"(?m)^ZIG *:= *([\d.]+)", (ROOT / "Makefile").read_text("utf-8"))[0]
+
+
 def _page_tool(name: str) -> Need:
     return Need(folder=PAGE_TOOLS / name, otherwise="make page-tools")
 
@@ -65,7 +69,8 @@ NEEDS: dict[str, Need] = {
     "node": _program("node", "nodejs npm"),
     "npm": _program("npm", "nodejs npm"),
     "chromium": Need(
-        ("chromium-headless-shell", "chromium", "chromium-browser"), debian="chromium"
+        ("chromium-headless-shell", "chromium", "chromium-browser"),  # the first is the fastest
+        debian="chromium-headless-shell",
     ),
     "avr-gcc": _program("avr-gcc", "gcc-avr avr-libc"),
     "simavr": _program("simavr"),
@@ -83,7 +88,7 @@ NEEDS: dict[str, Need] = {
         "npm install --global @micropython/micropython-webassembly-pyscript",
     ),
     "nvim": _program("nvim", "neovim"),
-    "ziglang": Need(module="ziglang", pip="ziglang"),
+    "ziglang": Need(module="ziglang", pip=f"ziglang=={_ZIG}"),
     "blark": Need(module="blark", pip="blark"),
     "pyright": Need(("pyright",), module="pyright", pip="pyright"),
     "pyfuzzylite": Need(module="fuzzylite", otherwise="an environment with a NumPy below 2"),

@@ -4,10 +4,10 @@ import math
 import subprocess
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from budget import cases
-import needs
 
 from fuzzyarm import kernels
 from fuzzyarm.controller import CATALOGUE, Controller, controller
