@@ -319,6 +319,7 @@ def test_one_finding_for_a_mistake(lines):
         ("controller c\ncontroller d\nperiod 1 s\naxis a\n  drive u = 1\n", "duplicate-statement"),
         ("controller c\nperiod 1 s\naxis a\n  drive u = 1\n  zoom e by 2 inside 3\n",
          "unknown-signal"),
+        ("controller c\nperiod 1 s\n  v = error of x\naxis a\n  drive u = 1\n", "line-above-axes"),
     ],
 )  # fmt: skip
 def test_mistakes_of_the_whole(text, name):
@@ -335,6 +336,17 @@ def test_doubts_do_not_keep_it_from_running():
     assert sorted(d.name for d in parsed.diagnostics) == [
         "outside-tune", "unused-name", "unused-name", "unused-signal",
     ]  # fmt: skip
+
+
+def test_a_gain_with_the_name_of_a_rule_base_is_not_read_by_its_look_up():
+    text = text_of(
+        "e = error of x", "u = table T(e)", "drive u = u", head=['use T from "t.lut"', "gain T = 2"]
+    )
+    (finding,) = parse(text).diagnostics
+    assert (finding.name, finding.message) == (
+        "unused-name",
+        "nothing reads the gain or partner 'T'",
+    )
 
 
 def test_a_controller_is_not_a_rule_base():

@@ -182,6 +182,12 @@ def test_one_slip_is_one_finding_with_the_line_as_it_should_be(right, wrong):
     assert finding.hint.startswith(("write  ", "did you mean"))
 
 
+@pytest.mark.parametrize("wrong", ["Ts = 0.001", "period = 0.001", "dt: 1e-3"])
+def test_a_period_without_a_unit_is_in_seconds(wrong):
+    (finding,) = faults(TEXT.replace("period 1 ms", wrong))
+    assert finding.hint == f"write  period {wrong.split()[-1]} s"
+
+
 @pytest.mark.parametrize("words", ["pd7 e ce", "pd7 e, ce"])
 def test_inputs_beside_a_rule_base_are_put_into_parentheses(words):
     right = TEXT.replace("(e, ce) * G_u", "(e, ce)").replace("sum = u", "sum = u * G_u")

@@ -70,7 +70,8 @@ class _Scope:
         self.unread = any(map(_is_unread, nodes))
         self.numbers: dict[str, str] = {}  # gains and partners
         self.sheets: dict[str, str] = {}
-        self.used: set[str] = set()
+        self.numbers_read: set[str] = set()
+        self.sheets_read: set[str] = set()
         self.names_read: set[str] = set()  # signals, on the axis at hand
         self.axes: dict[str, str] = {}
 
@@ -83,7 +84,7 @@ class _Scope:
         rulebases = () if self.rulebase is None else (self.rulebase,)
         for rulebase in rulebases:
             self.sheets[rulebase.name] = Word(rulebase.name, heading.name.span)
-            self.used.add(rulebase.name)
+            self.sheets_read.add(rulebase.name)
         uses = tuple(node for node in self.nodes if isinstance(node, Use))
         for use in uses:
             self._declare(use.name, self.sheets)
@@ -253,6 +254,7 @@ class _Scope:
         for index, node in enumerate(self.nodes):
             if isinstance(node, Axes):
                 close()
+                self._report_above_axes([] if current else lines)
                 current, lines, signals = node, [], {}
                 self.names_read = set()
                 for word in node.names:
@@ -270,6 +272,15 @@ class _Scope:
                 lines.append(self._drive(node, signals))
         close()
         return axes_read
+
+    def _report_above_axes(self, lines: Sequence[Line]) -> None:
+        for line in lines:
+            self.scope.report(
+                "line-above-axes",
+                "this line of an axis is above the first axis",
+                line.span,
+                hint="move it below the line  axis NAME",
+            )
 
     def _judge_signal(self, node: SignalLine, signals: dict[str, str]) -> None:
         self._judge_sum(node.products, signals)
@@ -312,7 +323,7 @@ class _Scope:
     def _need(self, word: str, signals: dict[str, str]) -> None:
         """Demand a signal that has been made, a gain or a partner."""
         self.names_read.add(word)
-        self.used.add(word)
+        self.numbers_read.add(word)
         if word in signals or word in self.numbers:
             return
         if word in self.later:
@@ -345,7 +356,7 @@ class _Scope:
         )
 
     def _need_sheet(self, word: str) -> None:
-        self.used.add(word)
+        self.sheets_read.add(word)
         if word not in self.sheets:
             name = name_text(word)
             new = f'a file is named by  use {name} from "{word}.frb"'
@@ -380,7 +391,7 @@ class _Scope:
         )
 
     def _need_gain(self, word: str) -> None:
-        self.used.add(word)
+        self.numbers_read.add(word)
         if word not in self.numbers:
             self._unknown("unknown-signal", "gain", word, list(self.numbers))
 
@@ -506,9 +517,12 @@ class _Scope:
     def _judge_unused(self) -> None:
         if self.broken or self.unread:
             return  # what reads it may be what could not be read
-        for what, words in (("gain or partner", self.numbers), ("rule base or table", self.sheets)):
+        for what, words, read in (
+            ("gain or partner", self.numbers, self.numbers_read),
+            ("rule base or table", self.sheets, self.sheets_read),
+        ):
             for name, word in words.items():
-                if name not in self.used:
+                if name not in read:
                     self.scope.report(
                         "unused-name",
                         f"nothing reads the {what} '{name}'",

@@ -81,6 +81,16 @@ SLIPS = (
     Slip(CAPITALS, re.compile(r"\b(?:TUNE|LOG|PI|Tune|Log|Pi)\b"), small, ("gain",)),
     Slip("a quotient of π is written with pi", re.compile("[πΠ]"), "pi", ("gain",)),
     Slip(
+        "how often it runs is its period, a number with its unit",
+        re.compile(
+            r"^\s*(?:period\s*[:=]|(?:dt|Ts|T_s|sampl(?:e|ing)[ _-]?time)\s*[:=]?)"
+            rf"\s*({NUMBER})\s*$",
+            ANY_CASE,
+        ),
+        r"period \1 s",
+        ("", "period"),
+    ),
+    Slip(
         "how often it runs is its period",
         re.compile(
             r"^\s*(?:sampl(?:e|ing)(?:[ _-]?(?:time|period|interval))?|cycle(?:[ _-]?time)?"
@@ -88,12 +98,6 @@ SLIPS = (
             ANY_CASE,
         ),
         "period ",
-        ("",),
-    ),
-    Slip(
-        "how often it runs is its period, a number with its unit",
-        re.compile(rf"^\s*(?:dt|Ts|T_s|sample[ _-]?time)\s*[:=]?\s*({NUMBER})\s*$", ANY_CASE),
-        r"period \1 s",
         ("",),
     ),
     Slip(

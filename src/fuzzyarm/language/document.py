@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import ChainMap
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 from typing import Any
@@ -195,7 +195,7 @@ def _group_lines(
                     "unknown-statement",
                     f"no statement starts with '{first.text}'",
                     first.span,
-                    hint=hint or "statements start with " + ", ".join(records),
+                    hint=hint or _signal_hint(line, heading) or _starters(records),
                     replacement=replacement,
                 )
             )
@@ -221,6 +221,18 @@ def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
         if other != heading and word in statements_below(other):
             return f"it belongs below a line  {other} NAME", None
     return near_hint(word, statements_below(heading))
+
+
+def _signal_hint(line: SourceLine, heading: str) -> str:
+    """Return where a definition goes that stands above the axes of a controller."""
+    name = line.tokens[0].text
+    if heading != "controller" or [token.text for token in line.tokens[1:2]] != ["="]:
+        return ""
+    return f"a signal belongs below a line  axis NAME , a number is  gain {name} = 1"
+
+
+def _starters(records: Iterable[str]) -> str:
+    return "statements start with " + ", ".join(records)
 
 
 def _record_of(
