@@ -20,6 +20,10 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = ROOT.parent / "shared"
 PAGE_TOOLS = ROOT / "editors" / "designer" / "node_modules"
+CORPUS = Path(os.environ.get("FUZZYARM_CORPUS", SHARED / "corpus"))
+"""Rule files of others."""
+DATA = Path(os.environ.get("FUZZYARM_DATA", SHARED / "data"))
+"""Data sets of others."""
 ARDUINO_CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 """Where Debian's arduino-core-avr is."""
 
@@ -64,6 +68,7 @@ def _page_tool(name: str) -> Need:
 
 NEEDS: dict[str, Need] = {
     "C compiler": Need(("gcc", "cc"), debian="gcc libc6-dev"),
+    "g++": _program("g++"),
     "gcov": _program("gcov", "gcc"),
     "git": _program("git"),
     "node": _program("node", "nodejs npm"),
@@ -98,14 +103,8 @@ NEEDS: dict[str, Need] = {
     "tools of the extension": Need(
         folder=ROOT / "editors" / "vscode" / "node_modules", otherwise="npm ci in editors/vscode"
     ),
-    "corpus": Need(
-        folder=Path(os.environ.get("FUZZYARM_CORPUS", SHARED / "corpus")),
-        otherwise="public rule files, not shipped: FUZZYARM_CORPUS=FOLDER",
-    ),
-    "data": Need(
-        folder=Path(os.environ.get("FUZZYARM_DATA", SHARED / "data")),
-        otherwise="public data sets, not shipped: FUZZYARM_DATA=FOLDER",
-    ),
+    "corpus": Need(folder=CORPUS, otherwise="rule files of others: FUZZYARM_CORPUS=FOLDER"),
+    "data": Need(folder=DATA, otherwise="data sets of others: FUZZYARM_DATA=FOLDER"),
 }
 
 

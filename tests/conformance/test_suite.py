@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from budget import part
 from jsonschema import Draft202012Validator
+from needs import requires
 
 from conformance import exact, pieces, report, second, suite
 from conformance.make_cases import converted
@@ -179,7 +180,14 @@ def test_fuzzyarm_passes(runner, engine):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("engine", ["c", "st", "javascript"])
+@pytest.mark.parametrize(
+    "engine",
+    [
+        pytest.param("c", marks=requires("C compiler")),
+        "st",
+        pytest.param("javascript", marks=requires("node")),
+    ],
+)
 def test_what_fuzzyarm_exports_passes(runner, engine):
     for name in (
         "tipper-exact",

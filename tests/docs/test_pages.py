@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from needs import need
 
 from fuzzyarm.cli.main import COMMANDS, find_command
 
@@ -32,6 +33,9 @@ ELSEWHERE = {
     "type2.md": "inference/test_type2_page.py",
 }
 """Pages whose blocks go on from one another or need files of their own, and what runs them."""
+
+NEEDED = {"safety-case.md": ("gcov",)}
+"""Tools that the commands of a page call."""
 
 IN_A_CLONE = ("source .venv/", ".venv/bin/")
 """How commands of the README begin that only a clone with its environment knows."""
@@ -159,6 +163,7 @@ def test_pages_that_are_run_elsewhere_are():
 
 @pytest.mark.parametrize("page", [p for p in PAGES if p.name not in ELSEWHERE], ids=page_id)
 def test_every_block_does_what_the_page_shows(page, workplace, runner, update_golden):
+    need(*NEEDED.get(page.name, ()))
     steps = steps_of(page)
     targets = re.findall(r"(?m)^(\w+):", (ROOT / "Makefile").read_text("utf-8"))
     made = [step for step in steps if step.text.startswith("make ")]

@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from machine_code import compiler_at_hand
+from needs import need
 from test_pages import README, ROOT, blocks, console_steps, matches
 
 NOT_TYPED = ("make test",)
@@ -40,6 +41,7 @@ def outside_any_environment():
 @pytest.fixture(scope="module")
 def stranger(tmp_path_factory):
     """Return a folder with what a clone has, and the variables of a shell in it."""
+    need("git")
     listed = ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others"]
     done = subprocess.run([*listed, "--exclude-standard"], capture_output=True, check=False)
     if done.returncode:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from needs import need
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -115,6 +116,7 @@ def test_rule_bases_and_tables_are_coloured_as_in_an_editor(scripts):
 
 def test_the_sketch_of_the_arduino_page_compiles(tmp_path):
     """With the names that the board's core has, and every warning on."""
+    need("g++")
     from fuzzyarm.cli import main
 
     page = (DOCS / "howto" / "arduino.md").read_text("utf-8")

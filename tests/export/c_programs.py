@@ -23,7 +23,8 @@ HOST, ARM = needs.program("C compiler") or "cc", "arm-linux-gnueabihf-gcc"
 
 def need(target: str) -> None:
     """Skip where a compiler (and, for another machine, its emulator) is missing."""
-    needs.need(*((ARM, "qemu-arm") if target == ARM else ("C compiler",)))
+    names = {HOST: ("C compiler",), ARM: (ARM, "qemu-arm")}
+    needs.need(*names.get(target, (target,)))
 
 
 def compile_c(

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from controller_programs import EVERYTHING, model_drives, ports, scattered, shipped_text, text_of
+from needs import need
 
 from fuzzyarm.cli import main
 from fuzzyarm.export import ControllerProgram, ExportError, export_controller
@@ -186,7 +187,7 @@ HEADS = {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"}
 
 
 def built_for(platforms, folder):
-    pytest.importorskip("ziglang")
+    need("ziglang")
     out = folder / "servo.fmu"
     words = ["compile", str(shipped("servo.frb")), "-o", str(out), "--platforms", platforms]
     assert main(words) == 0

@@ -5,7 +5,7 @@ import tomllib
 from importlib.metadata import distribution
 from pathlib import Path
 
-import pytest
+from needs import requires
 from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[2]
@@ -28,7 +28,7 @@ def is_pure(name):
     return "Tag: py3-none-any" in (distribution(name).read_text("WHEEL") or "")
 
 
-@pytest.mark.skipif(not LOCK.exists(), reason="pyodide is not installed: make page-tools")
+@requires("pyodide")
 def test_every_requirement_has_a_wheel_in_a_page():
     known = json.loads(LOCK.read_text(encoding="utf-8"))["packages"]
     missing = []
