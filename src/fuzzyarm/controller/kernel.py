@@ -20,6 +20,9 @@ another. The updates of sources are called by address: a source is a record
 (:mod:`fuzzyarm.expression.sources`), and has no instruction of its own. So an edited text compiles
 nothing, and the program that is exported as C is a walk over the same instructions
 (:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen nothing yet.
+
+A guard begins the instructions of an axis. Where a reference or measured value that the axis reads
+is not a number, it passes over them: memory, learned tables and drives stay as they were.
 """
 
 from __future__ import annotations
@@ -52,7 +55,8 @@ INSTRUCTION = 6
     LEARN,  # list; receives the index of the cell in use
     INFER,  # list, address of the inference
     PARTNER,  # list
-) = range(17)
+    GUARD,  # list, instructions to pass over; the cell that receives counts the skipped periods
+) = range(18)
 
 # What the limits of a drive remember, from their state on.
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
@@ -95,6 +99,10 @@ BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
+# The list of GUARD: how many cells it reads and how many drives get a number in a skipped period,
+# then the cells that it reads, then of each of these drives its cell and that of the number.
+COUNT_READ, COUNT_SENT, GUARDED = range(3)
+
 
 @kernel
 def step(k: Any, s: Any) -> None:
@@ -108,15 +116,40 @@ def step(k: Any, s: Any) -> None:
         The cells: reference and measured values and the clock are read, drives are written.
     """
     at = 1
+    end = 1 + k[0] * INSTRUCTION
     single = s[SINGLE] != 0.0
-    for _ in range(k[0]):
+    while at < end:
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
         if what <= SUBTRACT_MULTIPLY:
             value = combined(what, s[a], s[b], s[c])
+        elif what == GUARD:
+            value = s[into]
+            if lacks_number(k, s, a):
+                value += 1.0
+                send_instead(k, s, a)
+                at += b * INSTRUCTION
         else:
             value = consulted(k, s, what, a, b, c, single)
         s[into] = stored(value, single) if k[at + 5] != 0 else value
         at += INSTRUCTION
+
+
+@kernel
+def lacks_number(k: Any, s: Any, at: int) -> bool:
+    """Whether a reference or measured value that an axis reads is not a number."""
+    first = at + GUARDED
+    for i in range(first, first + k[at + COUNT_READ]):
+        if math.isnan(s[k[i]]):
+            return True
+    return False
+
+
+@kernel
+def send_instead(k: Any, s: Any, at: int) -> None:
+    """Set the drives whose text says what is sent in a skipped period."""
+    first = at + GUARDED + k[at + COUNT_READ]
+    for i in range(first, first + 2 * k[at + COUNT_SENT], 2):
+        s[k[i]] = s[k[i + 1]]
 
 
 @kernel

@@ -6,6 +6,7 @@ Their layout is described in :mod:`fuzzyarm.controller.kernel`.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -85,6 +86,25 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Guard:
+    """What stands around the instructions of an axis.
+
+    Attributes
+    ----------
+    count : int
+        The cell that counts the skipped periods.
+    reads : tuple of int
+        Cells of references and measured values; where one is not a number, the axis is skipped.
+    drives : dict
+        Of the cell of each drive, what it is sent in a skipped period; None: its last value.
+    """
+
+    count: int
+    reads: tuple[int, ...]
+    drives: Mapping[int, float | None]
+
+
+@dataclass(frozen=True)
 class ControllerCode:
     """A controller in the form of its kernel.
 
@@ -108,6 +128,8 @@ class ControllerCode:
         By the cell of their first value, the name in the text and the table of one axis.
     updates : dict
         By the first cell of their frame, the sources with an update.
+    guards : dict
+        Of each axis that reads a reference or a measured value, its :class:`Guard`.
     """
 
     code: list[int]
@@ -119,6 +141,11 @@ class ControllerCode:
     rulebases: Mapping[int, tuple[str, RuleBase]]
     tables: Mapping[int, tuple[str, LookupTable]]
     updates: Mapping[int, SourceKind]
+    guards: Mapping[str, Guard]
+
+    def skipped(self, cells: Sequence[float]) -> dict[str, int]:
+        """Return how many periods each axis has skipped, of the cells after a run."""
+        return {axis: int(cells[guard.count]) for axis, guard in self.guards.items()}
 
     def cells_with(
         self, values: Mapping[str, Sequence[float]], arithmetic: RunArithmetic
@@ -149,6 +176,8 @@ class ControllerCode:
             elif what == to.PARTNER:
                 at_list = code[at + 2]
                 cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
+        for guard in self.guards.values():
+            cells |= {guard.count, *guard.drives}
         for begin, end in self.rings:
             cells |= set(range(begin, end))
         for place in self.learned.values():
@@ -205,6 +234,10 @@ _FUSED = {
 """Pairs of instructions that fuse when the second takes the result of the first."""
 
 
+_PASSED = 3
+"""The operand of a guard that says how many instructions it passes over."""
+
+
 def _argument(word: str) -> str:
     """Return the argument of an update that an option says."""
     return word.replace("-", "_")
@@ -246,6 +279,8 @@ class _Writer:
         self.rings: list[tuple[int, int]] = []
         self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
         self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
+        self.guards: dict[str, Guard] = {}
+        self.drives = self._drive_cells()
         self.scratch = self._cell(0.0)  # of values that have no name
         self.axis = ""
         self.index = 0
@@ -259,10 +294,60 @@ class _Writer:
             for name in axes.names:
                 self.axis = name
                 self.limits = {}
+                begin = self._guard(axes)
                 for line in axes.lines:
                     self._write_line(axes, line, first)
+                if begin >= 0:
+                    self.code[begin + _PASSED] = len(self.code[begin:]) // to.INSTRUCTION - 1
                 self.index += 1
+        self._join_drives()
         return self._finished()
+
+    # --- The guard of an axis ---
+
+    def _drive_cells(self) -> dict[tuple[str, str], int]:
+        """Return the cells of the drives; axes with an input in common have their own."""
+        wired = self.wiring.drives
+        shared = Counter(wired.values())
+        return {
+            address: cell if shared[cell] == 1 else self._cell(0.0)
+            for address, cell in wired.items()
+        }
+
+    def _join_drives(self) -> None:
+        """Add up the drives of axes with an input in common."""
+        begun: set[int] = set()
+        for address, cell in self.wiring.drives.items():
+            own = self.drives[address]
+            if own != cell:
+                self._do(to.ADD, cell, cell if cell in begun else self._number(0.0), own)
+                begun.add(cell)
+
+    def _guard(self, axes: Axes) -> int:
+        """Begin an axis; return where its guard is, -1 where it reads nothing."""
+        reads = tuple(
+            cells[self.axis, port]
+            for cells, kind in (
+                (self.wiring.references, "reference"), (self.wiring.measured, "measured"),
+            )
+            for port in axes.ports(kind)
+        )  # fmt: skip
+        if not reads:
+            return -1
+        drives: dict[int, float | None] = {}
+        for line in axes.lines:
+            if isinstance(line, Drive):
+                cell = self.drives[self.axis, line.port]
+                self.cells[cell] = self.arithmetic.hold(self.cells[cell] + line.idle)
+                sent = drives.setdefault(cell, None)
+                if line.on_nan is not None:
+                    drives[cell] = self.arithmetic.hold((sent or 0.0) + line.on_nan)
+        sends = [(cell, self._number(x)) for cell, x in drives.items() if x is not None]
+        begin = len(self.code)
+        count = self._do(to.GUARD, self._cell(0.0), 0)
+        self._list(2, [len(reads), len(sends), *reads, *(cell for pair in sends for cell in pair)])
+        self.guards[self.axis] = Guard(count, reads, drives)
+        return begin
 
     def _finished(self) -> ControllerCode:
         begin = 1 + len(self.code)
@@ -282,6 +367,7 @@ class _Writer:
             self.inferences,
             self.looked_up,
             self.updates,
+            self.guards,
         )
 
     # --- Cells, instructions, lists ---
@@ -488,7 +574,7 @@ class _Writer:
             cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line))
         if line.slew is not None:
             cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, line.slew))
-        port = self.wiring.drives[self.axis, line.port]
+        port = self.drives[self.axis, line.port]
         # The first drive of a port sets it, the others add to it, in the order of the text.
         if port in first:
             self._do(to.ADD, port, port, cell)

@@ -402,16 +402,10 @@ class PortError(FuzzyarmError, KeyError):
 
 def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
     """Yield axis and port of what a controller asks for."""
-    ports: dict[tuple[str, str], None] = {}
-    for axes, line in model.lines():
-        port = ""
-        if isinstance(line, Drive):
-            port = line.port if kind == "drive" else ""
-        elif isinstance(line, SignalLine) and line.source is not None:
-            port = line.source.name if kind in line.source.record.ports else ""
-        if port:
-            ports.update(dict.fromkeys((axis, port) for axis in axes.names))
-    yield from ports
+    for axes in model.axes:
+        for port in axes.ports(kind):
+            for axis in axes.names:
+                yield axis, port
 
 
 def wiring_of(model: ControllerModel) -> Wiring:
@@ -571,6 +565,11 @@ class ControllerRun:
         cells[LAST] = float(self._periods % self.text.model.every == 0)
         self._step(self._code, cells)
         return {name: float(cells[cell]) for name, cell in self._names[2].items()}
+
+    @property
+    def skipped(self) -> dict[str, int]:
+        """How many periods each axis has skipped: a value that it reads was not a number."""
+        return self.program.skipped(self._cells)
 
     def signal(self, axis: str, name: str) -> float:
         """Return a signal of the last step."""

@@ -468,10 +468,24 @@ class _Scope:
             self._turned("limits", *node.within)
         if node.slew is not None and not node.slew > 0.0:
             self.scope.report("bad-number", "expected a number above 0", span_of(node.slew))
+        self._judge_on_nan(node)
         if node.port in signals and self._is_turned(node, signals):
-            return replace(node, products=(), slew=None)
+            return replace(node, products=(), slew=None, on_nan=None)
         self._judge_sum(node.products, signals)
         return node
+
+    def _judge_on_nan(self, node: Drive) -> None:
+        if node.on_nan is None or node.within is None:
+            return
+        low, high = node.within
+        if low < high and not low <= node.on_nan <= high:
+            nearest = min(max(node.on_nan, low), high)
+            self.scope.report(
+                "bad-number",
+                f"'on nan' sends {number_text(node.on_nan)}, outside the limits of the drive",
+                span_of(node.on_nan),
+                hint=f"write  on nan {number_text(nearest)}  or wider limits",
+            )
 
     def _is_turned(self, node: Drive, signals: dict[str, str]) -> bool:
         """Report a drive that names its signal before its port."""

@@ -396,12 +396,21 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     ),
                     Maybe(
                         FixedText(
-                            # The last option reports a word that fits neither: it names both.
                             "slew",
-                            "or 'within' after the comma",
+                            "",
                             "the largest change per second",
                         ),
                         Number("slew", "the largest change per second"),
+                    ),
+                    Maybe(
+                        FixedText(
+                            # The last option reports a word that fits none: it names all.
+                            "on",
+                            "or 'slew' or 'within' after the comma",
+                            "what is sent where a value read is not a number",
+                        ),
+                        FixedText("nan", "after 'on'", "a value that is not a number"),
+                        Number("on_nan", "the value sent in a skipped period"),
                     ),
                 ),
                 indent="  ",

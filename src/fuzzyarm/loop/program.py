@@ -170,6 +170,15 @@ class LoopProgram:
                 values += self.memory_of(law, memory).tolist()
         return values
 
+    def skipped(self, memory: Any) -> dict[str, int]:
+        """Return how many periods axes skipped whose values were not numbers, where they did."""
+        counts: dict[str, int] = {}
+        for law in self._laws:
+            if isinstance(law, on_plant.TextLaw):
+                program = law.program(self.arithmetic)
+                counts |= program.skipped(self.memory_of(law, memory))
+        return {axis: count for axis, count in counts.items() if count}
+
 
 class RunRecord:
     """What the loop writes, and what it goes on from: all that a run is at some time.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -636,7 +636,9 @@ class ClosedLoop:
             every=followed.every,
             output_units={label(port): output.unit for port, output in interface.outputs.items()},
             along=followed.along,
-            notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
+            notes=self.notes(course)
+            + tuple(_skipped_words(program.skipped(record.memory)))
+            + (() if over or stopped is None else _coarse(course)),
         )
 
     def _cause(self, record: RunRecord) -> str:
@@ -716,6 +718,12 @@ class ClosedLoop:
             *self._by_port(course, record.rows.T),
             [block != 0 for block in blocks],
         )
+
+
+def _skipped_words(skipped: Mapping[str, int]) -> Iterator[str]:
+    for axis, count in skipped.items():
+        periods = "1 period" if count == 1 else f"{count} periods"
+        yield f"axis {axis} skipped {periods}: a value that it reads was not a number"
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ The records are the nodes of the syntax tree as well: names and numbers of a tex
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -281,16 +282,24 @@ class Learn:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """``drive PORT = SUM [, within A .. B] [, slew N]``; several drives of a port add up.
+    """``drive PORT = SUM [, within A .. B] [, slew N] [, on nan N]``; drives of a port add up.
 
-    First the limits hold, then the rate of change, per second.
+    First the limits hold, then the rate of change, per second. `on_nan` is what the port gets in a
+    period that is skipped, in place of its last value.
     """
 
     port: str
     products: tuple[Product, ...]
     within: tuple[float, float] | None = None
     slew: float | None = None
+    on_nan: float | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def idle(self) -> float:
+        """The value before the first period: 0, brought into the limits."""
+        low, high = self.within or (-math.inf, math.inf)
+        return min(max(0.0, low), high)
 
 
 Line = SignalLine | Zoom | Learn | Drive
@@ -311,6 +320,24 @@ class Axes:
     names: tuple[str, ...]
     lines: tuple[Line, ...] = ()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def ports(self, kind: str) -> tuple[str, ...]:
+        """Return the ports of a kind that the lines name, in order.
+
+        Parameters
+        ----------
+        kind : str
+            ``reference``, ``measured`` or ``drive``.
+        """
+        ports: dict[str, None] = {}
+        for line in self.lines:
+            if isinstance(line, Drive):
+                if kind == "drive":
+                    ports[line.port] = None
+            elif isinstance(line, SignalLine) and line.source is not None:
+                if kind in line.source.record.ports:
+                    ports[line.source.name] = None
+        return tuple(ports)
 
     def driven_by(self, name: str) -> Drive | None:
         """Return the first drive that depends on a signal."""

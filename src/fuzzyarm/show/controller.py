@@ -144,7 +144,8 @@ def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -
             low, high = map(number_text, line.within)
             limits = f", within {low} .. {high}"
         slew = "" if line.slew is None else f", slew {number_text(line.slew)}"
-        return f"{_sum_words(line.products, word)}{limits}{slew}"
+        on_nan = "" if line.on_nan is None else f", on nan {number_text(line.on_nan)}"
+        return f"{_sum_words(line.products, word)}{limits}{slew}{on_nan}"
     if line.source is None:
         return _sum_words(line.products, word)
     factors = "".join(_factor(factor, word) for factor in line.products[0].factors)
