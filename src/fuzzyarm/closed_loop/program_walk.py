@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
-from fuzzyarm.export.steps import FIRST, LAST, Ask, Set, steps_of
+from fuzzyarm.export.steps import LAST, Ask, Set, first_of, steps_of
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.loop.course import Sensor, periods_of
 from fuzzyarm.model.rulebase import RuleBase
@@ -131,7 +131,7 @@ class ProgramWalk:
         self._after: dict[str, Any] = {}
         measurements = self._sensed(outputs)
         self._values: dict[str, Any] = {
-            FIRST: first,
+            **dict.fromkeys(map(first_of, self.steps.needs_first), first),
             LAST: self.problem.text.model.every == 1,
         }
         drives: dict[Address, Any] = {}

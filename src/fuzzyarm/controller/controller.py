@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.controller.law import Gain, GainError, Law, LawBlock, collect, view
+from fuzzyarm.controller.law import Gain, GainError, Law, LawBlock, collect, lacks_number, view
 from fuzzyarm.plant.setting import Clock, Moment, Pair, Reference, RunArithmetic, State, pose_of
 from fuzzyarm.text.shown import one_line
 
@@ -165,6 +165,7 @@ class CompiledController(Controller):
         block = self._block = self.block(arithmetic._replace(compiled=False))
         # Views on arrays give plain numbers, which Python adds and multiplies faster.
         self._lists = view(block.numbers), view(block.memory), block.links
+        self._torque: Pair = (0.0, 0.0)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
@@ -173,8 +174,11 @@ class CompiledController(Controller):
         if self._lists is None:
             self.prepare(RunArithmetic())
         assert self._lists is not None
-        first, second = self.law.kernel(now, *self._lists)
-        return first, second
+        # The kernel of a text has a guard for each axis.
+        if self.law.at_signals is not None or not lacks_number(reference, state):
+            first, second = self.law.kernel(now, *self._lists)
+            self._torque = first, second
+        return self._torque
 
 
 class Sum(Controller):

@@ -21,8 +21,8 @@ another. The updates of sources are called by address: a source is a record
 nothing, and the program that is exported as C is a walk over the same instructions
 (:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen nothing yet.
 
-A guard begins the instructions of an axis. Where a reference or measured value that the axis reads
-is not a number, it passes over them: memory, learned tables and drives stay as they were.
+The first list are the guards. Where a reference or measured value that an axis reads is not a
+number, its instructions are passed over: memory, learned tables and drives stay as they were.
 """
 
 from __future__ import annotations
@@ -55,8 +55,7 @@ INSTRUCTION = 6
     LEARN,  # list; receives the index of the cell in use
     INFER,  # list, address of the inference
     PARTNER,  # list
-    GUARD,  # list, instructions to pass over; the cell that receives counts the skipped periods
-) = range(18)
+) = range(17)
 
 # What the limits of a drive remember, from their state on.
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
@@ -99,9 +98,13 @@ BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
-# The list of GUARD: how many cells it reads and how many drives get a number in a skipped period,
-# then the cells that it reads, then of each of these drives its cell and that of the number.
-COUNT_READ, COUNT_SENT, GUARDED = range(3)
+# The list of guards: the address of `step_guarded`, how many cells any axis reads, these cells, and
+# for each axis a guard: where its instructions begin and end, the cell that counts the skipped
+# periods, how many cells it reads and how many drives are sent a number in a skipped period, the
+# cells that it reads, and of each of these drives its cell and that of the number. After the last
+# guard stands a 0.
+WITH_GUARDS, COUNT_ALL, ALL_READ = range(3)
+GUARD_BEGIN, GUARD_END, SKIPPED, COUNT_READ, COUNT_SENT, GUARDED = range(6)
 
 
 @kernel
@@ -115,19 +118,54 @@ def step(k: Any, s: Any) -> None:
     s : ndarray of float64
         The cells: reference and measured values and the clock are read, drives are written.
     """
+    guards = 1 + INSTRUCTION * k[0]
+    total = 0.0
+    for i in range(guards + ALL_READ, guards + ALL_READ + k[guards + COUNT_ALL]):
+        total += s[k[i]]
+    if total - total != 0.0:  # a value that is not a number, or infinities: the guards will see
+        # By address: a rare way, compiled into every loop, would slow the other one down.
+        call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
+        return
+    run(k, s, 1, guards)
+
+
+@kernel
+def step_guarded(k: Any, s: Any) -> None:
+    """Run the axes whose values are numbers."""
     at = 1
-    end = 1 + k[0] * INSTRUCTION
+    end = 1 + INSTRUCTION * k[0]
+    guard = end + ALL_READ + k[end + COUNT_ALL]
+    while k[guard + GUARD_BEGIN] > 0:
+        run(k, s, at, k[guard + GUARD_BEGIN])
+        at = k[guard + GUARD_END]
+        if not skips(k, s, guard):
+            run(k, s, k[guard + GUARD_BEGIN], at)
+        guard += GUARDED + k[guard + COUNT_READ] + 2 * k[guard + COUNT_SENT]
+    run(k, s, at, end)
+
+
+@kernel
+def skips(k: Any, s: Any, guard: int) -> bool:
+    """Whether an axis skips this period; then count it, and send what is sent instead."""
+    reads = guard + GUARDED
+    if not lacks_number(k, s, reads, k[guard + COUNT_READ]):
+        return False
+    sends = reads + k[guard + COUNT_READ]
+    for i in range(sends, sends + 2 * k[guard + COUNT_SENT], 2):
+        s[k[i]] = s[k[i + 1]]
+    s[k[guard + SKIPPED]] += 1.0
+    return True
+
+
+@kernel
+def run(k: Any, s: Any, begin: int, end: int) -> None:
+    """Carry out the instructions from one index of the code to another."""
+    at = begin
     single = s[SINGLE] != 0.0
-    while at < end:
+    for _ in range((end - begin) // INSTRUCTION):
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
         if what <= SUBTRACT_MULTIPLY:
             value = combined(what, s[a], s[b], s[c])
-        elif what == GUARD:
-            value = s[into]
-            if lacks_number(k, s, a):
-                value += 1.0
-                send_instead(k, s, a)
-                at += b * INSTRUCTION
         else:
             value = consulted(k, s, what, a, b, c, single)
         s[into] = stored(value, single) if k[at + 5] != 0 else value
@@ -135,21 +173,12 @@ def step(k: Any, s: Any) -> None:
 
 
 @kernel
-def lacks_number(k: Any, s: Any, at: int) -> bool:
-    """Whether a reference or measured value that an axis reads is not a number."""
-    first = at + GUARDED
-    for i in range(first, first + k[at + COUNT_READ]):
+def lacks_number(k: Any, s: Any, first: int, count: int) -> bool:
+    """Whether one of so many cells, listed in the code, is not a number."""
+    for i in range(first, first + count):  # noqa: SIM110 - a kernel has no generators
         if math.isnan(s[k[i]]):
             return True
     return False
-
-
-@kernel
-def send_instead(k: Any, s: Any, at: int) -> None:
-    """Set the drives whose text says what is sent in a skipped period."""
-    first = at + GUARDED + k[at + COUNT_READ]
-    for i in range(first, first + 2 * k[at + COUNT_SENT], 2):
-        s[k[i]] = s[k[i + 1]]
 
 
 @kernel

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
@@ -332,6 +333,14 @@ def law_integers(
 def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
     """Leave the arm alone; the kernel of a law is bound to this name."""
     return 0.0, 0.0
+
+
+def lacks_number(reference: Reference, state: State) -> bool:
+    """Whether a reference or measured value is not a number.
+
+    In a loop none is: a run of the arm ends with the first one.
+    """
+    return any(math.isnan(x) for pair in (*reference, *state) for x in pair)
 
 
 @kernel

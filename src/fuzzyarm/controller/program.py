@@ -37,7 +37,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import LAST, RunArithmetic
+from fuzzyarm.plant.setting import LAST, RunArithmetic, stored_double, stored_single
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 
@@ -91,6 +91,8 @@ class Guard:
 
     Attributes
     ----------
+    begin, end : int
+        Where its instructions begin and end in the code.
     count : int
         The cell that counts the skipped periods.
     reads : tuple of int
@@ -99,6 +101,8 @@ class Guard:
         Of the cell of each drive, what it is sent in a skipped period; None: its last value.
     """
 
+    begin: int
+    end: int
     count: int
     reads: tuple[int, ...]
     drives: Mapping[int, float | None]
@@ -234,10 +238,6 @@ _FUSED = {
 """Pairs of instructions that fuse when the second takes the result of the first."""
 
 
-_PASSED = 3
-"""The operand of a guard that says how many instructions it passes over."""
-
-
 def _argument(word: str) -> str:
     """Return the argument of an update that an option says."""
     return word.replace("-", "_")
@@ -294,11 +294,10 @@ class _Writer:
             for name in axes.names:
                 self.axis = name
                 self.limits = {}
-                begin = self._guard(axes)
+                begin = 1 + len(self.code)
                 for line in axes.lines:
                     self._write_line(axes, line, first)
-                if begin >= 0:
-                    self.code[begin + _PASSED] = len(self.code[begin:]) // to.INSTRUCTION - 1
+                self._guard(axes, begin)
                 self.index += 1
         self._join_drives()
         return self._finished()
@@ -323,8 +322,8 @@ class _Writer:
                 self._do(to.ADD, cell, cell if cell in begun else self._number(0.0), own)
                 begun.add(cell)
 
-    def _guard(self, axes: Axes) -> int:
-        """Begin an axis; return where its guard is, -1 where it reads nothing."""
+    def _guard(self, axes: Axes, begin: int) -> None:
+        """Put the instructions of an axis into a guard, if it reads anything."""
         reads = tuple(
             cells[self.axis, port]
             for cells, kind in (
@@ -332,8 +331,6 @@ class _Writer:
             )
             for port in axes.ports(kind)
         )  # fmt: skip
-        if not reads:
-            return -1
         drives: dict[int, float | None] = {}
         for line in axes.lines:
             if isinstance(line, Drive):
@@ -342,20 +339,32 @@ class _Writer:
                 sent = drives.setdefault(cell, None)
                 if line.on_nan is not None:
                     drives[cell] = self.arithmetic.hold((sent or 0.0) + line.on_nan)
-        sends = [(cell, self._number(x)) for cell, x in drives.items() if x is not None]
-        begin = len(self.code)
-        count = self._do(to.GUARD, self._cell(0.0), 0)
-        self._list(2, [len(reads), len(sends), *reads, *(cell for pair in sends for cell in pair)])
-        self.guards[self.axis] = Guard(count, reads, drives)
-        return begin
+        if reads:
+            end, count = 1 + len(self.code), self._cell(0.0)
+            self.guards[self.axis] = Guard(begin, end, count, reads, drives)
+
+    def _guard_list(self) -> list[int]:
+        """Return the list of guards, which is the first one."""
+        cells = dict.fromkeys(cell for guard in self.guards.values() for cell in guard.reads)
+        stored = stored_single if self.arithmetic.single else stored_double
+        address = address_of(
+            to.step_guarded, "if", {"stored": stored}, compiled=self.arithmetic.compiled
+        )
+        items = [address, len(cells), *cells]
+        for guard in self.guards.values():
+            sends = [(cell, self._number(x)) for cell, x in guard.drives.items() if x is not None]
+            items += [guard.begin, guard.end, guard.count, len(guard.reads), len(sends)]
+            items += [*guard.reads, *(cell for pair in sends for cell in pair)]
+        return [*items, 0]
 
     def _finished(self) -> ControllerCode:
-        begin = 1 + len(self.code)
+        guards = self._guard_list()
+        begin = 1 + len(self.code) + len(guards)
         for field in self.list_fields:
             self.code[field] += begin
         for field in self.part_fields:
             self.lists[field] += len(self.cells)
-        code = [len(self.code) // to.INSTRUCTION, *self.code, *self.lists]
+        code = [len(self.code) // to.INSTRUCTION, *self.code, *guards, *self.lists]
         cells = np.concatenate([np.array(self.cells), *self.parts])
         return ControllerCode(
             code,

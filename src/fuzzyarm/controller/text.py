@@ -28,7 +28,7 @@ from fuzzyarm.controller.program import (
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language.reading import load_rulebase, parse, read_text
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line, SignalLine, Use
+from fuzzyarm.model.controller import Axes, ControllerModel, Learn, Line, SignalLine, Use
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import (
     CLOCK,

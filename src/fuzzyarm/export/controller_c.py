@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 
 import numpy as np
 
@@ -23,9 +24,9 @@ from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number, rounded, rounded_down
 from fuzzyarm.export.routine import CWriter, comment, plain
 from fuzzyarm.export.steps import (
-    FIRST,
     LAST,
     Ask,
+    Block,
     Find,
     Grid,
     LearningTable,
@@ -35,6 +36,7 @@ from fuzzyarm.export.steps import (
     Steps,
     StepVariable,
     Teach,
+    first_of,
     limited_value,
 )
 from fuzzyarm.export.table import COUNT_FUNCTION, SMALLER
@@ -42,6 +44,8 @@ from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
 from fuzzyarm.expression.nodes import Node, postorder, symbol, symbols
 from fuzzyarm.expression.printing import variables as names_set
 from fuzzyarm.text.numbers import number_text
+
+_NAN_HEADER = ("#include <math.h> /* NAN */", "")
 
 _FUNCTIONS = ("init", "step", "save", "load")
 
@@ -77,6 +81,7 @@ class CController:
     functions: dict[str, str] = field(default_factory=dict)  # of routines and grids
     tables: dict[str, str] = field(default_factory=dict)  # of learned tables: their member
     judges: dict[str, str] = field(default_factory=dict)
+    held: dict[str, str] = field(default_factory=dict)  # of drives: the member with the last value
     parts: set[str] = field(default_factory=set)  # variables that hold parts of expressions
 
     def __post_init__(self) -> None:
@@ -100,7 +105,7 @@ class CController:
         """Give the axes their members; of one axis the struct itself is its room."""
         axes = self.steps.model.axis_names
         self.room = self.writer.scope()
-        for word in ("gains", "first", "until_set_point"):
+        for word in ("gains", "until_set_point"):
             self.room.new(word)
         if len(axes) == 1:
             self.paths = {axes[0]: ""}
@@ -130,15 +135,13 @@ class CController:
             lines.append(
                 f"    {self.prefix}_gains gains; /* init sets them; change them at will */"
             )
-        if self.steps.needs_first:
-            lines.append("    int first; /* whether no step was made yet */")
         if self.steps.needs_last:
             lines.append(
                 "    unsigned until_set_point; /* periods to the next one, this included */"
             )
         inner = {axis: list(self._axis_lines(axis)) for axis in self.axes}
         lines += self._in_axes(inner, "state")
-        self.language.rename[FIRST], self.language.rename[LAST] = "s->first", "last"
+        self.language.rename[LAST] = "last"
         if not lines:
             lines = ["    char nothing; /* C wants a member */"]
         yield "\n".join(
@@ -197,6 +200,10 @@ class CController:
         )
 
     def _axis_lines(self, axis: str) -> Iterator[str]:
+        if axis in self.steps.needs_first:
+            member = self.axes[axis].new("first")
+            self.language.rename[first_of(axis)] = f"s->{self.paths[axis]}{member}"
+            yield f"int {member}; /* whether no step was made yet */"
         for variable in self.steps.variables.values():
             if variable.axis == axis and variable.sort in ("signal", "state"):
                 member = self.axes[axis].new(variable.name)
@@ -209,6 +216,16 @@ class CController:
                 member = self.axes[axis].new(table.name)
                 self.tables[key] = f"s->{self.paths[axis]}{member}"
                 yield f"    {self.table_types[key]} {member}; /* learns */"
+        yield from self._held_lines(axis)
+
+    def _held_lines(self, axis: str) -> Iterator[str]:
+        """Yield members for the drives that keep their value in a skipped period."""
+        for guard, *_ in self.steps.guards:
+            for name, sent in guard.drives.items():
+                if guard.axis == axis and sent is None:
+                    member = self.axes[axis].new(f"{self.steps.variables[name].name}_held")
+                    self.held[name] = f"s->{self.paths[axis]}{member}"
+                    yield f"    {self.outer} {member}; /* last value of the drive */"
 
     def _table_types(self) -> Iterator[str]:
         self.table_types: dict[str, str] = {}
@@ -332,12 +349,34 @@ class CController:
                 " : (s->until_set_point - 1u);",
             ]
         uses = self._uses()
-        for number, step in enumerate(self.steps.steps):
-            following = self.steps.steps[number + 1 : number + 2]
-            lines += self._step(step, following[0] if following else None, uses)
-        if self.steps.needs_first:
-            lines.append("s->first = 0;")
+        for block in self.steps.blocks():
+            lines += self._block(block, uses)
         return lines
+
+    def _block(self, block: Block, uses: dict[str, int]) -> list[str]:
+        """Return the statements of a block, in the condition of its guard."""
+        inner: list[str] = []
+        for step, following in zip_longest(block.steps, block.steps[1:]):
+            inner += self._step(step, following, uses)
+        inner += [f"{self.language.rename[first_of(axis)]} = 0;" for axis in block.begun]
+        guard = block.guard
+        if guard is None:
+            return inner
+        otherwise = [
+            f"{self.targets[name]} = {self._outer_number(value)};"
+            for name, value in guard.sent.items()
+        ]
+        return [
+            f"if ({self.language.expression(guard.condition)}) {{ /* all are numbers */",
+            *(f"    {line}" for line in inner),
+            *(["} else {", *(f"    {line}" for line in otherwise)] if otherwise else []),
+            "}",
+            *(f"{self.targets[n]} = {self.held[n]};" for n in guard.drives if n in self.held),
+        ]
+
+    def _outer_number(self, value: float) -> str:
+        kind = self.steps.precision.outside
+        return c_number(rounded([value], kind, "a drive").tolist()[0], kind)
 
     def _uses(self) -> dict[str, int]:
         """Count how often each local variable is read."""
@@ -397,7 +436,8 @@ class CController:
             text = f"({kind}){text}" if text.isidentifier() else f"({kind})({text})"
         if variable is None:
             return [*lines, f"const {kind} {self._local(assignment.target, kind)} = {text};"]
-        return [*lines, f"{self.targets[assignment.target]} = {text};"]
+        target = self.held.get(assignment.target, self.targets[assignment.target])
+        return [*lines, f"{target} = {text};"]
 
     def _asked(self, query: Ask) -> tuple[str, str]:
         """Return the call of a routine and the type of its result."""
@@ -447,8 +487,11 @@ class CController:
                 kind = self.steps.precision.wide if variable.wide else self.steps.precision.outside
                 start = rounded([variable.start], kind, f"'{variable.name}'").tolist()[0]
                 lines.append(f"{self.targets[variable.symbol]} = {c_number(start, kind)};")
-        if self.steps.needs_first:
-            lines.append("s->first = 1;")
+        lines += [
+            f"{member} = {self._outer_number(self.steps.variables[name].start)};"
+            for name, member in self.held.items()
+        ]
+        lines += [f"{self.language.rename[first_of(axis)]} = 1;" for axis in self.steps.needs_first]
         if self.steps.needs_last:
             lines.append(f"s->until_set_point = {self.prefix.upper()}_SET_POINT_EVERY;")
         if self.steps.learned:
@@ -565,7 +608,7 @@ class CController:
     def self_test(self, vectors: TestSequence) -> list[str]:
         """Return a ``main`` that runs the sequence and returns 0 if the drives come out."""
         body = test_function("int main(void)", self.test_lines(vectors), "steps")
-        return [f"#ifdef {SWITCH}", "", *body, "#endif", ""]
+        return [f"#ifdef {SWITCH}", "", *_NAN_HEADER, *body, "#endif", ""]
 
     def test_lines(self, vectors: TestSequence) -> list[str]:
         """Return the statements of a function that returns 0 if the drives come out."""
@@ -621,6 +664,7 @@ class CController:
         for variable in self.steps.variables.values():
             if variable.sort in ("gain", "signal", "state"):
                 total += size[self.kind_of(variable)]
+        total += size[self.outer] * len(self.held)
         for table in self.steps.learned.values():
             total += len(table.values) * (size[self.outer] + 8) + 4 * table.delay + 4
         return total
@@ -685,7 +729,7 @@ def controller_library(
     source = library_file(writer, top, stem, [code], flash=bool(writer.constants))
     body = test_function(f"int {name}(void)", controller.test_lines(vectors), "steps")
     remark = f"/* A sequence of the model, for a test of {stem}.c; linked where it is called. */"
-    tests = library_file(writer, [remark, ""], stem, body)
+    tests = library_file(writer, [remark, "", *_NAN_HEADER], stem, body)
     prototypes = tuple(controller.prototypes().values())
     return CLibrary(header, source, tests, writer, prototypes, name), controller
 

@@ -14,9 +14,9 @@ from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, rounded, st_number
 from fuzzyarm.export.routine import number_lines, plain
 from fuzzyarm.export.steps import (
-    FIRST,
     LAST,
     Ask,
+    Block,
     Find,
     LearningTable,
     Pick,
@@ -25,6 +25,7 @@ from fuzzyarm.export.steps import (
     Steps,
     StepVariable,
     Teach,
+    first_of,
 )
 from fuzzyarm.export.structured_text import (
     CellBlock,
@@ -118,9 +119,11 @@ class _Controller:
         ):  # fmt: skip
             for variable in self.steps.of_sort(sort):
                 self._variable(variable, title)
-        if self.steps.needs_first:
-            self.language.rename[FIRST] = self.names.new("first")
-            self.sections["VAR"].append(f"    {self.language.rename[FIRST]} : BOOL := TRUE;")
+        one = len(self.steps.model.axis_names) == 1
+        for axis in self.steps.needs_first:
+            name = self.names.new("first" if one else f"{axis}_first")
+            self.language.rename[first_of(axis)] = name
+            self.sections["VAR"].append(f"    {name} : BOOL := TRUE;")
         if self.steps.needs_last:
             self.language.rename[LAST] = self.names.new("last")
             self.ends, self.left = self.names.new("set_point_ends"), self.names.new("periods_left")
@@ -142,7 +145,7 @@ class _Controller:
         name = self.names.new(f"{front}{axis}{variable.name}{number}")
         kind = self.wide if variable.wide else self.outer
         start = ""
-        if variable.sort in ("gain", "state"):
+        if variable.sort in ("gain", "state") or (variable.sort == "drive" and variable.start):
             start = f" := {self._number(variable.start, wide=variable.wide)}"
         remark = ""
         if variable.sort == "gain":
@@ -236,10 +239,24 @@ class _Controller:
             yield "ELSE"
             yield f"    {self.left} := {self.left} - 1;"
             yield "END_IF;"
-        for step in self.steps.steps:
-            yield from self._step(step)
-        if self.steps.needs_first:
-            yield f"{self.language.rename[FIRST]} := FALSE;"
+        for block in self.steps.blocks():
+            yield from self._block(block)
+
+    def _block(self, block: Block) -> Iterator[str]:
+        """Yield the statements of a block, in the condition of its guard."""
+        inner = [line for step in block.steps for line in self._step(step)]
+        inner += [f"{self.language.rename[first_of(axis)]} := FALSE;" for axis in block.begun]
+        guard = block.guard
+        if guard is None:
+            yield from inner
+            return
+        yield f"IF {self.language.expression(guard.condition)} THEN (* all are numbers *)"
+        yield from (f"    {line}" for line in inner)
+        if guard.sent:
+            yield "ELSE"
+        for name, value in guard.sent.items():
+            yield f"    {self.targets[name]} := {self._number(value)};"
+        yield "END_IF;"
 
     def _step(self, step: Step) -> Iterator[str]:
         if isinstance(step, Set):

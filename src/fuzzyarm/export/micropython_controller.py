@@ -23,9 +23,9 @@ from fuzzyarm.export.micropython import (
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.routine import plain
 from fuzzyarm.export.steps import (
-    FIRST,
     LAST,
     Ask,
+    Block,
     Find,
     LearningTable,
     Set,
@@ -33,6 +33,7 @@ from fuzzyarm.export.steps import (
     Steps,
     StepVariable,
     Teach,
+    first_of,
     limited_value,
 )
 from fuzzyarm.export.table import TableRoutine
@@ -104,9 +105,14 @@ class _Class:
         for sort in ("gain", "signal", "state"):
             for variable in self.steps.of_sort(sort):
                 self._attribute(variable)
-        if self.steps.needs_first:
-            self.starts.append(f"self.{self.attributes.new('first')} = True")
-            self.language.rename[FIRST] = "self.first"
+        one = len(self.steps.model.axis_names) == 1
+        for axis in self.steps.needs_first:
+            name = f"self.{self.attributes.new('first' if one else f'{axis}_first')}"
+            self.starts.append(f"{name} = True")
+            self.language.rename[first_of(axis)] = name
+        for guard, *_ in self.steps.guards:
+            for drive in guard.drives:
+                self._held(self.steps.variables[drive])
         if self.steps.needs_last:
             self.ends = self.locals.new("set_point_ends")
             self.parameters.append(f"{self.ends}=False")
@@ -137,6 +143,12 @@ class _Class:
             remark = f"  # {plain(unit)}" if unit else ""
         self.starts.append(f"self.{name} = {self.module.number(float(variable.start))}{remark}")
         self._know(variable.symbol, f"self.{name}")
+
+    def _held(self, drive: StepVariable) -> None:
+        """Make a drive an attribute: it keeps its value in a skipped period."""
+        name = self.attributes.new(f"{self._wanted(drive)}_held")
+        self.starts.append(f"self.{name} = {self.module.number(drive.start)}")
+        self._know(drive.symbol, f"self.{name}")
 
     def _learned(self, key: str, table: LearningTable) -> None:
         one = len(self.steps.model.axis_names) == 1
@@ -170,12 +182,27 @@ class _Class:
                 f"last = {self.ends} or {self.left} <= 1",
                 f"{self.left} = {self.steps.model.every} if last else {self.left} - 1",
             ]
-        for step in self.steps.steps:
-            lines += self._step(step)
-        if self.steps.needs_first:
-            lines.append("self.first = False")
+        for block in self.steps.blocks():
+            lines += self._block(block)
         drives = [self.targets[drive.symbol] for drive in self.steps.of_sort("drive")]
         return [*lines, f"return {', '.join(drives)}"] if drives else lines
+
+    def _block(self, block: Block) -> list[str]:
+        """Return the statements of a block, in the condition of its guard."""
+        inner = [line for step in block.steps for line in self._step(step)]
+        inner += [f"{self.language.rename[first_of(axis)]} = False" for axis in block.begun]
+        guard = block.guard
+        if guard is None:
+            return inner
+        otherwise = [
+            f"{self.targets[name]} = {self.module.number(value)}"
+            for name, value in guard.sent.items()
+        ]
+        return [
+            f"if {self.language.expression(guard.condition)}:  # all are numbers",
+            *(f"    {line}" for line in inner),
+            *(["else:", *(f"    {line}" for line in otherwise)] if otherwise else []),
+        ]
 
     def _step(self, step: Step) -> list[str]:
         if isinstance(step, Set):

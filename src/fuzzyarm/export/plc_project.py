@@ -6,6 +6,7 @@ here, with the text of a ``.st`` read back, so that none of them has its own pri
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -216,7 +217,8 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
             for pair in zip(trial.inputs, trial.expected, strict=True)
             for x in (*pair[0], *pair[1])
         ]
-        literals = [st_number(x, trial.kind) for x in rows]
+        lost = [i for i, x in enumerate(rows) if math.isnan(x)]
+        literals = [st_number(0.0 if math.isnan(x) else x, trial.kind) for x in rows]
         body = "\n".join(number_lines(literals, width, indent="        "))
         of = f"ARRAY [0..{len(literals) - 1}] OF {ST_TYPES[trial.kind]}"
         declarations += [
@@ -226,6 +228,12 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
         arguments = ", ".join(
             f"{name} := {points}[k * {width} + {i}]" for i, name in enumerate(inputs)
         )
+        if lost:  # no literal is NaN: the difference of two infinities is
+            huge = st_number(float(np.finfo(trial.kind).max), trial.kind)
+            infinite = f"infinite_{number}"
+            declarations.append(f"    {infinite} : {ST_TYPES[trial.kind]} := {huge};")
+            lines.append(f"{infinite} := {infinite} * 2.0;")
+            lines += [f"{points}[{i}] := {infinite} - {infinite};" for i in lost]
         lines.append(f"FOR k := 0 TO {len(trial.expected) - 1} DO")
         lines.append(f"    {block}({arguments});")
         for i, name in enumerate(drives):
@@ -234,7 +242,8 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
             # Fixed-point blocks have to agree exactly.
             if not np.issubdtype(trial.kind, np.integer):
                 tolerance = st_number(trial.tolerance, trial.kind)
-                condition = f"ABS({block}.{name} - {place}) > {tolerance}"
+                # Written as what has to be true: a comparison with not a number is false.
+                condition = f"NOT (ABS({block}.{name} - {place}) <= {tolerance})"
             lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]
         lines.append("END_FOR;")
     name = names.new(f"{prefix}_test")

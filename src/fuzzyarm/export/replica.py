@@ -12,7 +12,6 @@ import numpy as np
 from fuzzyarm.export.numbers import Kind
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.steps import (
-    FIRST,
     LAST,
     Ask,
     Find,
@@ -23,6 +22,7 @@ from fuzzyarm.export.steps import (
     Steps,
     StepVariable,
     Teach,
+    first_of,
 )
 from fuzzyarm.export.table import TableRoutine
 from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
@@ -52,6 +52,7 @@ class Replica:
         self.values: dict[str, Any] = {
             name: self.real(self._held(variable)) for name, variable in steps.variables.items()
         }
+        self.values |= {first_of(axis): np.True_ for axis in steps.needs_first}
         storage_type = np.float32 if steps.single else np.float64
         self.tables = {
             name: np.array(learning.values, storage_type).astype(self.real)
@@ -75,10 +76,14 @@ class Replica:
         for name, value in inputs.items():
             self.values[name] = self.real(outside(value))
         self._periods += 1
-        self.values[FIRST] = np.bool_(self._periods == 1)
         self.values[LAST] = np.bool_(self._periods % self.program.model.every == 0)
-        for step in self.program.steps:
-            self._run(step)
+        for block in self.program.blocks():
+            if block.guard is not None and not self._truth(block.guard.condition):
+                self.values |= {name: self.real(x) for name, x in block.guard.sent.items()}
+                continue
+            for step in block.steps:
+                self._run(step)
+            self.values |= {first_of(axis): np.False_ for axis in block.begun}
         return {
             variable.symbol: self.values[variable.symbol]
             for variable in self.program.of_sort("drive")
@@ -104,9 +109,12 @@ class Replica:
             self._teach(step)
 
     def _value(self, node: Node) -> Any:
+        return self.real(self._truth(node))
+
+    def _truth(self, node: Node) -> Any:
         if node not in self._orders:
             self._orders[node] = schedule(node)
-        return self.real(evaluate_arrays(node, self.values, self.real, self._orders[node]))
+        return evaluate_arrays(node, self.values, self.real, self._orders[node])
 
     def _teach(self, lesson: Teach) -> None:
         table, ring = self.tables[lesson.table], self._rings[lesson.table]
@@ -155,12 +163,17 @@ def _call_of(routine: Routine) -> Callable[[Sequence[Any], Kind], Any]:
 
 # --- Signals to try a controller with ---
 
+LOST = 7
+"""The period in which the first axis reads a value that is not a number; the next axis in the next.
+In the very first period all axes do: their drives have no last value yet."""
+
 
 def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float]]:
     """Yield values for the ports, period by period.
 
     References wander; measured values miss them by errors of every size from 1e-4 to 10, so
-    that rule bases are asked near their middle and beyond their ranges.
+    that rule bases are asked near their middle and beyond their ranges. Some are not numbers
+    (`LOST`).
     """
     draw = np.random.default_rng(seed)
     outside = steps.precision.outside
@@ -175,4 +188,7 @@ def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float
             size = 10.0 ** (4.0 * math.sin(a * k + 1.0) * math.cos(0.3 * b * k) - 1.5)
             target = sample.get(port.symbol.replace("measured:", "reference:"), 0.0)
             sample[port.symbol] = float(outside(target - min(size, 10.0) * math.sin(b * k + 2.0)))
+        for number, (guard, *_) in enumerate(steps.guards):
+            if k in (0, LOST + number):
+                sample[guard.reads[k % len(guard.reads)]] = math.nan
         yield sample

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from dataclasses import replace as with_values
-from functools import cached_property
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -66,8 +66,13 @@ MOST_STEPS = 20_000
 MOST_LEARNED = 0xFFFF
 """Cells of a table that learns: an `unsigned` holds their index on every machine."""
 
-FIRST, LAST = "first", "last"
-"""Symbols of two conditions: the first period; the last one of a set point."""
+LAST = "last"
+"""Symbol of a condition: the last period of a set point."""
+
+
+def first_of(axis: str) -> str:
+    """Return the symbol of a condition: the first period that an axis does not skip."""
+    return f"first:{axis}"
 
 
 def limited_value() -> Node:
@@ -184,6 +189,46 @@ class Teach(NamedTuple):
 Step = Set | Ask | Find | Pick | Teach
 
 
+class Guard(NamedTuple):
+    """What stands around the steps of an axis.
+
+    Attributes
+    ----------
+    axis : str
+        Whose steps they are.
+    reads : tuple of str
+        Symbols of its ports; where one is not a number, the steps are skipped.
+    drives : dict of str to float or None
+        By the symbol of each drive, what it is in a skipped period; None: its last value.
+    """
+
+    axis: str
+    reads: tuple[str, ...]
+    drives: Mapping[str, float | None]
+
+    @property
+    def condition(self) -> Node:
+        """Whether all values that it reads are numbers."""
+        first, *others = (op.equal(symbol(name), symbol(name)) for name in self.reads)
+        return reduce(lambda a, b: a & b, others, first)
+
+    @property
+    def sent(self) -> dict[str, float]:
+        """By the symbol of a drive, what it is in a skipped period if not its last value."""
+        return {name: value for name, value in self.drives.items() if value is not None}
+
+
+class Block(NamedTuple):
+    """Steps in order, all of one axis where they have a guard.
+
+    `begun` are the axes of whose first period these are the last steps.
+    """
+
+    guard: Guard | None
+    steps: tuple[Step, ...]
+    begun: tuple[str, ...]
+
+
 @dataclass
 class Steps:
     """A controller as an exported program.
@@ -212,8 +257,12 @@ class Steps:
         Tables that learn.
     judges : dict of str to LookupTable
         Performance tables.
-    needs_last, needs_first : bool
-        Whether it matters when a set point ends, and which period is the first one.
+    needs_last : bool
+        Whether it matters when a set point ends.
+    needs_first : dict of str to None
+        Axes for which it matters which period is the first one.
+    guards : list of (Guard, int, int)
+        Each with the range of its steps.
     """
 
     model: ControllerModel
@@ -227,7 +276,21 @@ class Steps:
     learned: dict[str, LearningTable] = field(default_factory=dict)
     judges: dict[str, LookupTable] = field(default_factory=dict)
     needs_last: bool = False
-    needs_first: bool = False
+    needs_first: dict[str, None] = field(default_factory=dict)
+    guards: list[tuple[Guard, int, int]] = field(default_factory=list)
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield all steps, by their guards."""
+        at, left = 0, dict(self.needs_first)
+        for guard, begin, end in self.guards:
+            if at < begin:
+                yield Block(None, tuple(self.steps[at:begin]), ())
+            begun = (guard.axis,) if guard.axis in left else ()
+            left.pop(guard.axis, None)
+            yield Block(guard, tuple(self.steps[begin:end]), begun)
+            at = end
+        if at < len(self.steps) or left:
+            yield Block(None, tuple(self.steps[at:]), tuple(left))
 
     def of_sort(self, sort: str) -> list[StepVariable]:
         """Return the variables of a sort, in order."""
@@ -331,14 +394,38 @@ class _Walk:
 
     def steps(self) -> Steps:
         """Walk."""
-        for number in range(self.code[0]):
-            begin = 1 + at.INSTRUCTION * number
-            self._instruction(begin, *self.code[begin : begin + at.INSTRUCTION])
-        # Drives of one port add up in the arithmetic of the run; the sum is rounded once.
-        for variable in self.result.of_sort("drive"):
-            value = symbol(self.scratch[self.drives[variable.symbol]])
-            self.result.steps.append(Set(variable.symbol, value, rounded=True))
+        begin = 1
+        for axis, guard in self.program.guards.items():
+            self._run(begin, guard.begin)
+            first_step = len(self.result.steps)
+            self._run(guard.begin, guard.end)
+            guarded = self._guard(axis)
+            self._drive(guarded.drives)
+            self.result.guards.append((guarded, first_step, len(self.result.steps)))
+            begin = guard.end
+        self._run(begin, 1 + at.INSTRUCTION * self.code[0])
+        driven = {name for guard, *_ in self.result.guards for name in guard.drives}
+        self._drive(name for name in self.drives if name not in driven)
         return self.result
+
+    def _run(self, begin: int, end: int) -> None:
+        for first in range(begin, end, at.INSTRUCTION):
+            self._instruction(first, *self.code[first : first + at.INSTRUCTION])
+
+    def _guard(self, axis: str) -> Guard:
+        guard = self.program.guards[axis]
+        drives = {self.symbols[cell]: value for cell, value in guard.drives.items()}
+        for name in drives:
+            variable = self.result.variables[name]
+            start = float(self.program.cells[self.drives[name]])
+            self.result.variables[name] = variable._replace(start=start)
+        return Guard(axis, tuple(self.symbols[cell] for cell in guard.reads), drives)
+
+    def _drive(self, names: Iterable[str]) -> None:
+        """Drives of one port add up in the arithmetic of the run; the sum is rounded once."""
+        for name in names:
+            value = symbol(self.scratch[self.drives[name]])
+            self.result.steps.append(Set(name, value, rounded=True))
 
     # --- Names ---
 
@@ -404,9 +491,14 @@ class _Walk:
         """Return the condition that a value is not a number, or nothing yet."""
         nan: Node = ~op.equal(value, value)
         if isinstance(value, Symbol) and value.name in self.unseen:
-            self.result.needs_first = True
-            return symbol(FIRST) | nan
+            return self._first(value.name) | nan
         return nan
+
+    def _first(self, state: str) -> Node:
+        """Return the condition that the axis of a state runs for the first time."""
+        axis = self.result.variables[state].axis
+        self.result.needs_first[axis] = None
+        return symbol(first_of(axis))
 
     def is_not_zero(self, value: Node) -> Node:
         """Return the condition that a value is not 0; the clock has conditions, not numbers."""
@@ -522,9 +614,8 @@ class _Walk:
         root = replace(specialise(root, numbers), arguments)
         for state in self.unseen & set(symbols(root)):
             nan = unseen(symbol(state))
-            node = substituted(root, nan, symbol(FIRST) | nan)
-            self.result.needs_first |= node is not root
-            root = node
+            if nan in postorder(root):
+                root = substituted(root, nan, self._first(state) | nan)
         return root
 
     def _excess(self, cell: int, begin: int) -> None:

@@ -335,8 +335,9 @@ class Axes:
                 if kind == "drive":
                     ports[line.port] = None
             elif isinstance(line, SignalLine) and line.source is not None:
-                if kind in line.source.record.ports:
-                    ports[line.source.name] = None
+                ports |= dict.fromkeys(
+                    [line.source.name] if kind in line.source.record.ports else []
+                )
         return tuple(ports)
 
     def driven_by(self, name: str) -> Drive | None:

@@ -1,0 +1,230 @@
+"""A period in which a value that an axis reads is not a number: the axis skips it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from budget import cases
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fuzzyarm import load, shipped, simulate
+from fuzzyarm.controller.catalogue import controller
+from fuzzyarm.controller.text import with_files
+from fuzzyarm.export.steps import steps_of
+from fuzzyarm.language import format_text, parse
+from fuzzyarm.plant import Plant, Port
+from fuzzyarm.plant.setting import Clock, Reference, State
+
+ENGINES = pytest.mark.parametrize("compiled", [False, True])
+
+SERVO = """controller c
+period 10 ms
+axis a
+  e = error of x
+  v = rate of e, filter 0.1 s
+  i = integral of e, within -2 .. 2
+  d = change of e
+  drive u = e + v + i + d, within -50 .. 50, slew 100
+"""
+
+
+def made(text: str):
+    parsed = parse(text)
+    assert parsed.controller is not None, parsed.diagnostics
+    whole, faults = with_files(parsed.controller, Path.cwd())
+    assert faults == []
+    return whole
+
+
+def drives(text, values, *, compiled=False, references=None):
+    run = made(text).run(compiled=compiled)
+    references = [0.0] * len(values) if references is None else references
+    found = [
+        run.step({"x": value}, {"x": reference})["u"]
+        for value, reference in zip(values, references, strict=True)
+    ]
+    return found, run
+
+
+@ENGINES
+@settings(max_examples=cases(20, 100), deadline=None)
+@given(
+    values=st.lists(st.one_of(st.just(math.nan), st.floats(-5, 5)), min_size=1, max_size=30),
+    lost=st.sampled_from(["measured", "reference"]),
+)
+def test_a_skipped_period_leaves_no_trace(compiled, values, lost):
+    zeros = [0.0] * len(values)
+    measured, references = (values, zeros) if lost == "measured" else (zeros, values)
+    found, run = drives(SERVO, measured, compiled=compiled, references=references)
+    kept = [k for k, value in enumerate(values) if not math.isnan(value)]
+    without, _ = drives(
+        SERVO, [measured[k] for k in kept], compiled=compiled,
+        references=[references[k] for k in kept],
+    )  # fmt: skip
+    assert [found[k] for k in kept] == without
+    assert run.skipped == {"a": len(values) - len(kept)}
+    # The drive of a skipped period is that of the last one, before the first 0.
+    last = 0.0
+    for k, value in enumerate(values):
+        assert found[k] == last or k in kept
+        last = found[k] if not math.isnan(value) else last
+
+
+@ENGINES
+@pytest.mark.parametrize(
+    ("drive", "expected"),
+    [
+        ("drive u = e", [0.0, -3.0, -3.0]),
+        ("drive u = e, within 2 .. 5", [2.0, 2.0, 2.0]),
+        ("drive u = e, within -5 .. -2", [-2.0, -3.0, -3.0]),
+        ("drive u = e, within -5 .. 5, on nan 4", [4.0, -3.0, 4.0]),
+        ("drive u = e, on nan 1\n  drive u = e, on nan 2", [3.0, -6.0, 3.0]),
+        ("drive u = e, within 1 .. 5\n  drive u = e, within 2 .. 4", [3.0, 3.0, 3.0]),
+    ],
+)
+def test_what_is_driven_in_a_skipped_period(compiled, drive, expected):
+    text = f"controller c\nperiod 10 ms\naxis a\n  e = error of x\n  {drive}\n"
+    found, _ = drives(text, [math.nan, 3.0, math.nan], compiled=compiled)
+    assert found == expected
+
+
+@ENGINES
+def test_only_the_axis_that_reads_the_value_is_skipped(compiled):
+    text = "controller c\nperiod 10 ms\naxis a, b\n  s = sum of error of x\n  drive u = s\n"
+    run = made(text).run(compiled=compiled)
+    zero = {"a.x": 0.0, "b.x": 0.0}
+    run.step({"a.x": -1.0, "b.x": -1.0}, zero)
+    assert run.step({"a.x": math.nan, "b.x": -1.0}, zero) == {"a.u": 1.0, "b.u": 2.0}
+    assert run.step({"a.x": -1.0, "b.x": -1.0}, zero) == {"a.u": 2.0, "b.u": 3.0}
+    assert run.skipped == {"a": 1, "b": 0}
+    # A value that no axis reads is nobody's business.
+    assert run.step({"a.x": -1.0, "b.x": -1.0}, zero | {"c": math.nan})["a.u"] == 3.0
+
+
+@ENGINES
+def test_an_infinity_is_a_number(compiled):
+    text = "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  drive u = e, within -5 .. 5\n"
+    found, run = drives(text, [math.inf, -math.inf, 1.0], compiled=compiled)
+    assert found == [-5.0, 5.0, -1.0]
+    assert run.skipped == {"a": 0}
+    two = (
+        "controller c\nperiod 10 ms\naxis a\n  m = measured x\n  r = reference x\n"
+        "  drive u = m, within -5 .. 5\n  drive v = r, within -5 .. 5\n"
+    )
+    found, run = drives(two, [math.inf], references=[-math.inf], compiled=compiled)
+    assert (found, run.skipped) == ([5.0], {"a": 0})
+
+
+@ENGINES
+def test_the_state_of_a_run_has_the_drives_that_are_held(compiled):
+    run = made(SERVO).run(compiled=compiled)
+    run.step({"x": -1.0}, {"x": 0.0})
+    other = made(SERVO).run(compiled=compiled)
+    other.state = run.state
+    lost = {"x": math.nan}
+    assert other.step(lost, {"x": 0.0}) == run.step(lost, {"x": 0.0}) != {"u": 0.0}
+    assert other.skipped == run.skipped == {"a": 1}
+
+
+@pytest.mark.parametrize("name", ["heater.frb", "servo.frb", "stfc.frb", "soc-table.frb"])
+def test_one_sample_does_not_disable_a_shipped_controller(name):
+    run = load(shipped(name)).run()
+    draw = np.random.default_rng(3)
+    for k in range(20):
+        values = {port: draw.normal() for port in run.inputs}
+        lost = dict.fromkeys(run.inputs, math.nan) if k == 10 else values
+        found = run.step(lost, dict.fromkeys(run.references, 0.0))
+        assert all(map(math.isfinite, found.values()))
+    assert set(run.skipped.values()) == {1}
+
+
+def test_tables_that_learn_stay_as_they_were():
+    run = load(shipped("soc-table.frb")).run()
+    draw = np.random.default_rng(3)
+    zero = dict.fromkeys(run.references, 0.0)
+    for _ in range(20):
+        run.step({port: draw.normal() for port in run.inputs}, zero)
+    before = run.state
+    run.step(dict.fromkeys(run.inputs, math.nan), zero)
+    counts = [guard.count for guard in run.program.guards.values()]
+    changed = [
+        cell
+        for cell, a, b in zip(run.program.memory(), before[1:], run.state[1:], strict=True)
+        if a != b
+    ]
+    assert sorted(changed) == sorted(counts)
+
+
+@pytest.mark.parametrize("name", ["pd", "dac", "mrac", "ct+fuzzy"])
+def test_laws_of_the_arm_hold_their_torque(name):
+    law = controller(name)
+    law.start()
+    reference = Reference((0.1, 0.2), (0.0, 0.0), (0.0, 0.0))
+    clock = Clock(0.0006, False, False)
+    still = State((0.0, 0.1), (0.0, 0.0))
+    once = law.torque(reference, still, clock)
+    lost = law.torque(reference, State((0.0, math.nan), (0.0, 0.0)), clock)
+    if name != "ct+fuzzy":  # the axis of the other joint goes on
+        assert lost == once
+    assert all(map(math.isfinite, law.torque(reference, still, clock)))
+
+
+class Failing(Plant):
+    """A mass whose sensor fails for a while; without a bound, so that this is no divergence."""
+
+    inputs = {"u": Port("N", -50, 50)}
+    outputs = {"x": Port("m", bound=math.inf), "seen": Port("m", bound=math.inf)}
+    states = {"position": "m", "velocity": "m/s"}
+    duration = 1.0
+
+    def derivative(self, t, x, u, p):
+        return [x[1], u[0]]
+
+    def measure(self, t, x, u, p):
+        return [x[0], math.nan if 0.1 <= t < 0.2 else x[0]]
+
+
+def test_a_run_tells_what_was_skipped(tmp_path):
+    text = tmp_path / "c.frb"
+    text.write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  m = measured seen\n"
+        "  drive u = e - m, within -50 .. 50\n"
+    )
+    run = simulate(text, plant=Failing(), step=1.0)
+    assert run.notes == ("axis a skipped 10 periods: a value that it reads was not a number",)
+    assert np.isfinite(run.drives["u"]).all()
+
+
+def test_the_words_read_back_and_print():
+    line = "drive u = e, within -5 .. 5, slew 3, on nan 4"
+    text = f"controller c\nperiod 10 ms\naxis a\n  e = error of x\n  {line}\n"
+    model = made(text).model
+    assert model.axes[0].lines[-1].on_nan == 4.0
+    assert line in format_text(text)
+    turned = text.replace("slew 3, on nan 4", "on nan 4, slew 3")
+    assert made(turned).model == model
+
+
+def test_a_value_outside_the_limits_is_a_finding():
+    text = (
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n"
+        "  drive u = e, within -5 .. 5, on nan 9\n"
+    )
+    (finding,) = parse(text).diagnostics
+    assert finding.name == "bad-number"
+    assert finding.message == "'on nan' sends 9, outside the limits of the drive"
+    assert finding.hint == "write  on nan 5  or wider limits"
+    (finding,) = parse(text.replace("on nan 9", "on 9")).diagnostics
+    assert finding.message.startswith("expected 'nan' after 'on'")
+
+
+def test_the_steps_of_an_axis_have_a_guard():
+    steps = steps_of(load(shipped("stfc.frb")))
+    assert [guard.axis for guard, *_ in steps.guards] == ["joint1", "joint2"]
+    blocks = list(steps.blocks())
+    assert all(block.guard is not None for block in blocks)
+    assert [step for block in blocks for step in block.steps] == steps.steps
