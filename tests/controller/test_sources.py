@@ -252,7 +252,8 @@ def test_it_goes_on_from_a_state_that_was_kept():
     for value in COURSE[:5]:
         run.step({"position": value}, {"position": 0.0})
     again.state = run.state
-    assert len(run.state) == 1 + 2 + 1  # periods, what it remembers, the excess of the limit
+    # Periods, what it remembers, the excess of the limit, the drive, the skipped periods.
+    assert len(run.state) == 1 + 2 + 1 + 1 + 1
     step = {"position": 1.0}, {"position": 0.0}
     assert run.step(*step) == again.step(*step)
 

@@ -23,7 +23,7 @@ HOST, ARM = needs.program("C compiler") or "cc", "arm-linux-gnueabihf-gcc"
 
 def need(target: str) -> None:
     """Skip where a compiler (and, for another machine, its emulator) is missing."""
-    names = {HOST: ("C compiler",), ARM: (ARM, "qemu-arm")}
+    names = {HOST: ("C compiler",), "gcc": ("C compiler",), ARM: (ARM, "qemu-arm")}
     needs.need(*names.get(target, (target,)))
 
 

@@ -147,7 +147,7 @@ class ControllerCode:
     updates: Mapping[int, SourceKind]
     guards: Mapping[str, Guard]
 
-    def skipped(self, cells: Sequence[float]) -> dict[str, int]:
+    def skipped(self, cells: Sequence[float] | NDArray[np.float64]) -> dict[str, int]:
         """Return how many periods each axis has skipped, of the cells after a run."""
         return {axis: int(cells[guard.count]) for axis, guard in self.guards.items()}
 

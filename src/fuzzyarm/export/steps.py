@@ -209,8 +209,8 @@ class Guard(NamedTuple):
     @property
     def condition(self) -> Node:
         """Whether all values that it reads are numbers."""
-        first, *others = (op.equal(symbol(name), symbol(name)) for name in self.reads)
-        return reduce(lambda a, b: a & b, others, first)
+        numbers: list[Node] = [op.equal(symbol(name), symbol(name)) for name in self.reads]
+        return reduce(lambda a, b: a & b, numbers)
 
     @property
     def sent(self) -> dict[str, float]:
