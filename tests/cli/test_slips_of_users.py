@@ -8,6 +8,7 @@ from fuzzyarm import shipped
 from fuzzyarm.cli import convert
 from fuzzyarm.cli.main import COMMANDS, MEANT, main
 from fuzzyarm.controller.catalogue import CATALOGUE, Choice, Entry
+from fuzzyarm.export.table import fewer_levels
 from fuzzyarm.loop.experiments import controllers_of
 from fuzzyarm.requests import SimulateRequest
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
@@ -142,3 +143,33 @@ def test_what_is_left_out_is_not_nothing():
     choice = Diagnostic("assumed-producer", "read as of MATLAB", severity=Severity.INFO)
     assert convert._summary([choice]) == "nothing lost"
     assert convert._summary([left_out, choice]) == "numbers unchanged"
+
+
+def test_a_name_that_nothing_has_shows_the_gains_and_the_parameters(capsys):
+    err = said(capsys, "simulate", SERVO, "--plant", "motor", "--set", "mass=3", status=1).err
+    assert "neither servo nor motor has 'mass' (there are G_e, G_ce, G_u, J, b, " in err
+
+
+def test_compare_sets_a_gain_where_it_is_and_a_parameter_for_all(capsys, tmp_path):
+    second = tmp_path / "second.frb"
+    text = shipped("servo.frb").read_text("utf-8").replace("G_u", "H_u")
+    second.write_text(text.replace("controller servo", "controller second"), "utf-8")
+    shutil.copy(shipped("pd7.frb"), tmp_path)
+    words = ["--plant", "motor", "--step", "1", *SHORT, "--set", "J=0.02", "--set", "H_u=4.5"]
+    same = said(capsys, "compare", SERVO, str(second), *words, status=0).out.splitlines()
+    assert same[0] == "motor, position step:1, set J=0.02 and H_u=4.5"
+    assert same[2].removeprefix("servo").split() == same[3].removeprefix("second").split()
+    words[-1] = "H_u=9"
+    other = said(capsys, "compare", SERVO, str(second), *words, status=0).out.splitlines()
+    assert other[2] == same[2]
+    assert other[3] != same[3]
+
+
+def test_tune_says_that_it_wrote_no_file(capsys):
+    words = ["--plant", "motor", "--evals", "2", "--no-linear"]
+    assert "no file was written; -o FILE" in said(capsys, "tune", SERVO, *words, status=0).err
+
+
+@pytest.mark.parametrize(("axes", "levels"), [(1, 1_000_000), (2, 1000), (3, 100), (4, 31)])
+def test_the_hint_about_a_large_table_fits(axes, levels):
+    assert fewer_levels(axes, 1_000_000).endswith(f"--levels {levels}")

@@ -230,7 +230,7 @@ def test_what_diverges_says_when():
     [
         ([], "0 runs are out of range"),
         ({"K_P": [1.0, 2.0], "seed": [1]}, "do not match: 2 of K_P, 1 of seed"),
-        ([{"K_Q": 1.0}], "neither pd nor the arm has 'K_Q' .did you mean 'K_P'"),
+        ([{"K_Q": 1.0}], "neither pd nor arm has 'K_Q' .did you mean 'K_P'"),
         ([{"payload": -0.5}], "a payload of -0.5 is out of range"),
         ([{"m_1": -1.0}], "m_1 = -1"),
         ([{"K_P": 1e13}], "K_P = 1.*e\\+?13|out of range"),

@@ -188,7 +188,6 @@ def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
 MODEL = argument("file FILE", "a rule base or a table")
 MODE = argument("--mode", "how to look a table up", choices=LOOKUP_MODES)
 JSON = flag("--json", "print the result as JSON")
-SET = argument("--set GAIN=V[,V]", "override a gain", action="append", default=[])
 
 
 def json_of(what: str) -> Argument:

@@ -82,13 +82,14 @@ Examples
 
 def _compare(request: CompareWords) -> int:
     from fuzzyarm.controller.own import find_controllers
-    from fuzzyarm.loop.experiments import follows, with_plant
+    from fuzzyarm.loop.experiments import follows, with_plant, with_settings
     from fuzzyarm.study.comparison import compared_names
 
     demand_figure(request.plot)
     names = request.controllers or compared_names()
     controllers = find_controllers(names)
     request, plant = with_plant(request, controllers)
+    controllers, plant = with_settings(request, controllers, plant)
     along = follows(request, plant)
     _require_counted(request, plant, along=along)
     if not along:

@@ -101,18 +101,18 @@ def _run(request: SimulateWords) -> int:
         # Gains have the same values wherever they count.
         request = request.replaced(plant=next(iter(PLANTS)))
     request, plant = with_plant(request, controllers)
-    settings = [with_settings(request, controller, plant) for controller in controllers]
+    controllers, plant = with_settings(request, controllers, plant)
     if request.show_gains:
-        for (controller, _), name in zip(settings, request.controller, strict=True):
+        for controller, name in zip(controllers, request.controller, strict=True):
             _show_gains(controller, request.json)
             _print_notes(name)
         return 0
-    results = [_simulate(controller, changed, request) for controller, changed in settings]
+    results = [_simulate(controller, plant, request) for controller in controllers]
     for note in dict.fromkeys(note for result in results for note in result.notes):
         print(f"fuzzyarm: note: {note}", file=sys.stderr)
-    _write_files(request, results, settings[0][1])
+    _write_files(request, results, plant)
     if request.watch:
-        _watch(results, settings[0][1])
+        _watch(results, plant)
     _print_results(results, as_json=request.json)
     lost = [
         name

@@ -106,6 +106,8 @@ def _run(request: TuneWords) -> int:
         print_json({**tuned.as_data(), "files": files})
     else:
         say(*_lines(tuned, path, result.files))
+    if request.out is None:
+        print_error("note: no file was written; -o FILE keeps the tuned numbers")
     faults = [*result.faults, *tuned.faults]
     plot = request.plot
     if plot:

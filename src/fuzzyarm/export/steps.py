@@ -29,7 +29,7 @@ from fuzzyarm.export.reading import read
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.sets import TABLE_HINT
-from fuzzyarm.export.table import MOST_CELLS, TableRoutine
+from fuzzyarm.export.table import MOST_CELLS, TableRoutine, fewer_levels
 from fuzzyarm.export.table_numbers import (
     FixedTable,
     FloatTable,
@@ -697,7 +697,7 @@ class _Walk:
             raise ExportError(
                 f"the table '{name}' has {table.values.size:,} cells; at most {MOST_CELLS:,} are"
                 " exported",
-                hint="compile it with fewer levels",
+                hint=fewer_levels(len(table.axes), MOST_CELLS),
                 span=self._use_of(name),
                 path=self.text.path,
             )
@@ -778,7 +778,7 @@ class _Walk:
             raise ExportError(
                 f"the table '{key[1]}' learns in {place.count:,} cells; at most {MOST_LEARNED:,}"
                 " are exported",
-                hint="compile it with fewer levels",
+                hint=fewer_levels(len(self.program.tables[values][1].axes), MOST_LEARNED),
                 span=self._learner_of(key[1]),
                 path=self.text.path,
             )

@@ -30,6 +30,11 @@ MOST_CELLS = 1_000_000
 """Cells of a table in source text, which compilers read slowly."""
 
 
+def fewer_levels(axes: int, cells: int) -> str:
+    """Return the hint about a table with more cells than `cells`, for its number of axes."""
+    return f"compile it with fewer levels:  --levels {int(cells ** (1 / axes) + 1e-9)}"
+
+
 @dataclass(frozen=True, slots=True)
 class Side:
     """An input that matters: one with more than one level."""

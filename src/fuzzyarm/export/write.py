@@ -23,7 +23,7 @@ from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.scl import scl_source
 from fuzzyarm.export.structured_text import structured_text
-from fuzzyarm.export.table import MOST_CELLS, TableRoutine
+from fuzzyarm.export.table import MOST_CELLS, TableRoutine, fewer_levels
 from fuzzyarm.export.table_numbers import fixed_table, float_table
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
@@ -111,7 +111,7 @@ def routines_of(
             raise ExportError(
                 f"the table of '{table.output}' has {table.values.size:,} cells; at most"
                 f" {MOST_CELLS:,} are exported",
-                hint="compile it with fewer levels:  --levels 101",
+                hint=fewer_levels(len(table.axes), MOST_CELLS),
             )
     if q is not None:
         return tuple(

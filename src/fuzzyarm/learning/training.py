@@ -151,7 +151,7 @@ class Training:
         change = teaching(0.0 if request.freeze else request.rate, request.delay)
         controller = text_controller(path, Choice(sources=_sources(request)), change=change)
         request, plant = with_plant(request, [controller])
-        gains, parameters = split_settings(overrides(request.set), controller, plant)
+        gains, parameters = split_settings(overrides(request.set), [controller], plant)
         plant = with_parameters(plant, parameters) if parameters else plant
         along = follows(request, plant)
         plant, options = with_drives(request, plant)

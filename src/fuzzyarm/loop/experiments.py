@@ -13,12 +13,13 @@ from fuzzyarm.api import load_rules, load_sampled
 from fuzzyarm.controller.catalogue import CATALOGUE, Sources, entries_if_any
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.findings import site_for
+from fuzzyarm.controller.law import GainError
 from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.own import find_controllers
 from fuzzyarm.errors import UsageError, WordError
 from fuzzyarm.loop.along import equipped, trajectory_motion
 from fuzzyarm.loop.course import Motion, Options
-from fuzzyarm.loop.many import owner_of
+from fuzzyarm.loop.many import owner_of, unknown_setting
 from fuzzyarm.loop.words import (
     connections,
     conventions_of,
@@ -97,12 +98,18 @@ def performance_table(word: str) -> LookupTable:
 
 
 def with_settings(
-    request: ExperimentRequest, controller: Controller, plant: Plant
-) -> tuple[Controller, Plant]:
-    """Return a controller with its gains set, and the plant with its parameters."""
-    gains, parameters = split_settings(overrides(request.set), controller, plant)
-    changed = controller.with_gains(gains)
-    changed.name = controller.name
+    request: ExperimentRequest, controllers: Sequence[Controller], plant: Plant
+) -> tuple[list[Controller], Plant]:
+    """Return controllers with their gains set, and the plant with its parameters.
+
+    A gain is set in every controller that has it.
+    """
+    gains, parameters = split_settings(overrides(request.set), controllers, plant)
+    changed = []
+    for controller in controllers:
+        own = {k: v for k, v in gains.items() if owner_of(k, [controller], plant) == "gain"}
+        changed.append(controller.with_gains(own))
+        changed[-1].name = controller.name
     return changed, with_parameters(plant, parameters) if parameters else plant
 
 
@@ -122,17 +129,24 @@ def overrides(words: Sequence[str]) -> dict[str, list[float]]:
 
 
 def split_settings(
-    values: Mapping[str, list[float]], controller: Controller, plant: Plant
+    values: Mapping[str, list[float]], controllers: Sequence[Controller], plant: Plant
 ) -> tuple[dict[str, list[float]], dict[str, float]]:
-    """Divide what ``--set`` gives between gains of the controller and parameters of the plant.
+    """Divide the values of ``--set`` between gains of controllers and parameters of the plant.
 
-    A name that neither has goes to the controller, which says what it has.
+    Raises
+    ------
+    GainError
+        If a name is neither.
     """
     gains: dict[str, list[float]] = {}
     parameters: dict[str, float] = {}
     for name, value in values.items():
         bare = name.removeprefix("plant.")
-        if bare == name and owner_of(name, controller, plant) != "parameter":
+        owner = owner_of(name, controllers, plant)
+        if owner is None:
+            message, hint = unknown_setting(name, controllers, plant)
+            raise GainError(message, name=name, hint=hint)
+        if owner == "gain":
             gains[name] = value
         elif len(value) != 1:
             raise WordError(f"parameter {bare} of the plant takes one number, not {len(value)}")

@@ -9,11 +9,11 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -313,7 +313,12 @@ class Bench:
             self.loop.site.interface.every_port(port)  # tells what is missing
             return "sensor"
         controller, plant = self.experiment.controller, self.motion.plants[0]
-        return owner_of(name, controller, plant) or _refuse(name, controller, plant)
+        owner = owner_of(name, [controller], plant)
+        if owner is None:
+            others = ["seed", *(["payload"] if carries(plant) else []), "noise.PORT"]
+            message, hint = unknown_setting(name, [controller], plant, others)
+            raise SweepError(message, name=name, hint=hint)
+        return owner
 
     def _of(self, owner: str, changes: Changes) -> dict[str, Any]:
         return {name: value for name, value in changes.items() if self.owners[name] == owner}
@@ -414,13 +419,13 @@ def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str,
     return result
 
 
-def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:
-    """Return whether a name is a ``gain`` of the controller or a ``parameter`` of the plant.
+def owner_of(name: str, controllers: Sequence[Controller], plant: Plant) -> str | None:
+    """Return whether a name is a ``gain`` of a controller or a ``parameter`` of the plant.
 
     A name that both have is the controller's; ``plant.NAME`` is the plant's. A sum takes
     ``ADDEND:NAME``, too. None if neither has it.
     """
-    gains = controller.gains
+    gains = [gain for controller in controllers for gain in controller.gains]
     if name in gains or any(gain.rpartition(":")[2] == name for gain in gains):
         return "gain"
     if name.removeprefix("plant.") in plant.parameters:
@@ -430,12 +435,15 @@ def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:
     return None
 
 
-def _refuse(name: str, controller: Controller, plant: Plant) -> NoReturn:
-    gains = controller.gains
-    names = [*gains, *plant.parameters, "seed", *(["payload"] if carries(plant) else [])]
-    hint = near_hint(name, names)[0] or f"there are {', '.join(names)}, noise.PORT"
-    message = f"neither {controller.name} nor the {plant.name} has '{name}'"
-    raise SweepError(message, name=name, hint=hint)
+def unknown_setting(
+    name: str, controllers: Sequence[Controller], plant: Plant, others: Iterable[str] = ()
+) -> tuple[str, str]:
+    """Return the message and the hint of a name that is neither a gain nor a parameter."""
+    gains = dict.fromkeys(gain for controller in controllers for gain in controller.gains)
+    names = [*gains, *plant.parameters, *others]
+    owners = ", ".join(controller.name for controller in controllers)
+    hint = near_hint(name, names)[0] or (f"there are {', '.join(names)}" if names else "")
+    return f"neither {owners} nor {plant.name} has '{name}'", hint
 
 
 # --- Runs as columns ---

@@ -178,7 +178,8 @@ def run_of(request: SimulateRequest) -> Run:
         raise RequestError("controller", f"must have 1 value here, not {len(request.controller)}")
     controllers = controllers_of(request, request.controller)
     request, plant = with_plant(request, controllers)
-    return run_on(request, *with_settings(request, controllers[0], plant))
+    (controller,), plant = with_settings(request, controllers, plant)
+    return run_on(request, controller, plant)
 
 
 def run_on(request: SimulateRequest, controller: Controller, plant: Plant) -> Run:

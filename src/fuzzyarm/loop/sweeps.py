@@ -70,7 +70,7 @@ def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Swe
     if controller is None:
         (controller,) = controllers_of(request, [request.controller])
     request, plant = with_plant(request, [controller])
-    controller, plant = with_settings(request, controller, plant)
+    (controller,), plant = with_settings(request, [controller], plant)
     along = follows(request, plant)
     plant, options = with_drives(request, plant)
     shared: dict[str, float] = {}

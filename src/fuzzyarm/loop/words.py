@@ -90,13 +90,13 @@ def references_of(
 
 
 def conditions(request: ExperimentRequest) -> str:
-    """Return in words what surrounds a loop: noise, delays, disturbances, and the seed of noise."""
+    """Return in words the settings of a loop and what surrounds it: noise, delays, disturbances."""
     words = []
     for field in fields_of(type(request)):
         value = getattr(request, field.name)
         # Without noise no seed matters; with it even the default one does.
         is_said = value != field.default or (field.name == "seed" and request.noise)
-        if field.spec.group != AROUND or not is_said:
+        if not is_said or (field.spec.group != AROUND and field.name != "set"):
             continue
         name = field.spelling.lstrip("-").replace("-", " ")
         words.append(name if value is True else f"{name} {_listed(value)}")

@@ -137,7 +137,11 @@ class ExperimentRequest(Request):
         group=RUN,
     )  # fmt: skip
     set: tuple[str, ...] = option(
-        "--set GAIN=V[,V]", "override a gain", (), group=RUN, repeated=True
+        "--set NAME=V[,V]",
+        "set a gain of the controller or a parameter of the plant",
+        (),
+        group=RUN,
+        repeated=True,
     )
     runge_kutta: int = option(
         "--runge-kutta N", "N fine steps in a control period", 0, (0, 1000), group=RUN

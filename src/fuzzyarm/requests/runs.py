@@ -74,7 +74,7 @@ class CompareRequest(ExperimentRequest):
     """Run controllers under the same conditions; see ``fuzzyarm compare``."""
 
     withheld: ClassVar[frozenset[str]] = frozenset(
-        (*TABLES, *BUILT, "performance", "set", "trajectory", "hold", "way_points", "loaded")
+        (*TABLES, *BUILT, "performance", "trajectory", "hold", "way_points", "loaded")
     )
 
     controllers: tuple[str, ...] = option("controllers CONTROLLER", "name, sum or file", ())
