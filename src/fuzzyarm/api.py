@@ -6,7 +6,7 @@ import errno
 import os
 import warnings
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -180,18 +180,24 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     return _foreign(path, suffix, stacklevel=3)
 
 
-def load_controller(path: str | os.PathLike[str]) -> ControllerText:
+def load_controller(
+    path: str | os.PathLike[str], gains: Mapping[str, float | Sequence[float]] | None = None
+) -> ControllerText:
     """Return the controller in the ``.frb`` file at `path`, with the files that it uses.
 
     Parameters
     ----------
     path : path-like
         A ``.frb`` file with a line ``controller``.
+    gains : mapping of str to float or sequence of float, optional
+        Gains in place of those of the file: a number, or one for each axis.
 
     Raises
     ------
     OSError, RuleBaseError, UnknownKindError
         As :func:`load`.
+    GainError
+        If the controller does not have a gain.
     WrongKindError
         If it is a rule base without a controller, or a table.
     """
@@ -199,7 +205,7 @@ def load_controller(path: str | os.PathLike[str]) -> ControllerText:
 
     model = _load(path)
     if isinstance(model, ControllerText):
-        return model
+        return model.with_gains(gains) if gains else model
     is_rules = isinstance(model, RuleBase)
     what = f"a {'rule base' if is_rules else 'lookup table'}, not a controller"
     reader = "load_rulebase" if is_rules else "read_table"

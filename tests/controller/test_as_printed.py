@@ -48,7 +48,7 @@ def summary(run: Run) -> dict[str, object]:
     return {
         "samples": run.samples,
         "rms": run.rms.tolist(),
-        "errors": digest(run.errors),
+        "errors": digest(run.error_matrix),
         "torques": digest(run.torques),
     }
 

@@ -89,7 +89,7 @@ def test_sum_with_own_part_runs_and_equals_the_compiled_part_plus_nothing():
     mixed = simulate(controller("cdid+ie") + Nothing(), path)
     alone = simulate(controller("cdid+ie"), path, options=INTERPRETED)
     assert not mixed.compiled
-    np.testing.assert_array_equal(mixed.errors, alone.errors)
+    np.testing.assert_array_equal(mixed.error_matrix, alone.error_matrix)
 
 
 def test_gains_are_data():
@@ -183,7 +183,7 @@ def test_own_controller_from_a_file(tmp_path):
     assert made.name == "mine"
     path = reach((30.0, -30.0), 0.3)
     ours = simulate(controller("pid"), path, options=INTERPRETED)
-    np.testing.assert_allclose(simulate(made, path).errors, ours.errors, atol=1e-9)
+    np.testing.assert_allclose(simulate(made, path).error_matrix, ours.error_matrix, atol=1e-9)
     both = find_controller(f"{file} + ie")
     assert both.name == "mine+ie"
 

@@ -65,7 +65,7 @@ class Written(Controller):
 def same(made, written, tolerance=1e-9):
     ours = simulate(made, SHORT, payload=True)
     theirs = simulate(written, SHORT, payload=True)
-    np.testing.assert_allclose(ours.errors, theirs.errors, atol=tolerance)
+    np.testing.assert_allclose(ours.error_matrix, theirs.error_matrix, atol=tolerance)
 
 
 def test_lookup_table_control():

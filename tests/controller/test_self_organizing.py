@@ -86,10 +86,10 @@ def test_runs_like_its_description(performance, start, rate, delay):
     told = Described(performance, begin, rate, delay)
     ours, theirs = simulate(made, SHORT, payload=True), simulate(told, SHORT, payload=True)
     # The last bits differ by the order of multiplications, and the loop magnifies them.
-    np.testing.assert_allclose(ours.errors[:300], theirs.errors[:300], atol=1e-5)
+    np.testing.assert_allclose(ours.error_matrix[:300], theirs.error_matrix[:300], atol=1e-5)
     kept = kept_by(made, ours)
     assert np.abs(kept.values).max() <= 6.0
-    assert kept.visits.sum() == 2 * 5 * len(ours.errors)
+    assert kept.visits.sum() == 2 * 5 * len(ours.error_matrix)
     untouched = kept.visits == 0
     np.testing.assert_array_equal(kept.values[untouched], np.stack([begin, begin])[untouched])
 
@@ -99,7 +99,8 @@ def test_a_rate_of_zero_is_control_by_the_table():
     frozen = controller("soc-table").with_gains({"learning_rate": [0.0]})
     fixed = controller("fuzzy-lut-x10", sources=Sources(table=table))
     np.testing.assert_array_equal(
-        simulate(frozen, SHORT, payload=True).errors, simulate(fixed, SHORT, payload=True).errors
+        simulate(frozen, SHORT, payload=True).error_matrix,
+        simulate(fixed, SHORT, payload=True).error_matrix,
     )
 
 
@@ -135,7 +136,7 @@ def test_training_in_stretches_is_one_run():
     shots = list(train(made, SHORT, every=37, payload=True))
     assert shots[-1].complete
     assert not any(shot.complete for shot in shots[:-1])
-    np.testing.assert_array_equal(shots[-1].errors, whole.errors)
+    np.testing.assert_array_equal(shots[-1].errors, whole.error_matrix)
     np.testing.assert_array_equal(shots[-1].learned.values, kept_by(made, whole).values)
     growing = [int(shot.learned.visits.sum()) for shot in shots]
     assert growing == sorted(growing)

@@ -165,8 +165,8 @@ def test_a_page_runs_what_simulate_runs(open_page, folder):
             low[k] += column
             high[k] += each.get("high", each["low"])[k]
     first = np.searchsorted(run.time, np.array(t) - 1e-6)
-    angle = run.reference[:, 0] - run.errors[:, 0]
-    expected = (run.reference[:, 0], angle, run.errors[:, 0], run.drives["voltage"])
+    angle = run.reference[:, 0] - run.error_matrix[:, 0]
+    expected = (run.reference[:, 0], angle, run.error_matrix[:, 0], run.drives["voltage"])
     for k, values in enumerate(expected):
         assert low[k] == pytest.approx(np.minimum.reduceat(values, first), rel=1e-4, abs=1e-9)
         assert high[k] == pytest.approx(np.maximum.reduceat(values, first), rel=1e-4, abs=1e-9)

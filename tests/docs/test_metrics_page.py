@@ -51,7 +51,7 @@ def lesson(tmp_path_factory):
 
 def names_of(run):
     """Return what the formulas of the page speak of, of a run with one step of one output."""
-    e, reference = run.errors[:, 0], run.reference[:, 0]
+    e, reference = run.error_matrix[:, 0], run.reference[:, 0]
     output = reference - e
     jumps = np.flatnonzero(np.diff(reference))
     begin = int(jumps[0]) + 1 if len(jumps) else 0

@@ -234,7 +234,7 @@ def test_names_at_fault() -> None:
             InferenceError, match=r"inputs are given by name .*, not as int"
         ) as error:
             ask(silent(0.0), 3)
-        assert error.value.hint == "for instance a=…"
+        assert error.value.hint == "write a=3, b=…"
 
 
 @pytest.mark.parametrize("value", ["much", None, [1.0, "x"], object()])

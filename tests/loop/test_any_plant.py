@@ -102,7 +102,7 @@ def test_machine_code_the_interpreter_and_plain_python_have_the_same_bits(name):
         False,
     ]
     for run in runs[1:]:
-        assert (run.errors == runs[0].errors).all()
+        assert (run.error_matrix == runs[0].error_matrix).all()
         for port, values in runs[0].outputs.items():
             assert (run.outputs[port] == values).all()
     assert runs[0].samples == 200
@@ -135,7 +135,7 @@ def test_a_servo_against_its_equations_in_numpy():
         e = slope(x + h * d)
         x = x + h / 6 * (a + 2 * c + 2 * d + e)
     assert run.outputs["position"] == pytest.approx(found, abs=1e-12)
-    assert run.errors[:, 0] == pytest.approx(np.degrees(1 - np.array(found)), abs=1e-9)
+    assert run.error_matrix[:, 0] == pytest.approx(np.degrees(1 - np.array(found)), abs=1e-9)
 
 
 # --- Sensors, actuators, disturbances ---
@@ -180,7 +180,7 @@ def test_zero_is_a_step_and_the_range_of_a_sensor_ends_it():
     run = simulate(SERVO, find_plant("motor"), duration=2.0,
                    options=Options(sensors={"position": Sensor(resolution=0.01)}),
                    reference={"position": Signal("step", (0.0,))})  # fmt: skip
-    assert not run.errors.any()
+    assert not run.error_matrix.any()
 
 
 def test_a_delay_shows_what_was():
@@ -270,10 +270,10 @@ def test_arm_laws_see_the_pose_of_what_sensors_say():
     exact = simulate(made, path)
     rough = Options(sensors={"position": Sensor(resolution=0.05)})
     coarse, again = (simulate(made, path, options=rough) for _ in range(2))
-    assert (coarse.errors == again.errors).all()
+    assert (coarse.error_matrix == again.error_matrix).all()
     assert np.abs(coarse.torques - exact.torques).max() > 1.0
     still = simulate(made, path, options=Options(sensors={"position": Sensor()}))
-    assert (still.errors == exact.errors).all()
+    assert (still.error_matrix == exact.error_matrix).all()
 
 
 def test_a_diverged_run_says_when():

@@ -300,7 +300,9 @@ def test_controllers_travel(name):
     again = unpacked(content)
     assert len(content) < 40_000
     assert again.name == made.name
-    np.testing.assert_array_equal(simulate(made, SHORT).errors, simulate(again, SHORT).errors)
+    np.testing.assert_array_equal(
+        simulate(made, SHORT).error_matrix, simulate(again, SHORT).error_matrix
+    )
 
 
 @pytest.mark.parametrize("plant", ["mine.py:Kiln", "mine.py:Oven"])
@@ -335,7 +337,7 @@ def test_a_controller_of_a_file_travels_as_its_text(tmp_path):
     file.unlink()
     short = reach_return(segment=0.05, hold=0.01)
     np.testing.assert_array_equal(
-        simulate(made, short).errors, simulate(unpacked(content), short).errors
+        simulate(made, short).error_matrix, simulate(unpacked(content), short).error_matrix
     )
 
 
@@ -368,7 +370,7 @@ def test_a_file_that_was_loaded_twice_travels_and_so_do_two_of_one_name(heater, 
     for plant, packet in zip(plants, content, strict=True):
         again = unpacked(packet)
         np.testing.assert_array_equal(
-            simulate(made, plant, **given).errors, simulate(made, again, **given).errors
+            simulate(made, plant, **given).error_matrix, simulate(made, again, **given).error_matrix
         )
     slow, fast = (simulate(made, plant, **given).final[0] for plant in plants[:2])
     assert slow != fast
@@ -430,7 +432,9 @@ def test_a_plant_that_keeps_what_does_not_travel(name, heater, tmp_path):
     content = [packed(plant), packed(find_plant(f"odd.py:{name}"))]
     (tmp_path / "odd.py").unlink()
     changed, fresh = map(unpacked, content)  # the one does not change the other
-    np.testing.assert_array_equal(before.errors, simulate(made, changed, **given).errors)
+    np.testing.assert_array_equal(
+        before.error_matrix, simulate(made, changed, **given).error_matrix
+    )
     assert (changed.parameters["loss"].value, fresh.parameters["loss"]) == (0.02, 0.01)
     assert packed(changed)
 

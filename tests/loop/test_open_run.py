@@ -31,7 +31,7 @@ def loop_of(name, plant, options=None, duration=None, reference=None):
 
 
 def bits(run):
-    columns = [run.time, run.errors, *run.columns().values()]
+    columns = [run.time, run.error_matrix, *run.columns().values()]
     return [np.asarray(each).tobytes() for each in columns], run.chatter, run.memory
 
 

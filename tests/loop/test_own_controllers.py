@@ -126,9 +126,9 @@ def test_on_the_arm_it_drives_torques():
 
     path = reach_return((20.0, -10.0), segment=0.05, hold=0.02)
     runs = [simulate(kind(), path) for kind in (Ports, Torques)]
-    assert runs[0].errors.tolist() == runs[1].errors.tolist()
+    assert runs[0].error_matrix.tolist() == runs[1].error_matrix.tolist()
     sums = [simulate(controller("ie") + kind(), path) for kind in (Ports, Torques)]
-    assert sums[0].errors == pytest.approx(sums[1].errors, abs=1e-12)
+    assert sums[0].error_matrix == pytest.approx(sums[1].error_matrix, abs=1e-12)
 
 
 def test_many_runs_take_it():

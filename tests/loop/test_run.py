@@ -90,7 +90,7 @@ def test_plain_run_equals_an_independent_loop(name, ki, whole):
     want = straight_loop(segments, 100, 50, ki, whole)
     run = simulate(controller(name), reach_return((40, -25), 0.5, 0.3), payload=True)
     assert run.samples == len(want)
-    np.testing.assert_allclose(run.errors, want, atol=1e-10)
+    np.testing.assert_allclose(run.error_matrix, want, atol=1e-10)
     np.testing.assert_allclose(run.rms, np.sqrt((want**2).mean(axis=0)), rtol=1e-10)
     np.testing.assert_allclose(run.final, want[-1], atol=1e-10)
 
@@ -139,7 +139,7 @@ def test_compiled_equals_interpreted_to_the_last_bit(name, start):
                 )
                 assert first.compiled
                 assert not second.compiled
-                np.testing.assert_array_equal(first.errors, second.errors)
+                np.testing.assert_array_equal(first.error_matrix, second.error_matrix)
                 np.testing.assert_array_equal(first.torques, second.torques)
                 assert first.memory == second.memory
 
@@ -154,7 +154,7 @@ def test_runs_do_not_remember_each_other():
     first, second = (
         simulate(made, reach(segment=0.1, hold=0.1), options=INTERPRETED) for _ in range(2)
     )
-    np.testing.assert_array_equal(first.errors, second.errors)
+    np.testing.assert_array_equal(first.error_matrix, second.error_matrix)
 
 
 def test_runge_kutta_agrees_with_the_study_integrator_to_first_order():
@@ -162,9 +162,9 @@ def test_runge_kutta_agrees_with_the_study_integrator_to_first_order():
     study = simulate(controller("pd"), path, options=Options(compiled=False))
     fine = simulate(controller("pd"), path, options=Options(compiled=False, runge_kutta=1))
     finer = simulate(controller("pd"), path, options=Options(compiled=False, runge_kutta=3))
-    np.testing.assert_allclose(fine.errors, finer.errors, atol=1e-7)
-    apart = np.abs(study.errors - finer.errors).max()
-    assert 0.0 < apart < 0.02 * np.abs(finer.errors).max()
+    np.testing.assert_allclose(fine.error_matrix, finer.error_matrix, atol=1e-7)
+    apart = np.abs(study.error_matrix - finer.error_matrix).max()
+    assert 0.0 < apart < 0.02 * np.abs(finer.error_matrix).max()
 
 
 def test_single_precision_keeps_the_state_single():
@@ -195,9 +195,9 @@ def test_disturbance_is_repeatable_and_small():
     options = [Options(compiled=False, disturbance=1e-7, seed=seed) for seed in (1, 1, 2)]
     one, again, other = (simulate(controller("pd"), path, options=each) for each in options)
     still = simulate(controller("pd"), path, options=INTERPRETED)
-    np.testing.assert_array_equal(one.errors, again.errors)
-    assert not np.array_equal(one.errors, other.errors)
-    apart = np.abs(one.errors - still.errors).max()
+    np.testing.assert_array_equal(one.error_matrix, again.error_matrix)
+    assert not np.array_equal(one.error_matrix, other.error_matrix)
+    apart = np.abs(one.error_matrix - still.error_matrix).max()
     assert 0 < apart < 1e-3
 
 
@@ -207,7 +207,7 @@ def test_diverging_run_is_stopped_and_reported():
     assert run.diverged is not None
     assert 0.1 < run.diverged < 1.0
     assert 0 < run.samples < 500
-    for figures in (run.rms, run.final, run.maximum, run.errors, run.torques):
+    for figures in (run.rms, run.final, run.maximum, run.error_matrix, run.torques):
         assert np.isfinite(figures).all()
 
 
@@ -240,18 +240,18 @@ def test_way_points_run():
         controller("cdid"), through([(20.0, 10.0), (5.0, -15.0)], 0.5), options=INTERPRETED
     )
     assert run.samples == 2 * 167
-    assert np.abs(run.errors).max() < 0.2
+    assert np.abs(run.error_matrix).max() < 0.2
     np.testing.assert_allclose(run.reference[-1], [5.0, -15.0], atol=1e-4)
 
 
 def test_maximum_counts_as_the_conventions_do():
     path = pick_and_place((45.0, -45.0), 0.4)
     plain = simulate(controller("ct"), path, payload=True, options=INTERPRETED)
-    np.testing.assert_array_equal(np.abs(plain.maximum), np.abs(plain.errors).max(axis=0))
+    np.testing.assert_array_equal(np.abs(plain.maximum), np.abs(plain.error_matrix).max(axis=0))
     study = simulate(
         controller("ct"), path, payload=True, conventions=STUDY_CONVENTIONAL, options=INTERPRETED
     )
-    np.testing.assert_array_equal(study.maximum, study.errors.max(axis=0))
+    np.testing.assert_array_equal(study.maximum, study.error_matrix.max(axis=0))
 
 
 def test_the_old_name_of_the_package_still_leads_there() -> None:

@@ -144,7 +144,7 @@ def test_an_axis_is_joined_as_a_whole(capsys):
     same = simulate(
         load(shipped("servo.frb")), path, connect={**by_port, "voltage": "joint1.voltage"}
     )
-    assert (same.errors == run.errors).all()
+    assert (same.error_matrix == run.error_matrix).all()
     words = ["simulate", str(shipped("servo.frb")), "--connect", "shaft=joint2", "--hold", "0.1"]
     assert main(words) == 0
     assert "note: nothing drives joint1" in capsys.readouterr().err

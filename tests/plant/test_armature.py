@@ -65,7 +65,7 @@ def test_little_inductance_and_much_supply_change_nothing(name):
 def test_off_is_what_it_was_to_the_bit():
     ideal = simulate(controller("acdid+fuzzy"), QUICK)
     off = simulate(controller("acdid+fuzzy"), QUICK, options=Options(inductance=0.0))
-    np.testing.assert_array_equal(ideal.errors, off.errors)
+    np.testing.assert_array_equal(ideal.error_matrix, off.error_matrix)
 
 
 def test_no_motor_gets_more_than_the_supply():
@@ -96,7 +96,7 @@ def test_compiled_and_interpreted_have_the_same_bits():
         )
         for compiled in (True, False)
     ]
-    np.testing.assert_array_equal(runs[0].errors, runs[1].errors)
+    np.testing.assert_array_equal(runs[0].error_matrix, runs[1].error_matrix)
 
 
 def test_currents_are_states_where_there_is_inductance():

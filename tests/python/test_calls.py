@@ -11,7 +11,8 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm.api import UnknownKindError, WrongKindError
-from fuzzyarm.errors import WordError
+from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.inference import InferenceError
 from fuzzyarm.loop import Options, Sensor, Signal, phase_portrait, simulate_many
 from fuzzyarm.plant import PlantError
 
@@ -106,8 +107,12 @@ def test_a_warning_of_a_foreign_file_points_at_the_call(load):
 # --- Words as a command takes them ---
 
 
+def series(run):
+    return run.time, run.error_matrix
+
+
 def same(one, other):
-    return np.array_equal(one.errors, other.errors) and np.array_equal(one.time, other.time)
+    return all(np.array_equal(*pair) for pair in zip(series(one), series(other), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -216,3 +221,31 @@ def test_whatever_has_a_picture_has_plot(plain, tmp_path):
         assert figure.axes or figure.subfigs, name
     plain.plot().savefig(tmp_path / "run.png")
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_gains_are_given_to_a_run_to_a_file_and_to_a_text():
+    servo = SERVO
+    keywords = {"reference": {"position": "step:1"}, "duration": "60ms"}
+    one = fuzzyarm.simulate(servo, "motor", gains={"G_u": 9}, **keywords)
+    other = fuzzyarm.simulate(fuzzyarm.load_controller(servo, gains={"G_u": [9]}), **keywords)
+    assert same(one, other)
+    assert not same(one, fuzzyarm.simulate(servo, "motor", **keywords))
+    with pytest.raises(FuzzyarmError, match="servo has no gain 'G_v'"):
+        fuzzyarm.load_controller(servo, gains={"G_v": 1.0})
+    with pytest.raises(FuzzyarmError, match="servo has no gain 'G_v'"):
+        fuzzyarm.simulate(servo, "motor", gains={"G_v": 1.0})
+
+
+def test_errors_and_drives_of_a_run_go_by_name():
+    run = fuzzyarm.simulate(SERVO, "motor", duration="30ms")
+    assert list(run.errors) == ["position"]
+    assert list(run.drives) == ["voltage"]
+    np.testing.assert_array_equal(run.errors["position"], run.error_matrix[:, 0])
+
+
+def test_inputs_by_position_are_refused_with_the_call_by_name():
+    pd7 = fuzzyarm.load(PD7)
+    with pytest.raises(InferenceError, match=r"not as tuple \(write e=0\.3, ce=0\.1\)"):
+        fuzzyarm.infer(pd7, 0.3, 0.1)
+    with pytest.raises(InferenceError, match=r"not as float \(write e=0\.3, ce=…\)"):
+        fuzzyarm.infer(pd7, 0.3)

@@ -181,7 +181,7 @@ def test_calls_take_a_request_as_well():
     servo = str(fuzzyarm.shipped("servo.frb"))
     asked = SimulateRequest(controller=servo, reference="position=step:1", duration="50ms")
     named = fuzzyarm.simulate(servo, reference={"position": "step:1"}, duration="50ms")
-    assert (fuzzyarm.simulate(asked).errors == named.errors).all()
+    assert (fuzzyarm.simulate(asked).error_matrix == named.error_matrix).all()
     swept = SweepRequest(controller=servo, sweep="J=0.01..0.02:2", duration="50ms", workers=1)
     runs = [{"J": 0.01}, {"J": 0.02}]
     many = fuzzyarm.simulate_many(servo, "motor", runs, duration="50ms", workers=1)
@@ -189,7 +189,7 @@ def test_calls_take_a_request_as_well():
     with pytest.raises(TypeError, match="alone"):
         fuzzyarm.simulate(asked, "motor")
     stepped = fuzzyarm.simulate(servo, "motor", step=1.0, duration="50ms")
-    assert (stepped.errors == named.errors).all()
+    assert (stepped.error_matrix == named.error_matrix).all()
     many = fuzzyarm.simulate_many(servo, "motor", [{}], step=1.0, duration="50ms", workers=1)
     assert many.rms[0, 0] == named.rms[0]
     with pytest.raises(fuzzyarm.FuzzyarmError, match="a step and references say the same"):

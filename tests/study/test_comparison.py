@@ -68,7 +68,7 @@ def test_counting_changes_no_result():
     for name in ("acdid", "stfc", "soc-zero", "cdid+fuzzy"):
         plain = simulate(controller(name), SHORT, options=Options(compiled=False))
         counted = simulate(_Counting(controller(name)), SHORT, options=Options(compiled=False))
-        np.testing.assert_array_equal(plain.errors, counted.errors)
+        np.testing.assert_array_equal(plain.error_matrix, counted.error_matrix)
 
 
 def test_rules_cost_more_than_a_line_and_two_rule_bases_twice_one():

@@ -37,7 +37,7 @@ class Kiln(Plant):
         return [(element - charge) / p[0], (12.0 * u[0] - (element - p[2])) / p[1]]
 
 def late(runs):
-    return sum(abs(run.errors[-1, 0]) for run in runs)
+    return sum(abs(run.error_matrix[-1, 0]) for run in runs)
 """
 
 

@@ -171,7 +171,7 @@ def test_whatever_the_gains_of_the_file_can_do_the_line_can_do(first, second, th
         "reference": {"temperature": Signal("step", (15.0 + 0.2 / max(first, second / 60.0),))}
     }
     runs = [simulate(each, "room", duration=600.0, **small) for each in (file, straight)]
-    assert runs[1].errors == pytest.approx(runs[0].errors, rel=1e-6, abs=1e-9)
+    assert runs[1].error_matrix == pytest.approx(runs[0].error_matrix, rel=1e-6, abs=1e-9)
 
 
 def moving(text, *lines):
@@ -213,4 +213,4 @@ def test_axes_with_lines_of_their_own_have_slopes_of_their_own(tmp_path):
     ]
     assert sorted(names) == sorted(["G_u", *slopes])
     runs = [simulate(text, reach_return(segment=0.1, hold=0.05)) for text, _ in straight]
-    np.testing.assert_array_equal(runs[0].errors, runs[1].errors)
+    np.testing.assert_array_equal(runs[0].error_matrix, runs[1].error_matrix)

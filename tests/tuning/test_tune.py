@@ -255,7 +255,7 @@ def test_a_cost_that_means_nothing(cost, message, tmp_path, monkeypatch):
 
 def test_metrics_of_one_axis_and_functions_of_ones_own(tmp_path):
     (tmp_path / "own.py").write_text(
-        "def late(runs):\n    return sum(abs(run.errors[-1, 0]) for run in runs)\n"
+        "def late(runs):\n    return sum(abs(run.error_matrix[-1, 0]) for run in runs)\n"
         "def wrong(runs):\n    return runs[0].nothing\n"
     )
     made = heated(cost=f"{tmp_path / 'own.py'}:late", evals=10)

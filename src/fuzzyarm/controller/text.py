@@ -16,7 +16,7 @@ import numpy as np
 
 from fuzzyarm.controller.files import demand_text_file, without_controller
 from fuzzyarm.controller.kernel import step
-from fuzzyarm.controller.law import view
+from fuzzyarm.controller.law import GainError, view
 from fuzzyarm.controller.program import (
     AXIS,
     ControllerCode,
@@ -28,7 +28,15 @@ from fuzzyarm.controller.program import (
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language.reading import load_rulebase, parse, read_text
-from fuzzyarm.model.controller import Axes, ControllerModel, Learn, Line, SignalLine, Use
+from fuzzyarm.model.controller import (
+    Amount,
+    Axes,
+    ControllerModel,
+    Learn,
+    Line,
+    SignalLine,
+    Use,
+)
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import (
     CLOCK,
@@ -90,6 +98,27 @@ class ControllerText(Shown, OfKind):
     def run(self, **options: Any) -> ControllerRun:
         """Start it, for a loop of one's own; see :class:`ControllerRun`."""
         return ControllerRun(self, **options)
+
+    def with_gains(self, gains: Mapping[str, float | Sequence[float]]) -> ControllerText:
+        """Return the controller with some gains replaced, by a number or one for each axis.
+
+        Raises
+        ------
+        GainError
+            If it does not have a gain.
+        """
+        known = {gain.name for gain in self.model.gains}
+        for name in gains:
+            if name not in known:
+                hint = near_hint(name, known)[0] or f"its gains: {', '.join(sorted(known))}"
+                raise GainError(f"{self.model.name} has no gain '{name}'", name=name, hint=hint)
+        changed = tuple(
+            replace(gain, values=tuple(map(Amount.of, np.atleast_1d(gains[gain.name]))))
+            if gain.name in gains
+            else gain
+            for gain in self.model.gains
+        )
+        return replace(self, model=replace(self.model, gains=changed), source="")
 
     def learners(self) -> Iterator[Learn]:
         """Iterate over the lines that teach a table."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, overload
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.firing_intervals import Ends, ends
@@ -19,11 +19,31 @@ from fuzzyarm.text.diagnostic import Diagnostic, Severity
 # --- Evaluate a rule base: one call for scalars and arrays ---
 
 
+@overload
+def infer(
+    rulebase: AnyRuleBase,
+    inputs: Mapping[str, float] | None = None,
+    /,
+    *,
+    held: Mapping[str, float] | None = None,
+    outputs: Iterable[str] | None = None,
+    **named: float,
+) -> dict[str, float]: ...
+@overload
 def infer(
     rulebase: AnyRuleBase,
     inputs: Any = None,
     /,
     *,
+    held: Mapping[str, float] | None = None,
+    outputs: Iterable[str] | None = None,
+    **named: Any,
+) -> Any: ...
+def infer(
+    rulebase: AnyRuleBase,
+    inputs: Any = None,
+    /,
+    *positional: Any,
     held: Mapping[str, float] | None = None,
     outputs: Iterable[str] | None = None,
     **named: Any,
@@ -37,6 +57,8 @@ def infer(
     inputs : mapping of str to float or array_like, DataFrame or Dataset, optional
         Inputs by name; for names that are not identifiers. Columns of a DataFrame and variables
         of a Dataset that are not inputs are passed over.
+    *positional
+        Refused: inputs have names.
     held : mapping of str to float, optional
         Last values of outputs that hold where no rule fires.
     outputs : iterable of str, optional
@@ -74,6 +96,8 @@ def infer(
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
     rulebase = model_of(rulebase)
+    if positional:
+        inputs = (inputs, *positional)  # not by name, which is refused
     values, labels = gathered(inputs, named, rulebase.inputs)
     results = _outputs(rulebase, values, held, None if outputs is None else tuple(outputs))
     return results if labels is None else labels.on(results)

@@ -69,12 +69,20 @@ def by_name(inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
     else:
         kind = type(inputs).__name__
         message = f"inputs are given by name (a mapping, DataFrame or Dataset), not as {kind}"
-        raise InferenceError(message, hint=f"for instance {names[0]}=…" if names else "")
+        raise InferenceError(message, hint=_call_by_name(inputs, names))
     for name, value in named.items():
         if name in values_by_name:
             raise InferenceError(f"input '{name}' is given twice")
         values_by_name[name] = value
     return values_by_name
+
+
+def _call_by_name(inputs: Any, names: Sequence[str]) -> str:
+    """Return the arguments by name that positional values stand for."""
+    values = list(inputs) if isinstance(inputs, list | tuple) else [inputs]
+    shown = [repr(v) if isinstance(v, int | float) else "…" for v in values[: len(names)]]
+    shown += ["…"] * (len(names) - len(shown))
+    return f"write {', '.join(map('='.join, zip(names, shown, strict=True)))}" if names else ""
 
 
 def _library(value: Any) -> str:

@@ -143,7 +143,7 @@ def split_settings(
     for name, value in values.items():
         bare = name.removeprefix("plant.")
         owner = owner_of(name, controllers, plant)
-        if owner is None:
+        if owner is None and bare == name:
             message, hint = unknown_setting(name, controllers, plant)
             raise GainError(message, name=name, hint=hint)
         if owner == "gain":

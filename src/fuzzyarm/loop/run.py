@@ -99,7 +99,7 @@ class MetricSources(NamedTuple):
     period: float
     set_point_time: Vector
     reference: Vector
-    errors: Vector
+    error_matrix: Vector
     drives: Mapping[str, Vector]
     driven: tuple[str, ...]
     limits: Mapping[str, tuple[float, float]]
@@ -120,7 +120,7 @@ def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
         metrics[shown[column]] = metrics_of(
             of.set_point_time,
             of.reference[:, column],
-            of.errors[:, column],
+            of.error_matrix[:, column],
             drives,
             [of.limits[name] for name in names],
             of.period,
@@ -146,7 +146,7 @@ class Run(Plotted):
         As run.
     time : ndarray, shape (n,)
         Of the samples, s: when outputs and drives were as they are there.
-    reference, errors : ndarray, shape (n, k)
+    reference, error_matrix : ndarray, shape (n, k)
         Of each tracked output: what was wanted, and that minus what was.
     axes, labels, units : tuple of str
         Of the tracked outputs.
@@ -203,7 +203,7 @@ class Run(Plotted):
     conventions: Conventions
     time: Vector
     reference: Vector
-    errors: Vector
+    error_matrix: Vector
     diverged: float | None
     seconds: float
     compiled: bool
@@ -244,22 +244,27 @@ class Run(Plotted):
     @property
     def samples(self) -> int:
         """Number of samples."""
-        return len(self.errors)
+        return len(self.error_matrix)
+
+    @property
+    def errors(self) -> dict[str, Vector]:
+        """Errors of each tracked output at the set points, by its label."""
+        return dict(zip(self.labels, self.error_matrix.T, strict=True))
 
     @property
     def rms(self) -> Vector:
         """Root mean square error of each tracked output, at the set points."""
-        return rms(self.errors)
+        return rms(self.error_matrix)
 
     @property
     def final(self) -> Vector:
         """Last error of each tracked output."""
-        return final(self.errors)
+        return final(self.error_matrix)
 
     @property
     def maximum(self) -> Vector:
         """Largest error of each tracked output, as the conventions count it."""
-        return signed_maximum(self.errors, self.conventions.maximum)
+        return signed_maximum(self.error_matrix, self.conventions.maximum)
 
     @property
     def where(self) -> str:
@@ -330,6 +335,18 @@ def as_controller(controller: AnyController) -> Controller:
 
         return controller_of(controller)
     raise wrong_kind(controller, CONTROLLER)
+
+
+def with_gains(
+    controller: Controller, gains: Mapping[str, float | Sequence[float]] | None
+) -> Controller:
+    """Return a controller with some gains replaced, by numbers or one number for each axis."""
+    if not gains:
+        return controller
+    values = {k: [v] if isinstance(v, int | float) else list(v) for k, v in gains.items()}
+    changed = controller.with_gains(values)
+    changed.name = controller.name
+    return changed
 
 
 def plant_motion(
@@ -595,7 +612,7 @@ class ClosedLoop:
             period=followed.period * followed.every,
             set_point_time=followed.time[record.taken],
             reference=taps[count : 2 * count].T * scales(course),
-            errors=shown_errors(course, taps.T),
+            error_matrix=shown_errors(course, taps.T),
             drives=dict(zip(map(label, inputs), taps[-len(inputs) :], strict=True)),
             driven=self._driven,
             limits=dict(self._own_limits) if is_main_program else self._limits(run.program),

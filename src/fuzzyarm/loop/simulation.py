@@ -40,6 +40,7 @@ from fuzzyarm.loop.run import (
     plant_motion,
     run_along,
     stepped,
+    with_gains,
 )
 from fuzzyarm.loop.sweeps import swept
 from fuzzyarm.loop.words import connections, conventions_of
@@ -76,6 +77,8 @@ class RunKeywords(TypedDict, total=False):
         Of a run on a plant: s, or with its unit, as in ``"300ms"``; by default the plant's own.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
+    gains : mapping of str to float or sequence of float
+        Gains of the controller in place of its own: a number, or one for each axis.
     """
 
     trajectory: Trajectory | str | None
@@ -87,6 +90,7 @@ class RunKeywords(TypedDict, total=False):
     step: float | None
     duration: AnyTime | None
     connect: Mapping[str, str] | None
+    gains: Mapping[str, float | Sequence[float]] | None
 
 
 def simulate(
@@ -108,7 +112,7 @@ def simulate(
         else is said. By default the shipped plant that has the axes of the controller.
     **keywords
         ``trajectory``, ``payload``, ``schedule``, ``conventions``, ``options``, ``reference``,
-        ``step``, ``duration``, ``connect``; see :class:`RunKeywords`.
+        ``step``, ``duration``, ``connect``, ``gains``; see :class:`RunKeywords`.
 
     Returns
     -------
@@ -139,7 +143,7 @@ def simulate(
         return run_of(controller)
     options, connect = keywords.get("options") or Options(), keywords.get("connect")
     conventions = keywords.get("conventions", PLAIN)
-    law = as_controller(controller)
+    law = with_gains(as_controller(controller), keywords.get("gains"))
     way, reference = _followed(law, plant, keywords)
     if isinstance(way, FollowedPlant):
         home = equipped(way.plant, options)

@@ -92,6 +92,11 @@ class Amount:
     factors: tuple[tuple[float | None, bool], ...]
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
+    @classmethod
+    def of(cls, number: float) -> Amount:
+        """Return a number as it is written by itself."""
+        return cls(((float(number), False),))
+
     def value(self, pi: float) -> float:
         """Return the number, with the π that a run counts with."""
         (first, _), *rest = self.factors

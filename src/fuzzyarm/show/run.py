@@ -47,7 +47,7 @@ def run_chart(runs: Sequence[Run], title: str = "") -> Chart:
 def summary_panels(run: Run) -> list[Panel]:
     """Return the errors of a run in one panel, and its drives in one for each unit."""
     errors = [
-        Line(run.time, run.errors[:, column], series(column)[0], label=label)
+        Line(run.time, run.error_matrix[:, column], series(column)[0], label=label)
         for column, label in enumerate(run.labels)
     ]
     panels = [Panel(errors, up=Axis("error", run.units[0]))]
@@ -84,7 +84,7 @@ def _output_panel(runs: Sequence[Run], column: int) -> Panel:
     first = runs[0]
     lines = [Line(first.time, first.reference[:, column], "ink", 0.9, ":", "reference")]
     for index, run in enumerate(runs):
-        output = run.reference[:, column] - run.errors[:, column]
+        output = run.reference[:, column] - run.error_matrix[:, column]
         lines.append(Line(run.time, output, *_look(index, 1.1), _name(run)))
     return Panel(lines, up=Axis(first.labels[column], first.units[column]))
 
@@ -93,7 +93,8 @@ def error_panel(runs: Sequence[Run], column: int) -> Panel:
     """Return the error of an output over time."""
     first = runs[0]
     lines = [
-        Line(run.time, run.errors[:, column], *_look(index, 1.0)) for index, run in enumerate(runs)
+        Line(run.time, run.error_matrix[:, column], *_look(index, 1.0))
+        for index, run in enumerate(runs)
     ]
     title = f"error of {first.labels[column]}"
     return Panel([Level(0.0), *lines], up=Axis("error", first.units[column]), name=title)

@@ -50,7 +50,7 @@ def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
         for link, style in ((0, "-"), (1, "--")):
             panel.plot(
                 run.time,
-                run.errors[:, link],
+                run.error_matrix[:, link],
                 style,
                 color=COLOURS[link],
                 linewidth=1.0,
@@ -147,7 +147,9 @@ def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
             panel = panels[line][2 * place + side]
             panel.set_visible(True)
             for link, style in ((0, "-"), (1, "--")):
-                panel.plot(run.time, run.errors[:, link], style, color=COLOURS[link], linewidth=0.7)
+                panel.plot(
+                    run.time, run.error_matrix[:, link], style, color=COLOURS[link], linewidth=0.7
+                )
             panel.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
             panel.spines[["top", "right"]].set_visible(False)
             panel.tick_params(labelsize=7)

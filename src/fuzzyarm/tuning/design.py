@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.arrangement import mirror_faults, partition_faults
-from fuzzyarm.model.controller import Amount, ControllerModel, GainModel
+from fuzzyarm.model.controller import ControllerModel, GainModel
 from fuzzyarm.model.rulebase import (
     GainTuning,
     Input,
@@ -421,16 +421,11 @@ def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_Paramete
 
 def controller_at(text: ControllerText, candidate: Candidate) -> ControllerText:
     """Return a controller with the gains and rule bases of a candidate."""
-    gains = tuple(
-        replace(gain, values=tuple(Amount(((v, False),)) for v in candidate.gains[gain.name]))
-        if gain.name in candidate.gains
-        else gain
-        for gain in text.model.gains
-    )
+    text = text.with_gains(candidate.gains)
     inside = tuple(
         candidate.rulebases.get(rulebase.name, rulebase) for rulebase in text.model.rulebases
     )
-    model = replace(text.model, gains=gains, rulebases=inside)
+    model = replace(text.model, rulebases=inside)
     sheets = {
         **text.sheets,
         **{name: (rulebase,) for name, rulebase in candidate.rulebases.items()},

@@ -190,7 +190,7 @@ class _Planes:
     def _own(self, name: str, value: float, unit: str) -> str:
         """Add a gain."""
         name = self._named(name)
-        self.gains[name] = GainModel(name, (Amount(((value, False),)),), unit)
+        self.gains[name] = GainModel(name, (Amount.of(value),), unit)
         return name
 
     def _move(self, gain: str, low: float, high: float, *, times: bool = False) -> None:
