@@ -48,10 +48,15 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
         if controller is not None:
             from fuzzyarm.proof.compiled import controller_program
 
-            program, reports = controller_program(
-                controller, how, how.precision or "mixed", progress
-            )
-            folder = board_folder(program, stem, board, request.place or "arduino")
+            precision = how.precision or "mixed"
+            program, reports = controller_program(controller, how, precision, progress)
+            others = {
+                option: lambda other=other: controller_program(
+                    controller, other, precision, progress
+                )[0]
+                for option, other in _with_tables(how).items()
+            }
+            folder = board_folder(program, stem, board, request.place or "arduino", others)
         else:
             routines, reports = _routines(load_sheet(request.file), board, how, progress)
             folder = board_folder(routines, stem, board, request.place or "arduino")
@@ -61,6 +66,15 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
         return
     lines = [line for report in reports for line in report_lines(report, out)]
     say(*lines, *_lines(folder, out))
+
+
+def _with_tables(how: Making) -> dict[str, Making]:
+    """Return the options that make tables of a controller, and what they make."""
+    tables = {"--table": None, "--q 15": 15, "--q 7": 7}
+    if how.q is not None:
+        return {}
+    made = {option: replace(how, direct=False, table=True, q=q) for option, q in tables.items()}
+    return {option: making for option, making in made.items() if making != how}
 
 
 def _routines(
@@ -107,11 +121,10 @@ def _lines(folder: BoardFolder, out: str) -> list[str]:
     lines = [f"{out}: {len(folder.files)} files for {folder.board.named}"]
     lines += folder.library.prototypes
     measured = folder.measured
+    doubt = [f"  {folder.doubt}"] if folder.doubt else []
     if measured is None:
-        return [
-            *lines,
-            f"  {folder.constants} bytes of tables; not measured here, README.md says how",
-        ]
+        bytes_ = f"  {folder.constants} bytes of tables; not measured here, README.md says how"
+        return [*lines, bytes_, *doubt]
     footprint = measured.footprint
     lines.append(
         f"  flash {footprint.flash:,} of {folder.board.flash:,} bytes,"
@@ -122,7 +135,7 @@ def _lines(folder: BoardFolder, out: str) -> list[str]:
         micros = worst / folder.board.clock * 1e6
         verdict = "passes" if measured.passes else "FAILS"
         lines.append(
-            f"  a call takes {worst:,} cycles at most ({micros:.1f} µs) and {footprint.stack}"
-            f" bytes of stack; the self-test {verdict}"
+            f"  the slowest of {len(measured.cycles)} calls takes {worst:,} cycles"
+            f" ({micros:.1f} µs), with {footprint.stack} bytes of stack; the self-test {verdict}"
         )
-    return lines
+    return [*lines, *doubt]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from fuzzyarm.export.c import CLibrary, c_library
 from fuzzyarm.export.controller_c import CController, controller_library
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.names import ARDUINO_MACROS, Names, identifier
-from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
+from fuzzyarm.export.numbers import C_TYPES, ExportError, Kind, c_number
+from fuzzyarm.export.pace import Pace, clock_of, demand_pace, pace_of, unchecked
 from fuzzyarm.export.routine import Routine, plain
 from fuzzyarm.export.steps import StepVariable
 from fuzzyarm.export.table_numbers import WholeNumberScale
@@ -28,7 +30,10 @@ __all__ = ["PLACES", "BoardFolder", "board_folder"]
 PLACES = ("arduino", "platformio")
 """What folders are made for."""
 
-_IN_SKETCH = {"setup", "loop", "delay", "millis", "micros", "Serial", "due", "pin"}
+_IN_SKETCH = {"setup", "loop", "delay", "millis", "micros", "Serial", "pin"}
+
+_SECONDS_BETWEEN_LINES = 0.5
+"""How often the sketch of a controller prints."""
 
 _SKETCH_CALLS = 12
 """Calls that are measured, of those of the self-test: a simulated second is a second."""
@@ -50,6 +55,8 @@ class BoardFolder:
         What it takes there; None where nothing here can measure it.
     constants, state : int
         Bytes of tables, and of variables that a program holds for it.
+    doubt : str
+        A sentence on what could not be checked of it; empty where all was.
     """
 
     files: dict[str, str]
@@ -58,6 +65,7 @@ class BoardFolder:
     measured: Measured | None
     constants: int
     state: int
+    doubt: str = ""
 
 
 @dataclass(frozen=True)
@@ -72,10 +80,31 @@ class _BoardPart:
     state: int
     stack: int
     notes: list[str]
+    period: float | None = None  # of a controller, in s
+    inputs: int = 0  # that the sketch reads from pins
+
+    def sources(self) -> dict[str, str]:
+        """Return the texts of the library by the names of their files."""
+        library = self.library
+        return {
+            f"{self.stem}.h": library.header,
+            f"{self.stem}.c": library.source,
+            f"{self.stem}_self_test.c": library.test,
+        }
+
+    def measured(self, board: Board) -> Measured | None:
+        """Return what it takes on a board; None where nothing here can measure it."""
+        if not (board.avr and has_compiler()):
+            return None
+        return measure(board, self.sources(), self.stem, self.call)
 
 
 def board_folder(
-    exported: Sequence[Routine] | ControllerProgram, stem: str, board: Board, place: str
+    exported: Sequence[Routine] | ControllerProgram,
+    stem: str,
+    board: Board,
+    place: str,
+    others: Mapping[str, Callable[[], ControllerProgram]] = MappingProxyType({}),
 ) -> BoardFolder:
     """Return the folder of routines or of a controller, measured where that can be done.
 
@@ -89,11 +118,14 @@ def board_folder(
         Where it runs.
     place : str
         ``arduino`` or ``platformio``.
+    others : mapping of str to callable
+        Of a controller: options of the command, and the program that they make. They are measured
+        where the program does not keep its period, for the hint.
 
     Raises
     ------
     ExportError
-        If the board does not hold it.
+        If the board does not hold it, or does not keep its period.
     """
     if isinstance(exported, ControllerProgram):
         part = _controller_part(exported, stem, board)
@@ -102,17 +134,32 @@ def board_folder(
     constants = part.library.writer.flash
     footprint = Footprint(constants, part.state, part.stack, "its tables alone")
     demand_fit(footprint, board, stem)
-    sources = {
-        f"{stem}.h": part.library.header,
-        f"{stem}.c": part.library.source,
-        f"{stem}_self_test.c": part.library.test,
-    }
-    measured = None
-    if board.avr and has_compiler():
-        measured = measure(board, sources, stem, part.call)
+    measured = part.measured(board)
+    if measured is not None:
         demand_fit(measured.footprint, board, stem)
-    files = dict(_files(part, board, place, sources, measured))
-    return BoardFolder(files, part.library, board, measured, constants, part.state)
+    doubt = ""
+    if part.period is not None:
+        pace = pace_of(measured, board, part.inputs)
+        paces = {
+            option: lambda make=make: _other_pace(make, stem, board)
+            for option, make in others.items()
+        }
+        demand_pace(pace, part.period, stem, board, paces)
+        doubt = unchecked(measured, board, part.period)
+    files = dict(_files(part, board, place, measured, doubt))
+    return BoardFolder(files, part.library, board, measured, constants, part.state, doubt)
+
+
+def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) -> Pace | None:
+    """Return what a turn of another program takes; None where it cannot be, or is too large."""
+    try:
+        part = _controller_part(make(), stem, board)
+        measured = part.measured(board)
+        if measured is not None:
+            demand_fit(measured.footprint, board, stem)
+    except ExportError:
+        return None
+    return pace_of(measured, board, part.inputs)
 
 
 # --- What is on the board ---
@@ -171,7 +218,10 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
     words = plain(f"{model.name}: {model.description}" if model.description else model.name)
     notes = [f"`{prototype}`" for prototype in library.prototypes]
     sketch = list(_controller_sketch(program, writer, stem, board))
-    return _BoardPart(stem, words, library, call, sketch, writer.ram(), 0, notes)
+    inputs = len(steps.of_sort("measured"))
+    return _BoardPart(
+        stem, words, library, call, sketch, writer.ram(), 0, notes, model.period, inputs
+    )
 
 
 def _function(prototype: str) -> str:
@@ -242,25 +292,36 @@ def _controller_sketch(
     """Yield the lines of a sketch that runs a controller at its period."""
     steps, model = program.steps, program.text.model
     measured, drives = steps.of_sort("measured"), steps.of_sort("drive")
+    clock = clock_of(model.period)
+    every = max(1, round(_SECONDS_BETWEEN_LINES / model.period))
     yield from _opening(
         stem,
-        f"Runs {model.name} every {number_text(model.period)} s and prints its drives.",
-        [f"{stem}_init(&state);", "due = micros();"],
+        f"Runs {model.name} every {number_text(model.period)} s; prints its drives, and how many"
+        " periods began too late.",
+        [f"{stem}_init(&state);", f"began = {clock.function}() - period;"],
         [
             f"static {stem}_state state;",
             *([f"static {stem}_reference reference;"] if steps.of_sort("reference") else []),
-            "static unsigned long due;",
+            *([f"static {stem}_drives drive;"] if drives else []),
+            f"static const unsigned long period = {clock.count}UL; // {clock.unit}",
+            f"static unsigned long began, overruns{', turns' if every > 1 else ''};",
         ],
     )
+    yield from _shown(program, controller, every)
     yield from [
         "",
         "void loop()",
         "{",
-        # micros() wraps round after 71 minutes; the difference as a signed number does not mind.
-        "    if ((long)(micros() - due) < 0) {",
+        f"    const unsigned long passed = {clock.function}() - began; // right when it wraps, too",
+        "    if (passed < period) {",
         "        return;",
         "    }",
-        f"    due += (unsigned long)({stem.upper()}_PERIOD * 1e6f);",
+        "    if (passed - period < period) {",
+        "        began += period; // so that a short delay does not add up",
+        "    } else {",
+        "        began += passed; // a whole period late: anew, nothing is made up for",
+        "        overruns++;",
+        "    }",
         "",
     ]
     kind = steps.precision.outside
@@ -279,13 +340,22 @@ def _controller_sketch(
         remark = f"/* {_said(program, port)}: the range of your sensor */"
         yield f"    {_member(controller, port)} = {text}; {remark}"
     if drives:
-        yield f"    {stem}_drives drive;"
         arguments.append("&drive")
     yield f"    {stem}_step({', '.join(arguments)});"
-    for port in drives:
+    yield "    show();"
+    yield from ["}", ""]
+
+
+def _shown(program: ControllerProgram, controller: CController, every: int) -> Iterator[str]:
+    """Yield the function that prints, seldom: a line takes a millisecond at 115200 baud."""
+    yield from ["", "static void show()", "{"]
+    if every > 1:
+        yield from [f"    if (++turns < {every}UL) {{", "        return;", "    }", "    turns = 0;"]
+    for port in program.steps.of_sort("drive"):
         yield f'    Serial.print("{_quoted(_said(program, port))} ");'
         yield f"    Serial.println({_member(controller, port)}, 3);"
-    yield from ["}", ""]
+    yield from ["    if (overruns > 0) {", '        Serial.print("overruns ");']
+    yield from ["        Serial.println(overruns);", "    }", "}"]
 
 
 def _opening(
@@ -372,7 +442,7 @@ def _quoted(text: str) -> str:
 
 
 def _files(
-    part: _BoardPart, board: Board, place: str, sources: dict[str, str], measured: Measured | None
+    part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
 ) -> Iterator[tuple[str, str]]:
     stem, sketch = part.stem, "\n".join(part.sketch)
     testing = "\n".join(_self_test_sketch(part))
@@ -380,7 +450,7 @@ def _files(
         "library.properties": _properties(part, board),
         "library.json": _library_json(part, board),
         "keywords.txt": _keywords(part),
-        **{f"src/{name}": text for name, text in sources.items()},
+        **{f"src/{name}": text for name, text in part.sources().items()},
     }
     if place == "arduino":
         yield from library.items()
@@ -392,7 +462,7 @@ def _files(
         yield "platformio.ini", _platformio_ini(board)
         yield "src/main.cpp", f"#include <Arduino.h>\n\n{sketch}"
         yield f"lib/{stem}/examples/{stem}_test/{stem}_test.ino", testing
-    yield "README.md", "\n".join([*_readme(part, board, place, measured), ""])
+    yield "README.md", "\n".join([*_readme(part, board, place, measured, doubt), ""])
 
 
 def _properties(part: _BoardPart, board: Board) -> str:
@@ -451,7 +521,9 @@ def _platformio_ini(board: Board) -> str:
     )
 
 
-def _readme(part: _BoardPart, board: Board, place: str, measured: Measured | None) -> Iterator[str]:
+def _readme(
+    part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
+) -> Iterator[str]:
     yield from [f"# {part.stem}", "", f"{part.words}. Made by fuzzyarm {__version__}.", ""]
     yield from [*part.notes, ""]
     if place == "arduino":
@@ -471,6 +543,8 @@ def _readme(part: _BoardPart, board: Board, place: str, measured: Measured | Non
         )
     yield from ["", f"## On {board.named}", ""]
     yield from _figures(part, board, measured)
+    if doubt:
+        yield from ["", *_wrapped(doubt)]
 
 
 def _figures(part: _BoardPart, board: Board, measured: Measured | None) -> Iterator[str]:
