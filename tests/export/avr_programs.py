@@ -72,7 +72,6 @@ def run_sketch(library: Path, sketch: Path, folder: Path) -> str:
     A program that sleeps without interrupts ends the simulation, which a sketch never does: the
     sketch is built with a `delay` that does, after the first turn of its loop.
     """
-    archive = arduino_core(folder)
     ending = (
         "#include <Arduino.h>\n#include <avr/sleep.h>\n"
         "static void stop(unsigned long) { Serial.flush(); cli(); sleep_enable(); sleep_cpu(); }\n"
@@ -81,7 +80,13 @@ def run_sketch(library: Path, sketch: Path, folder: Path) -> str:
     text = sketch.read_text("utf-8")
     if "delay(" not in text:
         text = text.replace("void loop()\n{\n", "void loop()\n{\n    delay(1);\n")
-    (folder / "sketch.cpp").write_text(f"{ending}{text}", "utf-8")
+    return run_sketch_text(library, f"{ending}{text}", folder)
+
+
+def run_sketch_text(library: Path, text: str, folder: Path) -> str:
+    """Build a sketch that ends as the Arduino IDE does, and run it."""
+    archive = arduino_core(folder)
+    (folder / "sketch.cpp").write_text(text, "utf-8")
     sources = [each for each in sorted((library / "src").iterdir()) if each.suffix == ".c"]
     include = f"-I{library / 'src'}"
     build(folder, *TARGET, *STRICT, "-std=gnu11", include, "-c", *sources)

@@ -16,12 +16,14 @@ from avr_programs import (
     cycles_by_eighths,
     need_avr,
     run_sketch,
+    run_sketch_text,
 )
 
 from fuzzyarm import shipped
 from fuzzyarm.cli import main
 from fuzzyarm.export import avr, routines_of
 from fuzzyarm.export.boards import BOARDS
+from fuzzyarm.export.pace import clock_of
 from fuzzyarm.language import load_rulebase
 
 PD7 = str(shipped("pd7.frb"))
@@ -100,7 +102,7 @@ def test_the_sketches_run_with_the_arduino_core(tipper, tmp_path_factory):
     library = Path("names").resolve()
     run_sketch(library, library / "examples" / "names_example" / "names_example.ino", room)
     turn = str(shipped("servo.frb"))
-    assert main(["compile", turn, "--for", "arduino", "-o", "servo"]) == 0
+    assert main(["compile", turn, "--for", "arduino", "-o", "servo", "--table"]) == 0
     library = Path("servo").resolve()
     said = run_sketch(library, library / "examples" / "servo_test" / "servo_test.ino", room)
     assert "the same" in said
@@ -179,7 +181,13 @@ HUGE = (
     [
         ([str(shipped("soc-zero.frb"))], ["bytes of RAM", "Arduino Uno has 2,048", "--board mega"]),
         ([TIPPER2], ["double precision only", "Arduino Uno has no double", "--table"]),
-        ([PD7, "--levels", "101"], ["bytes of flash", "Arduino Uno has 32,256", "--q 7"]),
+        ([PD7, "--levels", "101"],
+         ["bytes of flash", "Arduino Uno has 32,256", "--q 7", "--board due or pico or esp32"]),
+        ([PD7, "--levels", "101", "--board", "mega"],
+         ["has 40,804 bytes in one array", "Mega 2560 reads at most 32,767 of its 253,952",
+          "--board due or pico or esp32"]),
+        ([str(shipped("stfc.frb")), "--table", "--levels", "90", "--board", "mega"],
+         ["bytes of constants", "Mega 2560 reads at most 64,000 of its 253,952"]),
         ([PD7, "--precision", "float64"], ["an Arduino Uno has no double"]),
         ([PD7, "--board", "una"], ["no board 'una'", "uno"]),
         ([PD7, "--ends"], ["--ends does not apply"]),
@@ -277,3 +285,151 @@ def test_the_architectures_are_those_that_the_ide_knows(tipper):
         assert main(command) == 0
         text = Path(board, "library.properties").read_text()
         assert f"\narchitectures={architecture}\n" in text
+
+
+# --- The period ---
+
+
+SERVO = str(shipped("servo.frb"))
+
+
+def servo_of(period: str) -> str:
+    """Write the servo with another period; return the name of its file."""
+    text = Path(SERVO).read_text("utf-8")
+    assert "\nperiod 1 ms\n" in text
+    Path("servo.frb").write_text(text.replace("\nperiod 1 ms\n", f"\nperiod {period}\n"), "utf-8")
+    for used in re.findall(r"'?([\w-]+\.frb)'?", text):
+        if (other := Path(SERVO).with_name(used)).is_file() and used != "servo.frb":
+            Path(used).write_bytes(other.read_bytes())
+    return "servo.frb"
+
+
+def test_a_period_that_a_call_does_not_fit_into_is_refused_with_what_fits(
+    tmp_path, monkeypatch, capsys
+):
+    need_avr()
+    monkeypatch.chdir(tmp_path)
+    words = ["compile", servo_of("1 ms"), "--for", "arduino", "-o", "made"]
+    assert main(words) == 1
+    err = capsys.readouterr().err
+    found = re.search(r"takes ([\d.]+) ms a call and 224 µs .* of its period of 1 ms", err)
+    assert found, err
+    assert 1.2 < float(found[1]) < 1.6
+    longer = re.search(r"a period of ([\d.]+ ms) holds it", err)[1]
+    assert not Path("made").exists()
+    # Both ways that are named hold, and a slightly shorter period does not.
+    assert "with --table it takes" in err
+    assert main([*words, "--table"]) == 0
+    assert main(["compile", servo_of(longer), "--for", "arduino", "-o", "slower"]) == 0
+    shorter = f"{float(longer.split()[0]) - 0.1:.3g} ms"
+    assert main(["compile", servo_of(shorter), "--for", "arduino", "-o", "shorter"]) == 1
+
+
+def test_without_a_compiler_the_period_is_told_to_be_unchecked(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for board in ("uno", "pico"):
+        with monkeypatch.context() as patch:
+            patch.setattr(avr.shutil, "which", lambda name: None)
+            words = ["--for", "arduino", "--board", board, "-o", board]
+            assert main(["compile", servo_of("1 ms"), *words]) == 0
+        said = "Not checked: whether a call fits into the period of 1 ms"
+        assert said in capsys.readouterr().out
+        assert said in " ".join(Path(board, "README.md").read_text("utf-8").split())
+
+
+@pytest.mark.parametrize(
+    ("period", "clock"),
+    [
+        ("1 ms", ("micros", 1_000)),
+        ("0.0003333333333 s", ("micros", 333)),
+        ("0.0010019999 s", ("micros", 1_002)),  # cut in single precision: 1,001
+        ("1 h", ("millis", 3_600_000)),
+        ("2147 s", ("micros", 2_147_000_000)),
+    ],
+)
+def test_a_period_is_counted_in_whole_units_of_a_clock_that_holds_it(
+    tmp_path, monkeypatch, period, clock
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(avr.shutil, "which", lambda name: None)
+    assert main(["compile", servo_of(period), "--for", "arduino", "-o", "made"]) == 0
+    sketch = next(Path("made").rglob("servo_example.ino")).read_text("utf-8")
+    function, count = clock
+    assert f"unsigned long period = {count}UL;" in sketch
+    assert f"passed = {function}() - began" in sketch
+
+
+def test_every_whole_number_of_microseconds_is_rounded_to_itself():
+    periods = [*range(100, 2_000), *range(10_000, 1_000_000, 9_001)]
+    assert [clock_of(micros * 1e-6).count for micros in periods] == periods
+
+
+@pytest.mark.parametrize("period", ["1e-9 s", "0.00009 s"])
+def test_a_period_below_what_a_board_counts_is_refused(tmp_path, monkeypatch, capsys, period):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", servo_of(period), "--for", "arduino", "-o", "made"]) == 1
+    assert (
+        "too short for a board, which counts microseconds: at least 100 µs (period 100 us)"
+        in capsys.readouterr().err
+    )
+    assert not Path("made").exists()
+
+
+_SET_OFF = """
+#define SECONDS(x) ((x) * 976.5625) /* overflows of timer 0: 1,024 µs each */
+extern volatile unsigned long timer0_overflow_count;
+static unsigned long first, steps;
+static void report(unsigned long last)
+{
+    Serial.print("steps "); Serial.print(steps); Serial.print(" us "); Serial.print(last - first);
+    Serial.print(" late "); Serial.println(overruns);
+    Serial.flush(); cli(); sleep_enable(); sleep_cpu();
+}
+"""
+
+
+def turned(library: Path, folder: Path, *, steps: int, jump: str = "") -> tuple[int, int]:
+    """Run a servo so many steps in simavr; return the microseconds and the overruns.
+
+    The clock wraps round on the way, and `jump` is done once, halfway.
+    """
+    text = (library / "examples" / "servo_example" / "servo_example.ino").read_text("utf-8")
+    text = text.replace("\nvoid setup()", f"{_SET_OFF}\nvoid setup()")
+    wrapping = "timer0_overflow_count = 4194304UL - 60; // 61 ms before micros() wraps\n    "
+    text = text.replace("    servo_init(", f"    {wrapping}servo_init(")
+    counted = (
+        "    if (steps == 0) { first = micros(); }\n"
+        f"    if (++steps == {steps}) {{ report(micros()); }}\n"
+        f"    if (steps == {steps // 2}) {{ {jump} }}\n"
+    )
+    text = text.replace("    servo_step(", f"{counted}    servo_step(")
+    said = run_sketch_text(library, f"#include <Arduino.h>\n#include <avr/sleep.h>\n{text}", folder)
+    found = re.search(r"steps (\d+) us (\d+) late (\d+)", said)
+    assert found, said
+    assert int(found[1]) == steps
+    return int(found[2]), int(found[3])
+
+
+@pytest.mark.slow
+def test_in_simavr_a_period_is_kept_or_its_overruns_are_counted(
+    tmp_path, monkeypatch, tmp_path_factory
+):
+    need_avr(core=True)
+    monkeypatch.chdir(tmp_path)
+    room = tmp_path_factory.mktemp("core")
+    for name, period in (("kept", "2 ms"), ("lost", "1 ms")):
+        with monkeypatch.context() as patch:
+            patch.setattr(avr.shutil, "which", lambda name: None)
+            assert main(["compile", servo_of(period), "--for", "arduino", "-o", name]) == 0
+    micros, late = turned(Path("kept").resolve(), room, steps=301)
+    assert late == 0
+    assert abs(micros - 300 * 2_000) < 2_000
+    # 1.65 ms a turn in a period of 1 ms: no turn is idle, and every other one is a period late.
+    micros, late = turned(Path("lost").resolve(), room, steps=301)
+    assert 300 * 1_400 < micros < 300 * 1_900
+    assert late in range(140, 161)
+    # A delay of 36 minutes, over half of what the clock counts: one overrun, and on it goes.
+    jump = "cli(); timer0_overflow_count += (unsigned long)SECONDS(2200.0); sei();"
+    micros, late = turned(Path("kept").resolve(), room, steps=301, jump=jump)
+    assert late == 1
+    assert abs(micros - 2_200_000_000 - 300 * 2_000) < 6_000

@@ -132,7 +132,9 @@ def board_folder(
     else:
         part = _routines_part(exported, stem, board)
     constants = part.library.writer.flash
-    footprint = Footprint(constants, part.state, part.stack, "its tables alone")
+    largest = part.library.writer.largest
+    words = "its tables alone"
+    footprint = Footprint(constants, part.state, part.stack, words, constants, largest)
     demand_fit(footprint, board, stem)
     measured = part.measured(board)
     if measured is not None:
@@ -350,7 +352,12 @@ def _shown(program: ControllerProgram, controller: CController, every: int) -> I
     """Yield the function that prints, seldom: a line takes a millisecond at 115200 baud."""
     yield from ["", "static void show()", "{"]
     if every > 1:
-        yield from [f"    if (++turns < {every}UL) {{", "        return;", "    }", "    turns = 0;"]
+        yield from [
+            f"    if (++turns < {every}UL) {{",
+            "        return;",
+            "    }",
+            "    turns = 0;",
+        ]
     for port in program.steps.of_sort("drive"):
         yield f'    Serial.print("{_quoted(_said(program, port))} ");'
         yield f"    Serial.println({_member(controller, port)}, 3);"

@@ -104,12 +104,23 @@ class Footprint:
         What a call takes on top, at most.
     what : str
         What `flash` counts, in words.
+    constants, largest : int
+        Bytes of constants, and of the largest array of them.
     """
 
     flash: int
     static: int
     stack: int
     what: str
+    constants: int = 0
+    largest: int = 0
+
+
+_REACH = 64_000
+"""Bytes of constants that an AVR reads by 16 bits, less some for its vectors and the core's own."""
+
+_LARGEST_ARRAY = 32_767
+"""Bytes of an array of avr-gcc, whose `int` has 16 bits."""
 
 
 def demand_fit(footprint: Footprint, board: Board, name: str) -> None:
@@ -119,21 +130,42 @@ def demand_fit(footprint: Footprint, board: Board, name: str) -> None:
         raise ExportError(
             f"'{name}' takes {footprint.flash:,} bytes of flash ({footprint.what}), and"
             f" {board.named} has {board.flash:,}",
-            hint=f"--table --levels 9 --q 7 is small; {_larger(board, footprint.flash, ram)}",
+            hint=f"--table --levels 9 --q 7 is small; {_larger(board, footprint)}",
         )
     if ram > board.ram:
         raise ExportError(
             f"'{name}' takes {ram:,} bytes of RAM ({footprint.static:,} of variables,"
             f" {footprint.stack:,} of stack), and {board.named} has {board.ram:,}",
-            hint=f"fewer cells that learn; {_larger(board, footprint.flash, ram)}",
+            hint=f"fewer cells that learn; {_larger(board, footprint)}",
         )
+    for size, limit, what in _reached(footprint, board):
+        if size > limit:
+            raise ExportError(
+                f"'{name}' has {size:,} bytes {what}, and {board.named} reads at most {limit:,}"
+                f" of its {board.flash:,} bytes of flash so",
+                hint=f"--q 7 or fewer --levels; {_larger(board, footprint)}",
+            )
 
 
-def _larger(board: Board, flash: int, ram: int) -> str:
+def _reached(footprint: Footprint, board: Board) -> list[tuple[int, int, str]]:
+    """Return sizes of constants beside what a board can address of them."""
+    if not board.avr:
+        return []
+    return [
+        (footprint.largest, _LARGEST_ARRAY, "in one array"),
+        (footprint.constants, _REACH, "of constants"),
+    ]
+
+
+def _larger(board: Board, footprint: Footprint) -> str:
     """Name the boards that hold so much."""
+    ram = footprint.static + footprint.stack
     fitting = [
         larger.name
         for larger in BOARDS.values()
-        if larger is not board and larger.flash >= flash and larger.ram >= ram
+        if larger is not board
+        and larger.flash >= footprint.flash
+        and larger.ram >= ram
+        and all(size <= limit for size, limit, _ in _reached(footprint, larger))
     ]
     return f"--board {' or '.join(fitting)} holds it" if fitting else "no board here holds it"

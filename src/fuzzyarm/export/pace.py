@@ -1,4 +1,4 @@
-"""The period of a controller on a board: the clock that counts it, and whether a call fits into it."""
+"""The period of a controller on a board: the clock that counts it, and whether a call fits."""
 
 from __future__ import annotations
 
@@ -11,16 +11,13 @@ from fuzzyarm.export.boards import Board
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.text.numbers import number_text
 
-__all__ = ["LONGEST", "SHORTEST", "Clock", "Pace", "clock_of", "demand_pace", "unchecked"]
+__all__ = ["SHORTEST", "Clock", "Pace", "clock_of", "demand_pace", "unchecked"]
 
-SHORTEST = 1e-4
-"""The shortest period of a board, in s: whole microseconds are 0.5 % of it at most."""
+SHORTEST = 100
+"""The shortest period of a board, in µs: half of one is 0.5 % of it."""
 
 _MOST_COUNTS = 2**31
-"""Half of what 32 bits count: a loop that is late by less is still seen to be late."""
-
-LONGEST = _MOST_COUNTS * 1e-3
-"""The longest period of a board, in s: 24.8 days, in milliseconds."""
+"""Half of what 32 bits count: a loop that is late by less than that is seen to be late."""
 
 SHARE = 0.9
 """How much of a period a call may take."""
@@ -39,13 +36,16 @@ class Clock:
 
 
 def clock_of(period: float) -> Clock:
-    """Return what counts a period, rounded to whole counts; ExportError outside of the limits."""
+    """Return what counts a period, rounded to whole counts; ExportError if it is too short.
+
+    The longest period of the language, an hour, is within the milliseconds.
+    """
     micros = round(period * 1e6)
-    if period < SHORTEST or period * 1e3 > _MOST_COUNTS:
+    if micros < SHORTEST:
         raise ExportError(
-            f"a period of {number_text(period)} s is outside of what a board counts,"
-            f" {number_text(SHORTEST)} s to {LONGEST:.0f} s",
-            hint="change the line  period  of the controller",
+            f"a period of {number_text(period)} s is too short for a board, which counts"
+            f" microseconds: at least {SHORTEST} µs",
+            hint=f"period {SHORTEST} us",
         )
     if micros <= _MOST_COUNTS:
         return Clock("micros", micros, "µs")

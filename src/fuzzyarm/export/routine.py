@@ -41,6 +41,7 @@ class CWriter:
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
     flash: int = 0
+    largest: int = 0  # bytes of the largest array in it
     refused: re.Pattern[str] | None = None  # names that are macros where the file is included
     _names_by_key: dict[object, str] = field(default_factory=dict)
 
@@ -54,7 +55,8 @@ class CWriter:
         if key not in self._names_by_key:
             name = self.names.new(f"{self.prefix}_{stem}")
             self._names_by_key[key] = name
-            self.flash += np.dtype(kind).itemsize * len(literals)
+            size = np.dtype(kind).itemsize * len(literals)
+            self.flash, self.largest = self.flash + size, max(self.largest, size)
             body = "\n".join(number_lines(literals, columns))
             self.constants.append(
                 f"static const {self.in_flash}{C_TYPES[kind]} {name}[{len(literals)}]"
