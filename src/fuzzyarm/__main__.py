@@ -1,7 +1,28 @@
-"""``python -m fuzzyarm`` is the command line."""
+"""The command line, as ``fuzzyarm`` and as ``python -m fuzzyarm``."""
 
 import sys
 
-from fuzzyarm.cli import main
+from fuzzyarm import interrupts
 
-sys.exit(main())
+INTERRUPTED = 130
+
+
+def main() -> int:
+    """Run the command of this process; Ctrl-C ends it in one line, while modules load as well."""
+    try:
+        interrupts.listen()
+        from fuzzyarm.cli.main import main as run
+
+        status = run()
+        interrupts.ignore()
+    except BaseException as error:
+        if isinstance(error, SystemExit) or not interrupts.heard:
+            raise
+        interrupts.ignore()
+        sys.stderr.write("fuzzyarm: interrupted\n")
+        return INTERRUPTED
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

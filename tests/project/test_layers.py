@@ -12,6 +12,7 @@ from sources import MODULES, SOURCE, nodes_of, tree
 
 ORDER = (
     "version",
+    "interrupts",
     "extras",
     "errors",
     "lazy",

@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from typing import TextIO, cast
 
+from fuzzyarm import interrupts
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     EXIT_USAGE,
@@ -151,24 +152,35 @@ def _status(words: list[str]) -> int:
     try:
         status = _run(words)
         sys.stdout.flush()
-    except RuleBaseError as error:
+    except BaseException as error:
+        # What an import makes of Ctrl-C is not always a KeyboardInterrupt.
+        if isinstance(error, KeyboardInterrupt) or interrupts.heard:
+            print_error("interrupted")
+            return EXIT_INTERRUPTED
+        return _failure(error)
+    return status
+
+
+def _failure(error: BaseException) -> int:
+    """Print what was raised as a sentence and return the exit status; raise what is a fault."""
+    if isinstance(error, RuleBaseError):
         _print_mistakes(error)
         return EXIT_INPUT
-    except FuzzyarmError as error:
+    if isinstance(error, FuzzyarmError):
         print_error(error)
         return EXIT_USAGE if isinstance(error, UsageError) else EXIT_INPUT
-    except BrokenPipeError:  # the reader (head, less) has gone: not a fault
+    if isinstance(error, BrokenPipeError):  # the reader (head, less) has gone: not a fault
         _discard_output()
         return 0
-    except OSError as error:
+    if isinstance(error, OSError):
         unnamed = error.filename is None and error.errno in _DISK_ERRORS
         print_os_error(error, "standard output" if unnamed else None)
         _discard_output()
         return EXIT_INPUT
-    except KeyboardInterrupt:
-        print_error("interrupted")
-        return EXIT_INTERRUPTED
-    return status
+    if isinstance(error, UnicodeEncodeError):  # the name of a file that a text uses
+        print_error(f"'{error.object}' cannot be a name in the locale of this process")
+        return EXIT_INPUT
+    raise error
 
 
 class _ErrorStream:
@@ -207,7 +219,8 @@ def _prepare_output() -> None:
         if getattr(sys, name) is None:  # closed by whoever started the process
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         stream = getattr(sys, name)
-        if hasattr(stream, "reconfigure") and stream.errors == "strict":
+        # In the locale C an encoding of few letters goes with the handler `surrogateescape`.
+        if hasattr(stream, "reconfigure") and stream.errors in {"strict", "surrogateescape"}:
             stream.reconfigure(errors="replace")
     # Figures are drawn without a backend, and an unknown one keeps matplotlib from loading.
     os.environ.pop("MPLBACKEND", None)

@@ -60,6 +60,10 @@ BEYOND = 1e-9
 """Of the width of a box: how far outside it pieces are cut, so that no rounding leaves a gap."""
 
 
+MOST_CORNERS = 1_000_000
+"""Corners of cells of a table within one set of inputs."""
+
+
 class Zonotope(NamedTuple):
     """A set of inputs: a centre and generators, shapes (n,) and (n, m)."""
 
@@ -466,6 +470,10 @@ class TablePlanes:
             self._stretches(axis, mode, float(a), float(b))
             for axis, a, b in zip(table.axes, low, high, strict=True)
         ]
+        # Each of 2ⁿ corners of a cell is interpolated from 2ⁿ of the table.
+        count = math.prod(map(len, stretches)) << 2 * len(stretches)
+        if count > MOST_CORNERS:
+            raise EnclosureError(f"a set of inputs covers too many cells of '{table.output}'")
         for parts in product(*stretches):
             for ends in product((0, 1), repeat=len(parts)):
                 corners.append([part.places[end] for part, end in zip(parts, ends, strict=True)])

@@ -74,16 +74,17 @@ def _starts(
     """Yield starts and parameters: corners, then drawn."""
     spans = dict(problem.start) if rest is None else _near(problem, rest)
     generator = np.random.default_rng(0)
-    corners = list(product(*(dict.fromkeys(span) for span in spans.values())))
+    free = sum(len(set(span)) > 1 for span in spans.values())
+    # All corners of up to five uncertain states.
+    corners = islice(product(*(dict.fromkeys(span) for span in spans.values())), 32)
     values = {name: span.low for name, span in problem.parameters.items()}
     other = {name: span.high for name, span in problem.parameters.items()}
-    # All corners of up to five uncertain states.
-    for corner in corners[:32]:
+    for corner in corners:
         start = dict(zip(spans, corner, strict=True))
         yield start, values
         if other != values:
             yield start, other
-    if len(corners) > 1 or other != values:
+    if free or other != values:
         for _ in range(RUNS):
             yield (
                 {n: float(generator.uniform(s.low, s.high)) for n, s in spans.items()},

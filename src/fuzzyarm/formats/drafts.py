@@ -34,7 +34,7 @@ from fuzzyarm.model.rulebase import (
     last_conclusions,
     propositions,
 )
-from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
+from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MIN_WIDTH, Span
 
 INFERENCES = ("Automatic", "TakagiSugeno", "Tsukamoto")
 """What fuzzylite may make of a weighted output; by default the terms tell."""
@@ -289,6 +289,10 @@ class VariableDraft:
             findings.error("bad-range", message, self.word)
         if self.low == self.high:  # beyond 2**53 half a unit is nothing
             self.high = math.nextafter(self.low, math.inf)
+        if self.high - self.low < MIN_WIDTH:
+            message = f"the range of '{self.name}' is narrower than {MIN_WIDTH:g}"
+            findings.error("bad-range", message, self.word)
+            self.low, self.high = self.low - 0.5, self.high + 0.5
 
 
 def same_value(consequent: Consequent, variables: dict[str, VariableDraft]) -> Consequent:

@@ -362,6 +362,11 @@ def _reference(outputs: Mapping[Address, Port], address: Address) -> ReferenceQu
 
 def _require_complete(plant: Plant) -> None:
     name = plant.name or type(plant).__name__
+    for what in ("name", "axis"):
+        word = getattr(plant, what)
+        if not isinstance(word, str):
+            hint = f'{what} = "{word}"'
+            raise PlantError(f"the {what} of plant {name} is not a text", name=what, hint=hint)
     for what in ("inputs", "outputs", "states"):
         if not getattr(plant, what):
             raise PlantError(f"plant {name} has no {what}", name=what)

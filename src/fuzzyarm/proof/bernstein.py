@@ -105,9 +105,18 @@ def barycentric(dimension: int, degree: int, *, exact: bool) -> Array:
     )
 
 
-@cache
-def from_values(dimension: int, degree: int, *, exact: bool) -> Array:
-    """Return the matrix from values at the lattice to coefficients."""
+_from_values: dict[tuple[int, int, bool], Array] = {}
+
+
+def from_values(dimension: int, degree: int, *, exact: bool, stop: Stop | None = None) -> Array:
+    """Return the matrix from values at the lattice to coefficients, which may take long."""
+    key = dimension, degree, exact
+    if key not in _from_values:
+        _from_values[key] = _found_from_values(dimension, degree, stop or Stop(), exact=exact)
+    return _from_values[key]
+
+
+def _found_from_values(dimension: int, degree: int, stop: Stop, *, exact: bool) -> Array:
     indices = lattice(dimension, degree)
 
     def basis(at: Index, index: Index) -> Fraction:
@@ -116,18 +125,22 @@ def from_values(dimension: int, degree: int, *, exact: bool) -> Array:
             (Fraction(a, degree) ** b for a, b in zip(at, index, strict=True)), start=Fraction(1)
         )
 
-    matrix = [[basis(at, index) for index in indices] for at in indices]
+    matrix = []
+    for at in indices:
+        stop.check()
+        matrix.append([basis(at, index) for index in indices])
     if not exact:
         return np.linalg.inv(np.array(matrix, dtype=float))
-    return _inverse(matrix, rationals())
+    return _inverse(matrix, rationals(), stop)
 
 
-def _inverse(matrix: list[list[Fraction]], arithmetic: Arithmetic) -> Array:
+def _inverse(matrix: list[list[Fraction]], arithmetic: Arithmetic, stop: Stop) -> Array:
     """Return the inverse by elimination; the pivots of a Bernstein matrix are not 0."""
     size = len(matrix)
     unit = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
     work = arithmetic.array([[*a, *b] for a, b in zip(matrix, unit, strict=True)])
     for i in range(size):
+        stop.check()
         pivot = next(r for r in range(i, size) if work[r, i] != 0)
         work[[i, pivot]] = work[[pivot, i]]
         work[i] = work[i] / work[i, i]

@@ -19,7 +19,7 @@ from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +46,9 @@ MOST = 3_000_000
 
 MOST_CHAINED = 100_000
 """The same where rules read other outputs, whose bounds are found anew for each box."""
+
+MOST_TABLE_CORNERS = 4_096
+"""Corners of a cell between which a table interpolates, each looked up for every box."""
 
 AT_ONCE = 200_000
 """Numbers of the aggregates of the boxes that are looked at together: they fit into the cache."""
@@ -145,6 +148,8 @@ class Boxes:
 
     def table(self, table: Any, mode: str, gap: float) -> Bounds:
         """Return bounds of what a table is above the output, with the sign of the output's."""
+        if mode == "linear" and 1 << len(self.names) > MOST_TABLE_CORNERS:
+            raise UnprovableError(f"a cell of the table has 2^{len(self.names)} corners")
         axes = {axis.name: axis for axis in table.axes}
         positions = [
             list(axes[name].levels if mode == "linear" else axes[name].thresholds(mode))
@@ -306,9 +311,17 @@ class Boxes:
             cuts_by_input = [sorted({low, high, *(x for x in extra if low < x < high)})
                       for (low, high), extra in zip(self.ends, positions, strict=True)]  # fmt: skip
             cuts = cuts_by_input
-        stretches = [list(pairwise(cut)) or [(cut[0], cut[0])] for cut in cuts]
-        boxes = np.array(list(product(*stretches)), dtype=float)
-        return boxes[:, :, 0].copy(), boxes[:, :, 1].copy()
+        cuts = [cut if len(cut) > 1 else 2 * cut for cut in cuts]
+        sizes = [len(cut) - 1 for cut in cuts]
+        count = math.prod(sizes)
+        if count > self.most:
+            raise UnprovableError(f"more than {self.most:,} boxes ({count:,} cells of the table)")
+        index = np.unravel_index(np.arange(count), sizes)
+        low, high = (
+            np.stack([np.array(cut[part])[i] for cut, i in zip(cuts, index, strict=True)], axis=1)
+            for part in (slice(0, -1), slice(1, None))
+        )
+        return low, high
 
     def _is_fine(self, low: Array, high: Array) -> bool:
         """Tell whether boxes are too small to gain anything by cutting them."""

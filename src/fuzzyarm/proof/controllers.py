@@ -412,8 +412,12 @@ def sampled_drive(
     case = _AxisCase(AxisLines(text, site, proof.axis, Stop(), {}), site)
     ends = list(along.within.values())
     count = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
-    grid = [np.linspace(low, high, count) for low, high in ends]
-    where = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
+    if count ** len(ends) > 4 * points:  # even three along each of many sources are too many
+        low, high = np.array(ends).T
+        where = np.random.default_rng(0).uniform(low, high, (points, len(ends)))
+    else:
+        grid = [np.linspace(low, high, count) for low, high in ends]
+        where = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
     values = [
         case.value_at(proof.port, dict(zip(along.within, point, strict=True)), limited=True)
         for point in where.tolist()

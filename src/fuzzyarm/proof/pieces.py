@@ -18,6 +18,7 @@ Source of the triangulation: H. W. Kuhn, *Some combinatorial lemmas in topology*
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import pairwise, permutations
@@ -41,7 +42,10 @@ from fuzzyarm.proof.straight import Corners, Straight, StraightAntecedent, Strai
 __all__ = ["Cell", "Cut", "PieceGrid", "Pieces", "TooManyPiecesError", "cut"]
 
 MOST_PIECES = 2_000_000
-"""Simplices that fit into memory with their heights."""
+"""Simplices of one cut."""
+
+MOST_NUMBERS = 200_000_000
+"""Numbers of all simplices together, corners, heights and slopes: 1.6 GB in floats."""
 
 FEW_LEVELS = 3
 """With more levels of the aggregate than this, cutting the inputs at all of them costs more
@@ -54,8 +58,9 @@ SAME = 4e-15
 class TooManyPiecesError(FuzzyarmError, ValueError):
     """A rule base falls into more pieces than are handled."""
 
-    def __init__(self, count: int) -> None:
-        super().__init__(f"more than {MOST_PIECES:,} pieces ({count:,} and counting)")
+    def __init__(self, count: int, most: int) -> None:
+        counted = f" ({count:,} and counting)" if count < 10**9 else ""
+        super().__init__(f"more than {most:,} pieces{counted}")
 
 
 class Cell(NamedTuple):
@@ -106,8 +111,9 @@ class PieceGrid:
         For each input, whether a membership jumps within the box.
     """
 
-    def __init__(self, model: Straight, what: Cut, arithmetic: Arithmetic) -> None:
+    def __init__(self, model: Straight, what: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
         self.arithmetic = arithmetic
+        self.stop = stop
         lines = [(proposition.input, proposition.corners) for proposition in model.propositions]
         if what.mirrored:
             lines += [(i, _mirrored(corners)) for i, corners in lines]
@@ -125,8 +131,8 @@ class PieceGrid:
             self.jumps.append(jumps)
         self.ends = [(arithmetic.array(a), arithmetic.array(b)) for a, b in exact]
 
-    @staticmethod
     def _cells_of(
+        self,
         cuts: list[Fraction],
         mine: list[tuple[int, Corners]],
         exact: list[tuple[list[Fraction], list[Fraction]]],
@@ -134,8 +140,12 @@ class PieceGrid:
         cells: list[Cell] = []
         jumps = False
         stretches = list(pairwise(cuts))
-        lines = [[_line_between(corners, a, b) for _, corners in mine] for a, b in stretches]
+        lines = []
+        for a, b in stretches:
+            self.stop.check()  # a thousand terms have a million ends
+            lines.append([_line_between(corners, a, b) for _, corners in mine])
         for index, x in enumerate(cuts):
+            self.stop.check()
             at = [height_at(corners, x) for _, corners in mine]
             before = [b for _, b in lines[index - 1]] if index else None
             after = [a for a, _ in lines[index]] if index < len(lines) else None
@@ -241,18 +251,19 @@ class Pieces:
         self.model = model
         self.stop = stop or Stop()
         self.arithmetic = arithmetic
-        self.grid = PieceGrid(model, what, arithmetic)
+        self.grid = PieceGrid(model, what, arithmetic, self.stop)
         self.systems = 2 if what.mirrored else 1
         dimension = len(what.box)
         numbers = [len(cells) for cells in self.grid.cells]
-        orders = list(permutations(range(dimension)))
-        count = int(np.prod(numbers)) if only is None else len(only)
-        if count * len(orders) > MOST_PIECES:
-            raise TooManyPiecesError(count * len(orders))
+        columns = self.systems * model.columns
+        numbers_of_each = (dimension + 1) * (dimension + columns) + dimension * columns
+        self.most = min(MOST_PIECES, MOST_NUMBERS // numbers_of_each)
+        count = math.prod(numbers) if only is None else len(only)
+        self._demand_few(count * math.factorial(dimension))
+        orders = np.array(list(permutations(range(dimension))))
         flat = np.arange(count) if only is None else np.asarray(only)
         cells = np.stack(np.unravel_index(flat, numbers), axis=1)
         self.count = count * len(orders)
-        columns = self.systems * model.columns
         # Longer than they need be, so that cutting a few pieces does not copy all of them.
         self._cell = np.repeat(cells, len(orders), axis=0)
         self._corners = self._simplices(cells, orders)
@@ -285,13 +296,16 @@ class Pieces:
         """Where floats could not tell two heights with different slopes apart."""
         return self._doubtful[: self.count]
 
+    def _demand_few(self, count: int) -> None:
+        if count > self.most:
+            raise TooManyPiecesError(count, self.most)
+
     def _make_room(self, count: int) -> None:
-        if count > MOST_PIECES:
-            raise TooManyPiecesError(count)
+        self._demand_few(count)
         room = len(self._cell)
         if count <= room:
             return
-        more = max(count, 2 * room) - room
+        more = min(max(count, 2 * room), self.most) - room
         for name in ("_cell", "_corners", "_heights", "_slopes", "_doubtful"):
             array = getattr(self, name)
             grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
@@ -319,21 +333,19 @@ class Pieces:
             positions.append(left + (right - left) * as_fraction(share))
         return positions
 
-    def _simplices(self, cells: Array, orders: list[tuple[int, ...]]) -> Array:
+    def _simplices(self, cells: Array, orders: Array) -> Array:
         count, dimension = cells.shape
         # Kuhn: each simplex is a walk from one corner of the cell to the opposite one, axis by axis
         # in one of d! orders; its vertices are the d + 1 corners on the way.
-        unit = np.zeros((len(orders), dimension + 1, dimension), dtype=int)
-        for k, order in enumerate(orders):
-            for step, axis in enumerate(order):
-                unit[k, step + 1 :, axis] = 1
+        turn = orders.argsort(axis=1)  # the step at which each axis is walked
+        unit = np.arange(dimension + 1)[None, :, None] > turn[:, None, :]
         shape = np.tile(unit, (count, 1, 1))
         for axis in range(dimension):
             mirrored = self._runs_backwards(axis)[cells[:, axis]]
             which = np.repeat(mirrored, len(orders))
-            shape[which, :, axis] = 1 - shape[which, :, axis]
+            shape[which, :, axis] = ~shape[which, :, axis]
         values: Array = self.arithmetic.zeros(*shape.shape)
-        values[shape == 1] = self.arithmetic.number(Fraction(1))
+        values[shape] = self.arithmetic.number(Fraction(1))
         return values
 
     def _runs_backwards(self, axis: int) -> Array:
@@ -425,12 +437,27 @@ class Pieces:
         if node.kind == "one":
             ones = self.arithmetic.ones(len(which), dimension + 1)
             return _Affine(ones, self.arithmetic.zeros(len(which), dimension))
-        parts = [self._truth(operand, which, shift, undecided) for operand in node.operands]
         one = self.arithmetic.number(Fraction(1))
+        first = self._truth(node.operands[0], which, shift, undecided)
         if node.kind == "not":
-            return _Affine(one - parts[0].values, -parts[0].slopes)
-        first, second = parts
+            return _Affine(one - first.values, -first.slopes)
+        for operand in node.operands[1:]:
+            self.stop.check()
+            second = self._truth(operand, which, shift, undecided)
+            first = self._joined(node, first, second, which, undecided)
+        return first
+
+    def _joined(
+        self,
+        node: StraightAntecedent,
+        first: _Affine,
+        second: _Affine,
+        which: Array,
+        undecided: list[Array],
+    ) -> _Affine:
+        """Return two operands under their norm; note what has to be decided between them."""
         if node.kind in {"bounded and", "bounded or"}:  # max(0, a + b − 1) and min(1, a + b)
+            one = self.arithmetic.number(Fraction(1))
             limit = one if node.kind == "bounded or" else one - one
             shift_by = one - limit
             total = _Affine(first.values + second.values - shift_by, first.slopes + second.slopes)
@@ -594,7 +621,7 @@ def cut(
     Raises
     ------
     TooManyPiecesError
-        If there are more than :data:`MOST_PIECES`.
+        If there are more than :data:`MOST_PIECES`, or than fit into memory.
     TimeOverError
         When time is over.
     """

@@ -321,7 +321,7 @@ def _neighbourhood(
 ) -> tuple[tuple[Fraction, Fraction], ...]:
     """Return the cells around a point."""
     assert prover.model is not None
-    grid = PieceGrid(prover.model, what, rationals())
+    grid = PieceGrid(prover.model, what, rationals(), prover.stop)
     box = []
     for x, cells in zip(at, grid.cells, strict=True):
         near = [cell for cell in cells if cell.left <= x <= cell.right]

@@ -50,7 +50,7 @@ class Proposition(NamedTuple):
 
 
 class StraightAntecedent(NamedTuple):
-    """An antecedent: ``is`` (a proposition), ``not``, ``one``, or a norm of two operands."""
+    """An antecedent: ``is`` (a proposition), ``not``, ``one``, or a norm from the left."""
 
     kind: Literal["is", "not", "one", "min", "max", "bounded and", "bounded or", "product"]
     operands: tuple[StraightAntecedent, ...] = ()
@@ -306,10 +306,8 @@ class _Reading:
         kinds = _CONJUNCTIONS if conjunction else _DISJUNCTIONS
         if name not in kinds:
             raise NotStraightError(f"{'and' if conjunction else 'or'} {name} bends straight lines")
-        operand_node, *rest = (self._node(operand, planned) for operand in expression.operands)
-        for node in rest:
-            operand_node = StraightAntecedent(kinds[name], (operand_node, node))
-        return operand_node
+        operands = tuple(self._node(operand, planned) for operand in expression.operands)
+        return operands[0] if len(operands) == 1 else StraightAntecedent(kinds[name], operands)
 
     @staticmethod
     def _hedged(node: StraightAntecedent, hedges: Sequence[Hedge]) -> StraightAntecedent:

@@ -12,6 +12,7 @@ quotient with a denominator that is nowhere negative:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
@@ -36,11 +37,16 @@ from fuzzyarm.proof.bernstein import (
     from_values,
     vertices_of,
 )
-from fuzzyarm.proof.pieces import Pieces
+from fuzzyarm.proof.bounds import UnprovableError
+from fuzzyarm.proof.pieces import MOST_NUMBERS, Pieces
 from fuzzyarm.proof.straight import Straight, StraightAntecedent
 from fuzzyarm.table.axis import TableHeader
+from fuzzyarm.text.numbers import counted
 
 __all__ = ["Surface", "TableValues"]
+
+MOST_COEFFICIENTS = 3_000
+"""Of one polynomial; a matrix of them squared goes from values to coefficients."""
 
 _CHUNK, _CHUNK_OF_RATIONALS = 4_000_000, 40_000
 """Numbers in one array while the lattice is evaluated; rationals take a thousand times as long."""
@@ -259,9 +265,15 @@ class Surface:
         some: Array | None = None,
     ) -> Quotients:
         exact = self.arithmetic.exact
-        points = barycentric(self.dimension, degree, exact=exact)
-        matrix = from_values(self.dimension, degree, exact=exact)
         which = np.arange(self.pieces.count) if some is None else some
+        coefficients = math.comb(self.dimension + degree, degree)
+        if coefficients > MOST_COEFFICIENTS or 3 * coefficients * which.size > MOST_NUMBERS:
+            raise UnprovableError(
+                f"{which.size:,} pieces of {coefficients:,} coefficients each (degree {degree} in"
+                f" {counted(self.dimension, 'input')}) are too many"
+            )
+        points = barycentric(self.dimension, degree, exact=exact)
+        matrix = from_values(self.dimension, degree, exact=exact, stop=self.pieces.stop)
         most = _CHUNK_OF_RATIONALS if exact else _CHUNK
         step = max(1, most // (len(points) * max(self.pieces.heights.shape[2], 4)))
         ends = list(vertices_of(self.dimension, degree))
@@ -447,8 +459,10 @@ class Surface:
         parts = [self._product(operand, which, shares, shift) for operand in node.operands]
         if node.kind == "not":
             return self.arithmetic.number(Fraction(1)) - parts[0][0], -parts[0][1]
-        (a, a_slope), (b, b_slope) = parts
-        return a * b, a_slope * b[:, :, None] + b_slope * a[:, :, None]
+        a, a_slope = parts[0]
+        for b, b_slope in parts[1:]:
+            a, a_slope = a * b, a_slope * b[:, :, None] + b_slope * a[:, :, None]
+        return a, a_slope
 
 
 class _Parts(NamedTuple):

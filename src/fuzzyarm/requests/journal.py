@@ -14,10 +14,10 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.files import demand_writable, locked
 
 __all__ = ["JournalError", "WorkJournal", "digests_of", "question_of"]
 
@@ -63,6 +63,7 @@ class WorkJournal:
         # Sorted: the same question begins a file with the same bytes.
         request_text = json.dumps(question, sort_keys=True, ensure_ascii=False)
         self.head = f"{self.first}# {request_text}\n{csv_line(self.columns)}"
+        self._file: BinaryIO | None = None  # locked: one writer at a time
 
     def begin(self, total: int | None = None, *, may_replace: bool = True) -> None:
         """Write the head; what was there is gone.
@@ -78,7 +79,23 @@ class WorkJournal:
         ------
         JournalError
             If the file holds a part of the same work, or what may not be replaced.
+        FileInUseError
+            If other work is writing it.
         """
+        self._demand_replaceable(total, may_replace=may_replace)
+        demand_writable(self.path)
+        file = self._held()
+        self._demand_replaceable(total, may_replace=may_replace)  # nobody else writes from now on
+        file.truncate(0)
+        self._write(self.head)
+
+    def _held(self) -> BinaryIO:
+        """Return the file, which is locked from the first call until the journal is gone."""
+        if self._file is None:
+            self._file = locked(self.path)
+        return self._file
+
+    def _demand_replaceable(self, total: int | None, *, may_replace: bool) -> None:
         if self.path.is_file() and self.path.stat().st_size:
             if self.path.read_bytes().startswith(self.head.encode()):
                 count = len(self.rows())
@@ -91,19 +108,23 @@ class WorkJournal:
             elif not may_replace:
                 message = f"{self.path} exists and is not of this {self.work}"
                 raise JournalError(message, hint=f"give another {self.option}")
-        write_atomically(self.path, self.head)
 
     def resume(self) -> list[Row]:
         """Return the lines of the file as cells; one that is torn is cut off."""
+        self._demand_own(self.path.read_bytes())
+        self._held()
         content = self.path.read_bytes()
-        head = self.head.encode()
-        if not content.startswith(head):
-            hint = f"give another {self.option}"
-            raise JournalError(f"{self.path} {self._difference(content)}", hint=hint)
+        self._demand_own(content)
         # Who wrote was ended within a line: the next one would go on in it.
         if not content.endswith(b"\n"):
             os.truncate(self.path, content.rfind(b"\n") + 1)
         return self.rows()
+
+    def _demand_own(self, content: bytes) -> None:
+        head = self.head.encode()
+        if not content.startswith(head):
+            hint = f"give another {self.option}"
+            raise JournalError(f"{self.path} {self._difference(content)}", hint=hint)
 
     def rows(self) -> list[Row]:
         """Return the whole lines behind the head."""
@@ -128,8 +149,12 @@ class WorkJournal:
 
     def append(self, rows: Iterable[Row]) -> None:
         """Write lines, the first of which is the next that is missing."""
-        with self.path.open("a", encoding="utf-8", newline="\n") as file:
-            file.writelines(map(csv_line, rows))
+        self._write("".join(map(csv_line, rows)))
+
+    def _write(self, text: str) -> None:
+        file = self._held()
+        file.write(text.encode())
+        file.flush()
 
     def _difference(self, content: bytes) -> str:
         """Say what the file asks that this work does not."""

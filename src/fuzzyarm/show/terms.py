@@ -229,6 +229,7 @@ class TermPlots:
         # The step as the positions of the line have it: rounded together with `low`.
         heights, step = [0.0] * width, low + (high - low) / (width - 1) - low
         for x, y in zip(line.x, line.y, strict=True):
-            column = round((x - low) / step)
+            # Over a few floats the step vanishes in the rounding of `low`.
+            column = round((x - low) / step if step else (x - low) / (high - low) * (width - 1))
             heights[column] = max(heights[column], 0.0 if math.isnan(y) else y)
         return "".join(map(block, heights))

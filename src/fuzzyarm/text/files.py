@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import stat
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -93,6 +94,58 @@ def demand_writable(path: str | Path) -> None:
             handle, name = _part_in(Path(os.path.realpath(path)).parent)
             os.close(handle)
             os.unlink(name)
+
+
+class FileInUseError(FuzzyarmError, OSError):
+    """Another process, or other work of this one, writes a file."""
+
+
+def locked(path: str | Path) -> BinaryIO:
+    """Open a file to append to it, alone: the lock is held until what is returned is closed.
+
+    Raises
+    ------
+    FileInUseError
+        If it is open like this already.
+    OSError
+        If it cannot be written.
+    """
+    while True:
+        file = open(path, "ab")  # noqa: SIM115
+        try:
+            _lock(file)
+        except OSError as error:
+            file.close()
+            message = f"{path} is being written by other work"
+            hint = "wait for its end, or give another name"
+            if error.errno in _IN_USE:
+                raise FileInUseError(message, hint=hint) from None
+            raise
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
+                return file
+        file.close()  # it was replaced or removed in between
+
+
+_IN_USE = (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
+
+
+def _lock(file: BinaryIO) -> None:
+    """Lock a file; OSError where it is locked. File systems without locks take any number."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        file.seek(1 << 40)  # a byte that nobody reads: locks there hold for reading, too
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        return
+    with contextlib.suppress(ImportError):  # in a browser
+        import fcntl
+
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in _IN_USE:
+                raise
 
 
 def _demand_leave(path: str | Path) -> None:

@@ -298,8 +298,9 @@ def _mentions(model: ControllerModel, name: str) -> int:
     return sum(name in _read_by(line) for part in model.axes for line in part.lines)
 
 
-GRID = 9
-"""Positions along each input at which the nearest plane is sought."""
+GRID, MOST_POINTS = 9, 60_000
+"""Positions along each input at which the nearest plane is sought, and most of them in all: of more
+than five inputs so many are drawn."""
 
 
 def nearest_plane(rulebase: RuleBase, output: str) -> tuple[list[float], float]:
@@ -307,8 +308,12 @@ def nearest_plane(rulebase: RuleBase, output: str) -> tuple[list[float], float]:
     ranges = [(variable.low, variable.high) for variable in rulebase.inputs]
     if not all(math.isfinite(end) for ends in ranges for end in ends):
         raise TuneError(f"'{rulebase.name}' has an input without end", name=rulebase.name)
-    lines = [np.linspace(low, high, GRID) for low, high in ranges]
-    mesh = np.stack([axis.ravel() for axis in np.meshgrid(*lines, indexing="ij")], axis=1)
+    if GRID ** len(ranges) > MOST_POINTS:
+        low, high = np.array(ranges).T
+        mesh = np.random.default_rng(0).uniform(low, high, (MOST_POINTS, len(ranges)))
+    else:
+        lines = [np.linspace(low, high, GRID) for low, high in ranges]
+        mesh = np.stack([axis.ravel() for axis in np.meshgrid(*lines, indexing="ij")], axis=1)
     names = [variable.name for variable in rulebase.inputs]
     try:
         values = infer(rulebase, dict(zip(names, mesh.T, strict=True)), outputs=(output,))[output]

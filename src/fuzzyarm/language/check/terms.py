@@ -40,23 +40,28 @@ def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``defuzzifier-does-not-fit`` and ``mixed-output-terms``."""
     names = {v.name for v in (*subject.rulebase.inputs, *subject.rulebase.outputs)}
     for output in subject.rulebase.outputs:
-        yield from _values(output)
         yield from _formulas(output, names)
-        yield from _mixture(output)
+        if not _averages_values(output):
+            yield from _values(output)
+            yield from _mixture(output)
         yield from _type_2(output, subject)
         if output.defuzzifier.record.inverts:
             yield from _monotonic(output)
 
 
+def _averages_values(output: Output) -> bool:
+    """Whether values, numbers and lines alike, are averaged by the ends of their weights."""
+    others = [term for term in output.terms if term.shape.kind != "singleton"]
+    return output.defuzzifier.record.type2 and bool(others) and all(map(_is_value, others))
+
+
+def _is_value(term: Term) -> bool:
+    return not (SHAPES[term.shape.kind].fuzzy or POSITION in _names_in(term))
+
+
 def _values(output: Output) -> Iterator[Diagnostic]:
-    values = [
-        term
-        for term in output.terms
-        if not (SHAPES[term.shape.kind].fuzzy or POSITION in _names_in(term))
-    ]
+    values = list(filter(_is_value, output.terms))
     method, record = output.defuzzifier.method, output.defuzzifier.record
-    if values and len(values) == len(output.terms) and record.type2:
-        return  # the average of values, by the ends of their weights
     if values and not record.weighs:
         yield Diagnostic(
             "defuzzifier-does-not-fit",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import permutations
+from itertools import islice, permutations
 from types import MappingProxyType
 from typing import Any, NoReturn
 
@@ -322,7 +322,7 @@ class _AskingCursor(Cursor):
             text = f"{name_text(inputs[0].name)}  {_names(inputs[0])}"
             return [Completion(text, "row", text, "one input")]
         rows = []
-        for down, across in list(permutations(inputs, 2))[:_MOST_HEADERS]:
+        for down, across in islice(permutations(inputs, 2), _MOST_HEADERS):
             text = f"{name_text(down.name)} \\ {name_text(across.name)}  {_names(across)}"
             rows.append(Completion(text, "row", text, f"{down.name} down, {across.name} across"))
         return rows
