@@ -116,6 +116,7 @@ TESTS = {
     "__init__.py": ["tests/project"],
     "__main__.py": ["tests/cli"],
     "version.py": ["tests/project"],
+    "interrupts.py": ["tests/cli/test_streams.py"],
     **{
         f"{package}/": [f"tests/{package}"]
         for package in (

@@ -1,4 +1,4 @@
-"""Ctrl-C from the first import on: it is remembered, whatever the code that it meets makes of it."""
+"""Ctrl-C from the first import on, remembered whatever the code that it meets makes of it."""
 
 from __future__ import annotations
 

@@ -61,3 +61,63 @@ def test_links_to_a_source_are_that_source(tmp_path):
         write_atomically(tmp_path / "c.csv", "3\n")
     write_atomically(link, "4\n")
     assert source.read_text() == "4\n"
+
+
+def copies(folder, *names):
+    for name in names:
+        shutil.copy(ROOT / "rulebases" / name, folder / name)
+
+
+def hard(source, link):
+    Path(link).hardlink_to(source)
+
+
+def soft(source, link):
+    Path(link).symlink_to(source)
+
+
+@pytest.mark.parametrize("made", [hard, soft])
+@pytest.mark.parametrize(
+    ("words", "option", "suffix", "kept"),
+    [
+        ("compile rules.frb", "-o", ".h", "rules.frb"),
+        ("compile servo.frb", "-o", ".c", "servo.frb"),
+        ("designer rules.frb", "--export", ".html", "rules.frb"),
+        ("plot rules.frb", "-o", ".svg", "rules.frb"),
+        ("convert rules.frb", "", ".fis", "rules.frb"),
+        ("watch rules.frb --once", "--table", ".lut", "rules.frb"),
+        ("watch rules.frb --once", "--figure", ".png", "rules.frb"),
+        ("learn soc-zero.frb --passes 1 --segment 0.05 --hold 0.02", "-o", ".lut",
+         "performance-yamazaki.lut"),
+        ("tune fuzzy-direct.frb --evals 3", "-o", ".frb", "pd7-study.frb"),
+    ],
+)  # fmt: skip
+def test_another_name_of_a_source_is_that_source(folder, made, words, option, suffix, kept):
+    copies(folder, "soc-zero.frb", "performance-yamazaki.lut", "fuzzy-direct.frb", "pd7-study.frb")
+    before = Path(kept).read_bytes()
+    made(kept, f"other{suffix}")
+    assert main([*words.split(), *filter(None, [option]), f"other{suffix}"]) == 1
+    assert Path(kept).read_bytes() == before
+
+
+def test_a_table_by_which_a_controller_learns_is_not_what_it_learned(folder, capsys):
+    copies(folder, "soc-zero.frb", "performance-yamazaki.lut")
+    before = Path("performance-yamazaki.lut").read_bytes()
+    words = "learn soc-zero.frb --passes 1 --segment 0.05 --hold 0.02 -o performance-yamazaki.lut"
+    assert main(words.split()) == 1
+    assert "performance-yamazaki.lut is not written" in capsys.readouterr().err
+    assert Path("performance-yamazaki.lut").read_bytes() == before
+
+
+def test_a_file_that_is_tuned_in_place_is_written(folder):
+    before = Path("servo.frb").read_bytes()
+    shutil.copy(ROOT / "rulebases/pd7.frb", "pd7.frb")
+    words = "tune servo.frb --plant motor --for 50ms --evals 5 --seed 2 -o servo.frb"
+    assert main(words.split()) == 0
+    assert Path("servo.frb").read_bytes() != before
+
+
+def test_watch_once_tells_by_its_status_that_a_table_is_not_written(folder, capsys):
+    Path("x.lut").mkdir()
+    assert main(["watch", "rules.frb", "--once", "--table", "x.lut"]) == 1
+    assert "x.lut: not written" in capsys.readouterr().out

@@ -235,3 +235,51 @@ def test_a_full_disk_names_the_output(files, monkeypatch, capsys):
         assert main(["eval", PD7, "e=1", "ce=2"]) == 1
         forget(full)
     assert capsys.readouterr().err == "fuzzyarm: standard output: No space left on device\n"
+
+
+INTERRUPTED_IMPORT = """\
+import signal, sys
+from fuzzyarm import interrupts
+from fuzzyarm.__main__ import main
+
+
+class Interrupting:
+    # Ctrl-C while a module is looked for, of which the finder makes another error.
+    def find_spec(self, name, path, target=None):
+        if name != {module!r}:
+            return None
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as error:
+            raise {error}("broken off") from error
+
+
+sys.meta_path.insert(0, Interrupting())
+sys.argv[1:] = ["check", {file!r}]
+sys.exit(main())
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", ["KeyboardInterrupt", "ImportError", "RuntimeError"])
+@pytest.mark.parametrize("module", ["fuzzyarm.cli.main", "fuzzyarm.cli.check", "fuzzyarm.language"])
+def test_ctrl_c_while_modules_load_is_one_line(module, error):
+    script = INTERRUPTED_IMPORT.format(module=module, error=error, file=PD7)
+    command = [sys.executable, "-c", script]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (130, "fuzzyarm: interrupted\n")
+
+
+@pytest.mark.slow
+def test_a_locale_of_few_letters_ends_no_command(tmp_path):
+    (tmp_path / "größe.frb").write_text(shipped("pd7.frb").read_text())
+    servo = shipped("servo.frb").read_text()
+    (tmp_path / "servo.frb").write_text(servo.replace("pd7.frb", "größe.frb"), encoding="utf-8")
+    environment = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    for words in ("prove servo.frb --plant motor --stable", "show servo.frb", "check größe.frb"):
+        ended = subprocess.run(
+            [sys.executable, "-m", "fuzzyarm", *words.split()],
+            check=False, capture_output=True, env=environment, cwd=tmp_path,
+        )  # fmt: skip
+        assert ended.returncode in {0, 1}, words
+        assert b"Traceback" not in ended.stderr, words

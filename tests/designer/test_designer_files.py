@@ -644,3 +644,22 @@ def test_a_controller_uses_no_file_outside_the_folder(client, folder, file):
             end = heard(socket, lambda each: "end" in each)
             assert end["end"] == "failed", what
             assert reason in end["message"], what
+
+
+def test_a_circle_of_links_is_no_file_of_the_folder(folder):
+    (folder / "a.frb").symlink_to(folder / "b.frb")
+    (folder / "b.frb").symlink_to(folder / "a.frb")
+    workspace = Workspace(folder)
+    assert "a.frb" not in workspace.files()
+    for asked in (
+        {"what": "rename", "file": "a.frb", "name": "y.frb"},
+        {"what": "duplicate", "file": "a.frb", "name": "y.frb"},
+        {"what": "delete", "file": "a.frb"},
+        {"what": "duplicate", "file": "pd7.frb", "name": "a.frb"},
+    ):
+        error = workspace.answer(asked).get("error", "")
+        assert error, asked
+        assert str(folder) not in error
+    with pytest.raises(OutsideError):
+        workspace.text("a.frb")
+    assert workspace.beside("a.frb", ".frb").name == "a.frb"

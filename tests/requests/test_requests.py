@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,7 @@ from fuzzyarm.requests import (
 from fuzzyarm.requests.fields import RequestField, fields_of
 from fuzzyarm.requests.journal import JournalError, WorkJournal
 from fuzzyarm.requests.schema import schema_of
+from fuzzyarm.text.files import FileInUseError
 from fuzzyarm.tuning.optimisers import OPTIMISERS
 
 ROOT = Path(__file__).parents[2]
@@ -281,3 +284,34 @@ def test_what_is_on_by_default_can_be_switched_off(name: str) -> None:
     for action in on:
         off = [word for word in action.option_strings if word.startswith("--no-")]
         assert off, action.dest
+
+
+HOLDER = """\
+import sys
+from fuzzyarm.requests.journal import WorkJournal
+journal = WorkJournal(sys.argv[1], "sweep", {"asked": 1}, ["run", "x"])
+journal.begin()
+journal.append([["0", "0.0"]])
+print("begun", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_one_process_writes_a_journal(tmp_path):
+    path = tmp_path / "x.csv"
+    command = [sys.executable, "-c", HOLDER, str(path)]
+    with subprocess.Popen(command, stdin=-1, stdout=-1, text=True) as first:
+        assert first.stdout.readline() == "begun\n"
+        before = path.read_bytes()
+        other = WorkJournal(path, "sweep", {"asked": 1}, ["run", "x"])
+        with pytest.raises(FileInUseError, match="is being written by other work"):
+            other.resume()
+        with pytest.raises(FileInUseError):
+            other.begin(total=1)
+        assert path.read_bytes() == before
+        first.kill()  # a lock does not outlive who holds it
+    assert other.resume() == [["0", "0.0"]]
+    other.append([["1", "0.5"]])
+    other.close()
+    again = WorkJournal(path, "sweep", {"asked": 1}, ["run", "x"])
+    assert again.resume() == [["0", "0.0"], ["1", "0.5"]]

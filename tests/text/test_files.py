@@ -6,7 +6,7 @@ import stat
 
 import pytest
 
-from fuzzyarm.text.files import stamp_of, write_atomically
+from fuzzyarm.text.files import confined, demand_allowed, stamp_of, write_atomically
 
 
 def test_a_file_is_written_and_replaced(tmp_path):
@@ -126,3 +126,13 @@ def test_a_full_disk_names_the_file_that_was_asked_for(links, tmp_path, monkeypa
         write_atomically(path, "new")
     assert caught.value.filename == str(path)
     assert path.stat().st_nlink == links
+
+
+def test_a_circle_of_links_is_a_file_that_cannot_be_opened(tmp_path):
+    one, other = tmp_path / "a.frb", tmp_path / "b.frb"
+    one.symlink_to(other)
+    other.symlink_to(one)
+    with confined(tmp_path):
+        demand_allowed(one)
+        with pytest.raises(OSError, match="symbolic links"):
+            one.read_text()

@@ -21,6 +21,7 @@ from fuzzyarm.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
+from fuzzyarm.text.protected import SourceFileError
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -233,7 +234,7 @@ def saved(path: str, write: Callable[[str], object]) -> Saved:
     """Write the result of long work; where that fails, into a folder for temporary files."""
     try:
         write(path)
-    except OSError as error:
+    except (OSError, SourceFileError) as error:
         from tempfile import mkdtemp
 
         what = errors.sentence_of(error)

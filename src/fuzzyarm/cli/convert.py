@@ -31,7 +31,6 @@ own object: they are the same to 1e-9 of the range, or the greatest difference i
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -58,7 +57,7 @@ from fuzzyarm.language.reading import read_text, text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.files import same_file, write_atomically
 from fuzzyarm.text.numbers import counted
 
 if TYPE_CHECKING:
@@ -87,7 +86,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.target is None:
         COMMANDS[0].parser().error("the file to write, OUT, is missing")
     target = suffix_of(arguments.target)
-    if any(_same_file(source, arguments.target) for source in sources):
+    if any(same_file(source, arguments.target) for source in sources):
         print_error(f"{arguments.target}: the file to read and the file to write are the same")
         return 1
     if arguments.connect or len(sources) > 1:
@@ -115,10 +114,6 @@ def _convert_one(arguments: argparse.Namespace, target: str) -> int:
         write_atomically(arguments.target, text)
     _report(arguments, imported, diagnostics, written=text is not None)
     return 0 if text is not None else 1
-
-
-def _same_file(source: str, target: str) -> bool:
-    return os.path.exists(source) and os.path.exists(target) and os.path.samefile(source, target)
 
 
 def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:

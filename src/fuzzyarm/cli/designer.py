@@ -42,6 +42,9 @@ def _run(arguments: argparse.Namespace) -> int:
         return 0
     from fuzzyarm.designer.folder import SUFFIXES
     from fuzzyarm.designer.server import serve
+    from fuzzyarm.text.protected import let_rewrite
+
+    let_rewrite()
 
     if path.exists() and not path.is_dir() and path.suffix.lower() not in SUFFIXES:
         raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")

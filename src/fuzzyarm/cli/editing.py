@@ -20,11 +20,11 @@ from fuzzyarm.cli.command import (
     hush,
     print_error,
 )
-from fuzzyarm.errors import FuzzyarmError, demand_extra
+from fuzzyarm.errors import FuzzyarmError, demand_extra, sentence_of
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.assignments import read_assignments
 from fuzzyarm.text.diagnostic import render_all
-from fuzzyarm.text.files import stamp_of
+from fuzzyarm.text.files import same_file, stamp_of
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -58,10 +58,10 @@ def _watch(arguments: argparse.Namespace) -> int:
     document = WatchedFile(arguments.file)
     console = make_console()
     if arguments.once:
-        _redraw(console, document, arguments)
+        written = _redraw(console, document, arguments)
         if document.broken:
             print_error(f"{arguments.file}: {document.summary}")
-        return int(document.broken)
+        return int(document.broken or not written)
     hush()
     from fuzzyarm.watch.keys import keys_of_terminal
 
@@ -82,7 +82,7 @@ def _demand_sense(arguments: argparse.Namespace) -> None:
     if arguments.table and Path(arguments.file).suffix.lower() == ".lut":
         raise WordError(f"{arguments.file} is a table already", hint="leave out --table")
     for target in (arguments.table, arguments.figure):
-        if target and Path(target).resolve() == Path(arguments.file).resolve():
+        if target and same_file(target, arguments.file):
             raise WordError(f"{target} is the file that is watched")
 
 
@@ -117,15 +117,13 @@ def _follow(
         _redraw(console, document, arguments)
 
 
-def _redraw(console: Console, document: WatchedFile, arguments: argparse.Namespace) -> None:
+def _redraw(console: Console, document: WatchedFile, arguments: argparse.Namespace) -> bool:
+    """Draw the file and write what follows from it; tell whether all of that is written."""
     if arguments.at and document.scene is not None:
         document.scene.point |= read_assignments([arguments.at], list(document.scene.ranges))
-    _draw(
-        console,
-        document,
-        arguments,
-        [] if document.broken else _write_products(document, arguments),
-    )
+    notes, faults = ([], []) if document.broken else _write_products(document, arguments)
+    _draw(console, document, arguments, [*notes, *faults])
+    return not faults
 
 
 def _draw(
@@ -142,9 +140,11 @@ def _draw(
     sys.stdout.flush()
 
 
-def _write_products(document: WatchedFile, arguments: argparse.Namespace) -> list[str]:
-    """Write the table and the figure; say so, or why not: watching goes on."""
-    notes = []
+def _write_products(
+    document: WatchedFile, arguments: argparse.Namespace
+) -> tuple[list[str], list[str]]:
+    """Write the table and the figure; return what is written, and what is not: watching goes on."""
+    notes, faults = [], []
     rulebase = document.session.review().rulebase
     for target, write in ((arguments.table, _write_table), (arguments.figure, _write_figure)):
         if not target:
@@ -153,8 +153,9 @@ def _write_products(document: WatchedFile, arguments: argparse.Namespace) -> lis
             write(document, rulebase, target)
             notes.append(f"{target}: written")
         except (FuzzyarmError, OSError) as error:
-            notes.append(f"{target}: not written: {error}")
-    return notes
+            why = (isinstance(error, OSError) and error.strerror) or sentence_of(error)
+            faults.append(f"{target}: not written: {why}")
+    return notes, faults
 
 
 def _write_table(document: WatchedFile, rulebase: RuleBase | None, target: str) -> None:

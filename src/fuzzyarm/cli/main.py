@@ -64,10 +64,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
 A module is imported when one of its commands is called; its `COMMANDS` are the records.
 """
 
-REWRITING = frozenset(
-    {"fmt", "lsp", "watch", "designer", "new", "shipped", "learn", "tune", "convert"}
-)
-"""Commands that may write over what they read; `tune` and `convert` see to it themselves."""
+REWRITING = frozenset({"fmt", "lsp"})
+"""Commands that write over what they read; `tune` and `designer` do where they are asked to."""
 
 HEADINGS = {
     "new": "Start",

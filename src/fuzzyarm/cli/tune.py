@@ -57,8 +57,9 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.errors import sentence_of
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.tune import TuneRequest
-from fuzzyarm.text.files import stamp_of
+from fuzzyarm.text.files import same_file, stamp_of
 from fuzzyarm.text.numbers import counted
+from fuzzyarm.text.protected import let_rewrite
 
 if TYPE_CHECKING:
     from fuzzyarm.tuning.result import Tuned
@@ -186,6 +187,8 @@ def _require_sensible(request: TuneWords) -> None:
 
     if request.out:
         require_suffix(request.out, (".frb",))
+        if same_file(request.file, request.out):
+            let_rewrite()
     demand_figure(request.plot)
     demand_places(request.out)
     require_sensible(request)

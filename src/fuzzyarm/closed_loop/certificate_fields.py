@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.text.protected import note_source
 
 __all__ = ["CertificateError", "Field", "read_fields"]
 
@@ -133,6 +134,7 @@ class Field:
 
 def read_fields(path: str) -> Field:
     """Return what is in a file of JSON, which has to be an object."""
+    note_source(path)
     try:
         value = json.loads(Path(path).read_text("utf-8"))
     except json.JSONDecodeError as error:

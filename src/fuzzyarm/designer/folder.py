@@ -43,7 +43,7 @@ from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
 from fuzzyarm.text.diagnostic import RuleBaseError
-from fuzzyarm.text.files import stamp_of, write_atomically
+from fuzzyarm.text.files import real_path, stamp_of, write_atomically
 from fuzzyarm.text.folders import READABLE
 from fuzzyarm.text.names import printable
 
@@ -85,7 +85,7 @@ class Workspace:
     """
 
     def __init__(self, path: Path) -> None:
-        path = path.resolve()
+        path = real_path(path)
         self.only = path.name if path.is_file() else None
         self.folder = path.parent if path.is_file() else path
         self._open: dict[str, SharedText] = {}

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity
+from fuzzyarm.text.files import real_path
 from fuzzyarm.text.names import printable
 
 __all__ = [
@@ -53,7 +54,7 @@ def demand_name(name: str) -> str:
 
 def is_inside(path: Path, folder: Path) -> bool:
     """Whether a path leads to a file of a folder; a link may lead out of it."""
-    return path.resolve().parent == folder.resolve()
+    return real_path(path).parent == real_path(folder)
 
 
 def clean_name(name: str, suffix: str) -> str:

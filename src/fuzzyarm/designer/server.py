@@ -34,7 +34,7 @@ from fuzzyarm.designer.guard import AccessGuard, token_for
 from fuzzyarm.designer.open_files import OpenFiles, Window
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.shipped_files import shipped_folder
-from fuzzyarm.text.files import confined
+from fuzzyarm.text.files import confined, real_path
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.stage import Plants
@@ -251,7 +251,7 @@ def serve(
         from fuzzyarm.designer.stage import Plants
 
         plant_catalogue = Plants(tuple(plants))
-    token = token_for(path.resolve())
+    token = token_for(real_path(path))
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         _bound(listening, port, token)

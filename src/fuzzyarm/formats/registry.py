@@ -30,6 +30,7 @@ from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
 from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
+from fuzzyarm.text.protected import note_source
 
 
 def suffix_of(path: str | os.PathLike[str], suffixes: tuple[str, ...] = SUFFIXES) -> str:
@@ -145,6 +146,7 @@ def read(
     suffix = suffix_of(path, READABLE)
     name = os.fspath(path)
     most = MAX_CHARACTERS if suffix in FOREIGN else MAX_OWN_CHARACTERS
+    note_source(path)
     with Path(path).open("rb") as file:
         # UTF-8 takes at most four bytes for a character; one more byte tells that it is too large.
         data = file.read(4 * most + 1)

@@ -180,6 +180,10 @@ class SweepFile:
         """Write the head; what was there is gone."""
         self.journal.begin(self.count)
 
+    def close(self) -> None:
+        """Let other work write the file."""
+        self.journal.close()
+
     def resume(self) -> Vector:
         """Return the rows of the file: divergence and metrics; a line that is torn is cut off."""
         front = len(self.columns) + 1

@@ -205,6 +205,9 @@ def answered(
         if not count:
             raise
         faults.append(sentence_of(error))
+    finally:
+        if file is not None:
+            file.close()
     return Answer(rows[:count], faults, interrupted)
 
 

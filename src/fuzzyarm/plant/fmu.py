@@ -15,6 +15,7 @@ import numpy as np
 from fuzzyarm.errors import demand_extra
 from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, parameter
+from fuzzyarm.text.protected import note_source
 
 REAL = ("Real", "Float64", "Float32")
 """Types of variables that are ports; FMI 2 has one, FMI 3 two."""
@@ -217,6 +218,7 @@ class _References:
 def _described(path: str) -> Any:
     import fmpy
 
+    note_source(path)
     if not Path(path).is_file():
         raise FileNotFoundError(2, "No such file or directory", path)
     try:

@@ -317,11 +317,11 @@ class Boxes:
         if count > self.most:
             raise UnprovableError(f"more than {self.most:,} boxes ({count:,} cells of the table)")
         index = np.unravel_index(np.arange(count), sizes)
-        low, high = (
+        lows, highs = (
             np.stack([np.array(cut[part])[i] for cut, i in zip(cuts, index, strict=True)], axis=1)
             for part in (slice(0, -1), slice(1, None))
         )
-        return low, high
+        return lows, highs
 
     def _is_fine(self, low: Array, high: Array) -> bool:
         """Tell whether boxes are too small to gain anything by cutting them."""

@@ -90,7 +90,7 @@ class WorkJournal:
         self._write(self.head)
 
     def _held(self) -> BinaryIO:
-        """Return the file, which is locked from the first call until the journal is gone."""
+        """Return the file, which is locked from the first call until `close`."""
         if self._file is None:
             self._file = locked(self.path)
         return self._file
@@ -150,6 +150,12 @@ class WorkJournal:
     def append(self, rows: Iterable[Row]) -> None:
         """Write lines, the first of which is the next that is missing."""
         self._write("".join(map(csv_line, rows)))
+
+    def close(self) -> None:
+        """Let other work write the file."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
 
     def _write(self, text: str) -> None:
         file = self._held()

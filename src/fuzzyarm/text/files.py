@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.protected import demand_no_source
+from fuzzyarm.text.protected import demand_no_source, note_result
 
 _roots: list[Path] = []
 """Folders whose files this process may use; all files, if this is empty."""
@@ -30,16 +30,21 @@ def confined(*folders: str | Path) -> Iterator[None]:
     A process that takes texts from elsewhere is confined as a whole: what a text uses is read in
     many places (checked, hovered over, run, tuned, exported), and none of them can forget it.
     """
-    _roots[:] = [Path(folder).resolve() for folder in folders]
+    _roots[:] = [real_path(folder) for folder in folders]
     try:
         yield
     finally:
         _roots.clear()
 
 
+def real_path(path: str | Path) -> Path:
+    """Return a path without links; one in a circle of links stays, and cannot be opened."""
+    return Path(os.path.realpath(path))
+
+
 def demand_allowed(path: str | Path) -> None:
     """Raise `OutsideFolderError` if a file, or the target of a link, may not be used."""
-    resolved = Path(path).resolve()
+    resolved = real_path(path)
     if _roots and not any(resolved.is_relative_to(root) for root in _roots):
         raise OutsideFolderError("it is outside the folder that is open")
 
@@ -80,7 +85,7 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
         if _stays(path):
             with open(path, "wb") as file:
                 return _written(file, data)
-        return _replace(Path(os.path.realpath(path)), data)
+        return _replace(real_path(path), data)
 
 
 def demand_writable(path: str | Path) -> None:
@@ -91,9 +96,15 @@ def demand_writable(path: str | Path) -> None:
     _demand_leave(path)
     if not _stays(path):
         with _named(path):
-            handle, name = _part_in(Path(os.path.realpath(path)).parent)
+            handle, name = _part_in(real_path(path).parent)
             os.close(handle)
             os.unlink(name)
+    note_result(path)
+
+
+def same_file(one: str | Path, other: str | Path) -> bool:
+    """Whether two paths lead to one file that is there."""
+    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
 
 
 class FileInUseError(FuzzyarmError, OSError):

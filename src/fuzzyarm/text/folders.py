@@ -84,7 +84,7 @@ def _patterns_above(folder: str) -> tuple[_Pattern, ...]:
     from pathlib import Path
 
     above = []
-    path = Path(folder).resolve()
+    path = Path(os.path.realpath(folder))
     for ancestor in (path, *path.parents):
         if ancestor != path:
             above.append(ancestor)

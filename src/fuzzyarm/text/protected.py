@@ -8,10 +8,29 @@ from collections.abc import Iterator
 
 from fuzzyarm.errors import FuzzyarmError
 
-__all__ = ["SourceFileError", "demand_no_source", "note_source", "sources_kept"]
+__all__ = [
+    "SourceFileError",
+    "demand_no_source",
+    "let_rewrite",
+    "note_result",
+    "note_source",
+    "sources_kept",
+]
 
-_notes: list[set[str]] = []
-"""A stack of sets of real paths that commands have read; empty outside :func:`sources_kept`."""
+_Identity = str | tuple[int, int]
+"""A real path, or device and inode: a file may have several names."""
+
+
+class _Notes:
+    """The files that a command has read, and those that it is going to write."""
+
+    def __init__(self) -> None:
+        self.sources: set[_Identity] = set()
+        self.results: set[_Identity] = set()
+
+
+_notes: list[_Notes | None] = []
+"""Those of each command that runs within another; None for one that rewrites what it reads."""
 
 
 class SourceFileError(FuzzyarmError, ValueError):
@@ -31,20 +50,47 @@ class SourceFileError(FuzzyarmError, ValueError):
 @contextlib.contextmanager
 def sources_kept() -> Iterator[None]:
     """Refuse to overwrite any file that is read within this context."""
-    _notes.append(set())
+    _notes.append(_Notes())
     try:
         yield
     finally:
         _notes.pop()
 
 
+def let_rewrite() -> None:
+    """Let the innermost command write over what it reads, as it was asked to."""
+    if _notes:
+        _notes[-1] = None
+
+
 def note_source(path: str | os.PathLike[str]) -> None:
-    """Note that a file is read."""
-    for sources in _notes:
-        sources.add(os.path.realpath(path))
+    """Note that a file is read; SourceFileError where it was said that it will be written."""
+    identities = _identities(path)
+    for notes in filter(None, _notes):
+        if notes.results & identities:
+            raise SourceFileError(os.fspath(path))
+        notes.sources |= identities
+
+
+def note_result(path: str | os.PathLike[str]) -> None:
+    """Note that a file that is there will be written: to read it is then an error at once."""
+    if os.path.exists(path):
+        for notes in filter(None, _notes):
+            notes.results |= _identities(path)
 
 
 def demand_no_source(path: str | os.PathLike[str]) -> None:
     """Raise SourceFileError where a file that was read would be written."""
-    if any(os.path.realpath(path) in sources for sources in _notes):
-        raise SourceFileError(os.fspath(path))
+    identities = _identities(path)
+    for notes in filter(None, _notes):
+        if notes.sources & identities:
+            raise SourceFileError(os.fspath(path))
+        notes.results -= identities  # it is a result from now on, and may be read
+
+
+def _identities(path: str | os.PathLike[str]) -> set[_Identity]:
+    identities: set[_Identity] = {os.path.realpath(path)}
+    with contextlib.suppress(OSError):
+        status = os.stat(path)
+        identities.add((status.st_dev, status.st_ino))
+    return identities

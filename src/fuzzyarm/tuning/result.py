@@ -14,7 +14,7 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.files import real_path, same_file, write_atomically
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.shown import one_line
 from fuzzyarm.tuning.design import Candidate, MovingNumber, controller_at
@@ -459,11 +459,11 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
         raise TuneError(message, hint="its numbers are in `candidate`, and `model` runs")
     first, *others = tuned.files
     origin = Path(first.path) if first.path else None
-    over = origin is not None and out.exists() and out.resolve() == origin.resolve()
+    over = origin is not None and same_file(out, origin)
     demand_not_used(out, tuned.subject, first.path)
     paths, names = [], {}
     for file in others:
-        beside = file.path and Path(file.path).resolve().parent == out.resolve().parent
+        beside = file.path and real_path(file.path).parent == real_path(out).parent
         name = Path(file.path).name if over and beside else f"{out.stem}-{file.name}.frb"
         names[file.name] = name
         write_atomically(out.parent / name, file.new)
@@ -479,7 +479,7 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
 
 def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> dict[str, str]:
     """Return used files that stand beside the old file and not beside the new one."""
-    if origin is None or origin.resolve().parent == out.resolve().parent:
+    if origin is None or real_path(origin).parent == real_path(out).parent:
         return {}
     files = {}
     for use in text.model.uses:

@@ -20,6 +20,7 @@ from fuzzyarm.language.writer import write
 from fuzzyarm.model.controller import ControllerModel, GainModel, Use
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term
 from fuzzyarm.text.diagnostic import Span, split_lines
+from fuzzyarm.text.files import same_file
 from fuzzyarm.text.names import quote
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.placed import Figure, Word, span_of
@@ -319,9 +320,8 @@ def demand_not_used(out: str | Path, subject: ControllerText | RuleBase, path: s
     """
     if not isinstance(subject, ControllerText):
         return
-    target = Path(out).resolve()
-    files = {file.resolve() for file in files_of(subject.model, path).values()}
-    if target in files - {Path(path).resolve()}:
+    others = (file for file in files_of(subject.model, path).values() if not same_file(file, path))
+    if any(same_file(out, file) for file in others):
         raise SourceFileError(str(out))
 
 

@@ -522,7 +522,11 @@ def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) 
         promises = Promises(design.as_it_is().rulebases)
         budget = plan.shared(judged=bool(job.judged), linear=bool(job.linear))
         search = Search(examining, promises, budget, means.journal, means.watch)
-        result = search.run(plan.method, plan.seed)
+        try:
+            result = search.run(plan.method, plan.seed)
+        finally:
+            if means.journal is not None:
+                means.journal.lines.close()
         candidate, digits, score = rounded(examining, promises, result, plan.digits)
     rows = [
         ComparedRow("as in the file", {"train": result.trials[0].score}),
