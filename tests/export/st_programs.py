@@ -170,10 +170,10 @@ class _Unit:
                 lines.append(f"{indent}v['{match[1].lower()}'] = stored('{kind}', {called})")
             elif match := re.fullmatch(r"(\w+)\((.*)\);", words):
                 given = ", ".join(
-                    f"{name.strip().lower()}={self._expression(value)}"
+                    f"'{name.strip().lower()}': {self._expression(value)}"
                     for name, value in (part.split(" := ") for part in _split(match[2]))
                 )
-                lines.append(f"{indent}v['{match[1].lower()}'].run({given})")
+                lines.append(f"{indent}v['{match[1].lower()}'].run(**{{{given}}})")
             else:
                 match = re.fullmatch(r"(\w+)(\[.*?\])? := (.*);", words)
                 assert match, words
@@ -250,7 +250,7 @@ class Instance:
         exec(unit.code, self.names)
         self.body = self.names["body"]
 
-    def run(self, **given):
+    def run(self, /, **given):
         """Set inputs and run the statements."""
         for name, value in given.items():
             assert name in self.unit.inputs, name

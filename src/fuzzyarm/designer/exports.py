@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.designer.forms import PICTURES, SOURCES, export_form
+from fuzzyarm.designer.forms import PICTURES, export_form
 from fuzzyarm.designer.grounds import FieldError, form_of
 from fuzzyarm.designer.messages import FormField
 from fuzzyarm.designer.names import clean_name, in_words
@@ -34,7 +34,7 @@ from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.files import LATEX, table_as
 from fuzzyarm.text.diagnostic import RuleBaseError
-from fuzzyarm.text.folders import FOREIGN
+from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS, FOREIGN
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -100,11 +100,11 @@ def _controller(session: Session) -> ControllerText:
 def kinds_of(session: Session) -> list[str]:
     """Return the suffixes of what a text can be exported as."""
     if not isinstance(session.reading, Reading):
-        return [*SOURCES, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
+        return [*EXPORTS, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
     if session.reading.parsed.controller is not None:
-        return [*SOURCES, ".fmu"]
+        return [*CONTROLLER_EXPORTS]
     tables = (".lut", ".csv", LATEX)
-    return [*SOURCES, *tables, ".mjs", ".html", ".png", ".svg", *FOREIGN]
+    return [*EXPORTS, *tables, ".mjs", ".html", ".png", ".svg", *FOREIGN]
 
 
 def forms_of(session: Session) -> dict[str, list[FormField]]:
@@ -199,7 +199,7 @@ def _sheet(
     progress: Callable[[str], None],
 ) -> tuple[list[Offered], list[str]]:
     suffix = Path(out).suffix
-    if suffix in SOURCES:
+    if suffix in EXPORTS:
         exported, reports = source_of(model, out, how, progress)
         lines = [line for report in reports for line in report_lines(report, out)]
         files = [_offered(path.name, text) for path, text in exported.files]

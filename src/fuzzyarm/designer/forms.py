@@ -25,6 +25,7 @@ from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.requests.runs import SweepRequest
 from fuzzyarm.requests.schema import form_fields
 from fuzzyarm.requests.tune import TuneRequest
+from fuzzyarm.text.folders import EXPORTS
 
 __all__ = [
     "FIT",
@@ -34,7 +35,6 @@ __all__ = [
     "PROVE",
     "PROVE_LOOP",
     "RUN",
-    "SOURCES",
     "SWEEP",
     "TUNE",
     "RequestForm",
@@ -157,7 +157,6 @@ PROVE_LOOP = RequestForm(
 )  # fmt: skip
 """Of a rule base, and of a controller in its loop."""
 
-SOURCES = (".h", ".c", ".st", ".xml")
 WRITTEN_TABLES = (".lut", ".csv", ".tex")
 PICTURES = (".png", ".svg")
 
@@ -168,7 +167,7 @@ def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
     output = ("output",) if kind == "rules" else ()
     if suffix == ".fmu":
         return RequestForm(ExportRequest, (*makings, "mode", "q", "fmi"))
-    if suffix in SOURCES:
+    if suffix in EXPORTS:
         return RequestForm(ExportRequest, (*makings, *output, "mode", "q", "precision", "name"))
     if suffix in WRITTEN_TABLES and kind != "table":
         return RequestForm(ExportRequest, ("output", "levels", "mode", "tolerance", "round"))

@@ -82,7 +82,6 @@ class CController:
     tables: dict[str, str] = field(default_factory=dict)  # of learned tables: their member
     judges: dict[str, str] = field(default_factory=dict)
     held: dict[str, str] = field(default_factory=dict)  # of drives: the member with the last value
-    parts: set[str] = field(default_factory=set)  # variables that hold parts of expressions
 
     def __post_init__(self) -> None:
         self.prefix = self.writer.prefix
@@ -416,9 +415,9 @@ class CController:
         return name
 
     def _set(self, assignment: Set) -> list[str]:
-        body, value = spread("part", assignment.value, self.parts)
+        body, value = spread("part", assignment.value, self.locals.used)
         lines = self.language.lines(body)
-        self.parts |= set(names_set(body))
+        self.locals.take(names_set(body))
         text = self.language.expression(value)
         variable = self.steps.variables.get(assignment.target)
         if variable is not None:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, rounded, st_number
@@ -44,7 +43,6 @@ from fuzzyarm.export.table_numbers import (
 )
 from fuzzyarm.expression.nodes import Node, symbol
 from fuzzyarm.expression.printing import Statement, setting, statements, variables
-from fuzzyarm.model.controller import SignalLine
 
 
 def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
@@ -62,26 +60,9 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
     ExportError
         If the language lacks something that the controller needs.
     """
-    _require_bounds(program.text)
     with printable_only():
         controller = _Controller(program.steps, prefix)
         return controller.text(program.head()), controller.name
-
-
-def _require_bounds(text: ControllerText) -> None:
-    """Raise ExportError for a source that has no bounds and takes them, as an integral does."""
-    for _, line in text.model.lines():
-        if not isinstance(line, SignalLine) or line.source is None:
-            continue
-        settings = line.source.record.settings(dict(line.source.options))
-        if any(math.isinf(value) for value in settings.values() if isinstance(value, float)):
-            raise ExportError(
-                f"the {line.source.kind} '{line.names[0]}' has no bounds, and Structured Text has"
-                " no infinite number",
-                hint="add  , within LOW .. HIGH  to it, or export C",
-                span=line.span,
-                path=text.path,
-            )
 
 
 @dataclass
@@ -276,7 +257,8 @@ class _Controller:
 
     def _parts(self, value: Node) -> tuple[tuple[Statement, ...], Node]:
         """Return the statements that set parts of a value; a choice is not an expression here."""
-        body, result = statements(value, prefix="part_", reserved=self.parts)
+        body, result = statements(value, prefix="part_", reserved=self.names.used)
+        self.names.take(variables(body))
         self.parts |= set(variables(body))
         return body, result
 

@@ -110,6 +110,8 @@ class Listing:
         What the function returns, of these variables.
     reads : set of str
         All symbols that are read.
+    names : set of str
+        Of all variables.
     """
 
     def __init__(self, program: OutputProgram) -> None:
@@ -129,7 +131,7 @@ class Listing:
             for statement in inner:
                 assert isinstance(statement, Assign)
                 self.reads |= self._symbols(statement.value)
-        self._reserved = {
+        self.names: set[str] = {
             *program.symbols,
             *(name for variable in program.variables for name in _sets(variable)),
         }
@@ -142,7 +144,7 @@ class Listing:
                 self.body.append(replace(step, body=inner))
             else:
                 self.body += self._spread_out(step)
-        body, self.result = spread("result", result, self._reserved)
+        body, self.result = spread("result", result, self.names)
         self.body += body
 
     # ── parts to variables ───────────────────────────────────────────────────────────
@@ -225,16 +227,16 @@ class Listing:
         """Have the parts of a walk stand in variables where they take more than one statement."""
         parts = []
         for part in statement.parts:
-            body, value = spread(statement.walk.total, part, self._reserved)
-            self._reserved |= set(variables(body))
+            body, value = spread(statement.walk.total, part, self.names)
+            self.names |= set(variables(body))
             self.body += body
             parts.append(value)
         return replace(statement, parts=tuple(parts))
 
     def _spread_out(self, statement: Statement) -> tuple[Statement, ...]:
         assert isinstance(statement, Assign)
-        body, value = spread(statement.name, statement.value, self._reserved)
-        self._reserved |= set(variables(body))
+        body, value = spread(statement.name, statement.value, self.names)
+        self.names |= set(variables(body))
         return setting(statement.name, body, value, statement.remark)
 
     # ── cost ─────────────────────────────────────────────────────────────────────────

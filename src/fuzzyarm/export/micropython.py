@@ -11,7 +11,7 @@ import inspect
 import keyword
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -218,7 +218,7 @@ def routine_function(routine: Routine, name: str, module: PythonModule) -> tuple
         body = TableInPython(routine, module, parameters, inner).body()
     else:
         assert isinstance(routine, DirectRoutine)
-        body = _rules(routine, module, parameters)
+        body = _rules(routine, module, parameters, inner)
     return call, "\n".join([f"def {call}:", *(f"    {line}" for line in body), ""])
 
 
@@ -243,9 +243,15 @@ def module_text(
 # --- Rules ---
 
 
-def _rules(routine: DirectRoutine, module: PythonModule, parameters: Sequence[str]) -> list[str]:
-    """Return the statements that infer an output."""
+def _rules(
+    routine: DirectRoutine, module: PythonModule, parameters: Sequence[str], names: Names
+) -> list[str]:
+    """Return the statements that infer an output; `names` are those of the function."""
     listing, language = routine.listing, module.language()
+    sums = [loop.sums for loop in listing.body if isinstance(loop, Loop)]
+    counters = {name for each in sums for name in (each.area, each.moment, each.height, each.index)}
+    for name in sorted(listing.names | counters):
+        language.rename[name] = names.new(name)
     lines = []
     for symbol, parameter in zip(routine.program.symbols, parameters, strict=True):
         language.rename[symbol] = f"{symbol}_"
@@ -266,18 +272,29 @@ def _rules(routine: DirectRoutine, module: PythonModule, parameters: Sequence[st
 
 
 def _one(statement: Statement, language: Language) -> list[str]:
-    return language.lines([statement])
+    return language.lines([_renamed(statement, language.rename)])
+
+
+def _renamed(statement: Statement, names: Mapping[str, str]) -> Statement:
+    """Return a statement that sets variables by their names in Python."""
+    if isinstance(statement, Assign):
+        return statement._replace(name=names[statement.name])
+    then, otherwise = (
+        tuple(_renamed(part, names) for part in branch)
+        for branch in (statement.then, statement.otherwise)
+    )
+    return statement._replace(name=names[statement.name], then=then, otherwise=otherwise)
 
 
 def _loop(loop: Loop, module: PythonModule, language: Language) -> list[str]:
     sums = loop.sums
     for name, column in sums.columns.items():
         array = module.array(column, np.float64, sums.stems[name])
-        language.rename[element(sums, name)] = f"{array}[{sums.index}]"
+        language.rename[element(sums, name)] = f"{array}[{language.rename[sums.index]}]"
     inner = [line for part in loop.body for line in _one(part, language)]
     return [
-        *(f"{name} = 0.0" for name in (sums.area, sums.moment)),
-        f"for {sums.index} in range({sums.count}):",
+        *(f"{language.rename[name]} = 0.0" for name in (sums.area, sums.moment)),
+        f"for {language.rename[sums.index]} in range({sums.count}):",
         *(f"    {line}" for line in inner),
     ]
 

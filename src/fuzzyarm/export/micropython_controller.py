@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -76,6 +77,14 @@ def python_controller(program: ControllerProgram, name: str) -> tuple[str, tuple
     return module_text(words, controller.module, [*controller.functions, body], test), calls
 
 
+class LearnedNames(NamedTuple):
+    """Attributes beside a table that learns."""
+
+    visits: str
+    ring: str
+    next: str
+
+
 @dataclass
 class _Class:
     """The parts of the class."""
@@ -87,10 +96,10 @@ class _Class:
     parameters: list[str] = field(default_factory=list)
     targets: dict[str, str] = field(default_factory=dict)  # symbol → how it is written
     tables: dict[str, str] = field(default_factory=dict)  # of learned tables: their attribute
+    of_tables: dict[str, LearnedNames] = field(default_factory=dict)
     judges: dict[str, str] = field(default_factory=dict)
     cells: dict[str, str] = field(default_factory=dict)  # of grids: their function
     routines: dict[str, str] = field(default_factory=dict)
-    parts: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.module.names.new("Controller")
@@ -153,18 +162,19 @@ class _Class:
     def _learned(self, key: str, table: LearningTable) -> None:
         one = len(self.steps.model.axis_names) == 1
         name = self.attributes.new(table.name if one else f"{table.axis}_{table.name}")
-        for suffix in ("_visits", "_ring", "_next"):
-            self.attributes.new(f"{name}{suffix}")
+        beside = (self.attributes.new(f"{name}_{word}") for word in LearnedNames._fields)
+        own = LearnedNames(*(f"self.{word}" for word in beside))
+        self.of_tables[key] = own
         attribute = self.tables[key] = f"self.{name}"
         count = len(table.values)
         start = f"bytes({8 * count})"
         if any(table.values):
             start = self.module.array(table.values, np.float64, f"{name}_start")
         self.starts.append(f'{attribute} = array("d", {start})')
-        self.starts.append(f'{attribute}_visits = array("i", bytes({4 * count}))')
+        self.starts.append(f'{own.visits} = array("i", bytes({4 * count}))')
         if table.delay:
-            self.starts.append(f"{attribute}_ring = [-1] * {table.delay}")
-            self.starts.append(f"{attribute}_next = 0")
+            self.starts.append(f"{own.ring} = [-1] * {table.delay}")
+            self.starts.append(f"{own.next} = 0")
 
     def _local(self, target: str) -> str:
         """Name a local variable: a drive as its port; no function of the module is called so."""
@@ -220,8 +230,8 @@ class _Class:
 
     def _expression(self, value: Node) -> tuple[list[str], str]:
         """Return the lines before a value, and its text."""
-        body, result = spread("part", value, self.parts)
-        self.parts |= set(variables(body))
+        body, result = spread("part", value, self.locals.used)
+        self.locals.take(variables(body))
         return self.language.lines(body), self.language.expression(result)
 
     def _set(self, assignment: Set) -> list[str]:
@@ -275,7 +285,8 @@ class _Class:
         responsible, rate_name, value = names.values()
         self.language.rename.update({"value": value, "bound": bound})
         limited = self.language.expression(limited_value())
-        ring = f"{attribute}_ring[{attribute}_next]" if table.delay else cell
+        own = self.of_tables[lesson.table]
+        ring = f"{own.ring}[{own.next}]" if table.delay else cell
         lines = [
             *before,
             *more,
@@ -284,11 +295,11 @@ class _Class:
             f"if {responsible} >= 0 and {rate_name} != 0.0:",
             f"    {value} = {attribute}[{responsible}] + {rate_name} * {judged}",
             f"    {attribute}[{responsible}] = {limited}",
-            f"{attribute}_visits[{cell}] += 1",
+            f"{own.visits}[{cell}] += 1",
         ]
         if table.delay:
-            lines.append(f"{attribute}_ring[{attribute}_next] = {cell}")
-            lines.append(f"{attribute}_next = ({attribute}_next + 1) % {table.delay}")
+            lines.append(f"{own.ring}[{own.next}] = {cell}")
+            lines.append(f"{own.next} = ({own.next} + 1) % {table.delay}")
         return lines
 
     # --- The class and its test ---

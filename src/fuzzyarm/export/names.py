@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Iterable
 
 _C_WORDS = """
     auto break case char const continue default do double else enum extern float for goto if
@@ -91,6 +92,15 @@ class Names:
             name = f"{base}_{number}"
         self._used.add(self._key(name))
         return name
+
+    @property
+    def used(self) -> frozenset[str]:
+        """Names that are in use, in lower case where the language ignores it."""
+        return frozenset(self._used)
+
+    def take(self, names: Iterable[str]) -> None:
+        """Hand out names that were chosen elsewhere, among those that were free."""
+        self._used |= {self._key(name) for name in names}
 
     def inner(self) -> Names:
         """Return the names of a scope inside this one."""

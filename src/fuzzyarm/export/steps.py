@@ -40,8 +40,10 @@ from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.nodes import (
     Apply,
+    Constant,
     Node,
     Symbol,
+    apply,
     as_node,
     children,
     postorder,
@@ -611,7 +613,7 @@ class _Walk:
     def _argued(self, root: Node, arguments: dict[str, Any]) -> Node:
         """Return an expression of an update with its arguments, and what follows from them."""
         numbers = {name: x for name, x in arguments.items() if not isinstance(x, Node)}
-        root = replace(specialise(root, numbers), arguments)
+        root = replace(_without_endless_limits(specialise(root, numbers)), arguments)
         for state in self.unseen & set(symbols(root)):
             nan = unseen(symbol(state))
             if nan in postorder(root):
@@ -823,6 +825,24 @@ class _Walk:
         judge_name = self.names.new(name)
         self.result.judges[judge_name] = table
         return judge_name
+
+
+def _without_endless_limits(root: Node) -> Node:
+    """Return an expression without limits at infinity, which change no number."""
+    nodes: dict[Node, Node] = {}
+    for node in postorder(root):
+        nodes[node] = (
+            apply(node.operation, *(nodes[child] for child in node.arguments))
+            if isinstance(node, Apply)
+            else node
+        )
+        if isinstance(node, Apply) and node.operation == "where":
+            condition, value, limit = node.arguments
+            endless = isinstance(limit, Constant) and math.isinf(limit.value)
+            compared = condition.arguments if isinstance(condition, Apply) else ()
+            if endless and set(compared) == {value, limit}:
+                nodes[node] = nodes[value]
+    return nodes[root]
 
 
 def _same_table(a: FloatTable | FixedTable, b: FloatTable | FixedTable) -> bool:

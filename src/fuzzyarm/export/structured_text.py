@@ -308,7 +308,8 @@ class RulesBlock:
         self.variables: dict[str, str] = {}
         self.functions: list[str] = []
         self.function_names: dict[str, str] = {}  # functions by their text
-        self.part_names: set[str] = set()  # variables that hold parts of expressions
+        # No part of an expression is called as a variable of the listing is.
+        self.part_names: set[str] = set(routine.listing.names)
 
     def text(self) -> str:
         """Return the block, after the functions that it calls."""

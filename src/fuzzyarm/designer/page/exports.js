@@ -9,20 +9,20 @@ import { Task } from "./task.js";
 
 const TABLES = [".lut", ".csv", ".tex", ".json", ".npz"];
 const GROUPS = {
-  programs: [".h", ".c", ".st", ".xml", ".fmu", ".mjs"],
+  programs: [],
   tables: TABLES,
   pictures: [".png", ".svg"],
   pages: [".html"],
-  others: [],
+  others: [".fis", ".fll", ".fcl", ".fml"],
 };
 
 /**
- * Suffixes by the group in which they stand; what has none stands among the others.
+ * Suffixes by the group in which they stand; every other one is a program.
  *
  * @param {string[]} suffixes
  */
 export function groupsOf(suffixes) {
-  const groupOf = (suffix) => Object.keys(GROUPS).find((name) => GROUPS[name].includes(suffix)) ?? "others";
+  const groupOf = (suffix) => Object.keys(GROUPS).find((name) => GROUPS[name].includes(suffix)) ?? "programs";
   return Object.keys(GROUPS)
     .map((name) => /** @type {const} */ ([name, suffixes.filter((suffix) => groupOf(suffix) === name)]))
     .filter(([, own]) => own.length);

@@ -111,6 +111,8 @@ export const S = {
     ".c": "C, two files",
     ".st": "Structured Text",
     ".xml": "PLCopen XML",
+    ".scl": "SCL",
+    ".py": "MicroPython",
     ".fmu": "FMU",
     ".mjs": "JavaScript",
     ".lut": "Table .lut",

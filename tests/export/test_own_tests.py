@@ -1,0 +1,52 @@
+"""Every shipped and every example file, exported: its own test passes in each language."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from own_tests import failing_in_c, failing_in_python, failing_in_scl
+
+from fuzzyarm import shipped
+from fuzzyarm.cli import main
+
+ROOT = Path(__file__).parents[2]
+FILES = sorted(
+    [*shipped("pd7.frb").parent.glob("*.frb"), *(ROOT / "examples").rglob("*.frb")],
+)
+WRONG = {"carl.frb", "hidden.frb"}
+"""Of the course example: a submission with a mistake, and lines for the grader alone."""
+
+
+def exported(folder: Path, suffix: str, capsys) -> tuple[list[Path], dict[str, str]]:
+    """Return the files that were written, and what the command says of the others."""
+    written, refused = [], {}
+    for number, path in enumerate(FILES):
+        out = folder / f"made_{number}_{path.stem.replace('-', '_').replace('+', '_')}{suffix}"
+        words = ["compile", str(path), "-o", str(out), "--precision", "float64"]
+        if main(words) == 0:
+            written.append(out)
+        elif path.name not in WRONG:
+            refused[path.name] = capsys.readouterr().err
+    return written, refused
+
+
+def without_partners(refused: dict[str, str]) -> list[str]:
+    """Return the files that are refused for another reason than a law that is not text."""
+    return [name for name, why in refused.items() if "which is not text" not in why]
+
+
+@pytest.mark.slow(seconds=12)
+@pytest.mark.parametrize(
+    ("suffix", "refused"), [(".py", ["tipper2.frb"]), (".h", []), (".scl", [])]
+)
+def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
+    written, others = exported(tmp_path, suffix, capsys)
+    assert without_partners(others) == refused
+    assert len(written) > 50
+    if suffix == ".py":
+        assert failing_in_python(written) == []
+    elif suffix == ".h":
+        assert failing_in_c(written, tmp_path) == []
+    else:
+        assert failing_in_scl(written) == []
