@@ -29,6 +29,7 @@ from fuzzyarm.proof.tables import cell_errors
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import compile_table, read_table, write_table
 from fuzzyarm.text.files import confined
+from fuzzyarm.text.folders import CONTROLLER_EXPORTS
 from fuzzyarm.text.numbers import outward_text
 
 TOKEN = "b" * 32
@@ -261,7 +262,7 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     servo = (folder / "servo.frb").read_text()
     with confined(folder):
         assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
-    assert kinds_of(Session("x.frb", servo)) == [".h", ".c", ".st", ".xml", ".fmu"]
+    assert kinds_of(Session("x.frb", servo)) == [*CONTROLLER_EXPORTS]
 
 
 def test_the_numbers_of_latex_are_those_of_the_table(folder):
