@@ -48,7 +48,7 @@ def files(tmp_path, monkeypatch):
         ("convert doubtful.frb x.fcl --json --strict", 1),
         ("convert broken.frb x.fcl --json", 1),
         ("watch broken.frb --once", 1),
-        ("watch heater.frb --once --table x.lut", 0),
+        ("watch heater.frb --once --table x.lut", 1),
         ("prove alpha7.frb --sector", 4),
         ("prove alpha7.frb --sector --json", 4),
         ("simulate acdid --start cold --payload --segment 0.2 --hold 0.1", 3),
