@@ -30,7 +30,7 @@ _DECLARATION = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 _TOKEN = re.compile(
-    r'\s+|#"?(?P<local>[A-Za-z]\w*)"?|"(?P<block>\w+)"|(?P<number>\d[\d.]*(?:E[+-]?\d+)?)'
+    r'\s+|#"?(?P<local>[A-Za-z]\w*)"?|"(?P<block>\w+)"|(?P<number>(?:LREAL#)?\d[\d.]*(?:E[+-]?\d+)?)'
     r"|(?P<word>[A-Za-z]\w*)|(?P<sign>:=|<>|<=|>=|\*\*|[-+*/<>=()\[\],.;])",
 )
 
@@ -69,13 +69,15 @@ class Reader:
         found = _BLOCK.findall(text)
         assert not _BLOCK.sub("", text).strip(), _BLOCK.sub("", text)[:300]
         self.blocks = {}
+        self.types = {}  # names for the types of arrays, which SCL tells apart by what they hold
         for parts in found:
             assert parts[1].lower() not in {name.lower() for name in self.blocks}
             self.blocks[parts[1]] = Block(*parts)
 
     def text(self):
         """Return everything as Structured Text."""
-        return "\n".join(map(self.unit, self.blocks.values()))
+        units = "\n".join(map(self.unit, self.blocks.values()))
+        return "".join(self.types.values()) + units
 
     def unit(self, block):
         lines = [f"{block.sort} {block.name}"
@@ -83,9 +85,13 @@ class Reader:
         for title, variables in block.sections.items():
             lines.append({"VAR_TEMP": "VAR"}.get(title, title))
             for name, last, _, kind, start in variables:
-                array = f"ARRAY [0..{last}] OF " if last else ""
+                array = f"ARRAY [0..{last}] OF {TYPES[kind]}" if last else ""
+                if array and (title == "VAR_IN_OUT" or block.sort == "FUNCTION_BLOCK"):
+                    type_name = f"array_{last}_{kind.lower()}_t"
+                    self.types[type_name] = f"TYPE\n    {type_name} : {array};\nEND_TYPE\n\n"
+                    array = type_name
                 begins = f" := {start}" if start else ""
-                lines.append(f"    {name} : {array}{TYPES.get(kind, kind)}{begins};")
+                lines.append(f"    {name} : {array or TYPES.get(kind, kind)}{begins};")
             lines.append("END_VAR")
         body = [self.line(line, block) for line in block.body.split("\n")]
         return "\n".join([*lines, "", *body, f"END_{block.sort}", ""])

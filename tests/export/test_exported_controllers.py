@@ -308,7 +308,7 @@ def test_odd_names_and_missing_parts_are_no_trouble(tmp_path, name):
         compile_c(["-x", "c", path], tmp_path / "test", "gcc", "-DFUZZYARM_SELF_TEST")
         assert execute(tmp_path / "test") == 0
     exported = export_controller(ControllerProgram(text, "float32"), tmp_path / "plc.st")
-    Program(exported.files[0][1], "REAL").instance(exported.calls[0]).run()
+    Program(exported.files[0][1]).instance(exported.calls[0]).run()
 
 
 # --- Structured Text ---
@@ -333,8 +333,7 @@ def test_a_function_block_drives_the_same_bits(tmp_path, name, precision):
     program = ControllerProgram(text, precision)
     exported = export_controller(program, tmp_path / "plc.st")
     ((_, content),) = exported.files
-    real = "REAL" if precision == "float32" else "LREAL"
-    block = Program(content, real).instance(exported.calls[0])
+    block = Program(content).instance(exported.calls[0])
     steps, vectors = program.steps, program.tried.vectors
     for row, expected in list(zip(vectors.inputs, vectors.expected, strict=True))[:40]:
         names = [st_name(steps, port) for port in ports(steps)]
@@ -346,7 +345,7 @@ def test_a_function_block_drives_the_same_bits(tmp_path, name, precision):
 def test_fixed_point_tables_in_a_function_block(tmp_path):
     program = ControllerProgram(shipped_text("fuzzy-lut"), "float32", 15)
     exported = export_controller(program, tmp_path / "plc.st")
-    block = Program(exported.files[0][1], "REAL").instance("plc")
+    block = Program(exported.files[0][1]).instance("plc")
     steps, vectors = program.steps, program.tried.vectors
     for row, expected in zip(vectors.inputs, vectors.expected, strict=True):
         names = [st_name(steps, port) for port in ports(steps)]

@@ -55,7 +55,7 @@ def test_every_source_drives_the_same_bits_in_structured_text(tmp_path, word, pr
     program = ControllerProgram(text_of(whole(word)), precision)
     exported = export_controller(program, tmp_path / "plc.st")
     ((_, content),) = exported.files
-    block = Program(content, "REAL" if precision == "float32" else "LREAL")
+    block = Program(content)
     block = block.instance(exported.calls[0])
     steps, vectors = program.steps, program.tried.vectors
     names = [f"{port.sort}_{port.name}" for port in ports(steps)]

@@ -39,7 +39,12 @@ def type_of(element):
     if local(inner) == "TypeName":
         assert inner.text.isidentifier(), "an array is not a name"
         return inner.text
-    assert (local(inner), inner.attrib[KIND]) == ("InstantlyDefinedType", "ArrayTypeSpec")
+    assert local(inner) == "InstantlyDefinedType"
+    return array_of(inner)
+
+
+def array_of(inner):
+    assert inner.attrib[KIND] == "ArrayTypeSpec"
     base, dimension = inner
     assert (local(base), local(dimension)) == ("BaseType", "DimensionSpec")
     assert dimension.attrib == {"dimensionNumber": "1"}
@@ -77,6 +82,12 @@ def text_of(path):
     assert local(space) == "GlobalNamespace"
     text, seen = [], set()
     for unit in space:
+        if local(unit) == "DataTypeDecl":
+            assert not any(word in "".join(text) for word in ("FUNCTION", "PROGRAM"))
+            (array,) = unit
+            assert local(array) == "UserDefinedTypeSpec"
+            text.append(f"TYPE\n    {unit.attrib['name']} : {array_of(array)};\nEND_TYPE\n")
+            continue
         ordered(unit)
         word = {"Function": "FUNCTION"}.get(local(unit), "FUNCTION_BLOCK")
         assert unit.attrib["name"] not in seen
@@ -108,7 +119,7 @@ def test_the_program_inside_passes_in_the_interpreter(tmp_path, monkeypatch, nam
     double = ["--precision", "float64"] if name in {"servo", "learning", "curved"} else []
     words = [*CASES[name], *double, "--format", "iec61131-10"]
     assert main(["compile", *words, "-o", "made.xml"]) == 0
-    program = Program(text_of(Path("made.xml")), "LREAL" if double else "REAL")
+    program = Program(text_of(Path("made.xml")))
     test = program.instance("made_test")
     test.run()
     assert test.values["passed"]

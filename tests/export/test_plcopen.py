@@ -93,6 +93,10 @@ def text_of(path):
         header.attrib
     )
     text, names, sorts = [], set(), []
+    for data in root.iter(f"{SPACE}dataType"):
+        (base,) = data
+        assert local(base) == "baseType"
+        text.append(f"TYPE\n    {data.attrib['name']} : {type_of(base)};\nEND_TYPE\n")
     for pou in root.iter(f"{SPACE}pou"):
         assert pou.attrib["name"] not in names
         names.add(pou.attrib["name"])
@@ -126,7 +130,7 @@ def test_the_program_inside_passes_in_the_interpreter(tmp_path, monkeypatch, nam
     monkeypatch.chdir(tmp_path)
     words = ["--precision", "float64"] if name in ("servo", "learning", "curved") else []
     assert main(["compile", *CASES[name], *words, "-o", "made.xml"]) == 0
-    program = Program(text_of(Path("made.xml")), "LREAL" if words else "REAL")
+    program = Program(text_of(Path("made.xml")))
     test = program.instance("made_test")
     test.run()
     assert test.values["passed"]

@@ -24,7 +24,7 @@ def test_the_self_test_passes_in_the_interpreter(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     compiled(name, "-o", "made.scl")
     text = Reader(Path("made.scl").read_text("utf-8")).text()
-    program = Program(text, "LREAL" if name in DOUBLE else "REAL")
+    program = Program(text)
     test = program.instance("made_test")
     test.run()
     assert test.values["passed"]

@@ -43,7 +43,7 @@ class FunctionBlock:
     """One block of a file; it is given its inputs in order and returns its first output."""
 
     def __init__(self, text, name="", real="LREAL"):
-        program = Program(text, real)
+        program = Program(text)
         blocks = [unit.name for unit in program.units.values() if unit.sort != "FUNCTION"]
         self.instance = program.instance(name or blocks[0])
         self.inputs = self.instance.unit.inputs
@@ -163,7 +163,7 @@ rule if a is L then u is D
 def test_where_no_rule_fires_the_block_keeps_its_value_and_says_so(tmp_path):
     model = parse(SILENT).rulebase
     (file,) = export_files(routines_of(model), tmp_path / "plc.st").files
-    block = Program(file[1], "LREAL").instance("plc_u")
+    block = Program(file[1]).instance("plc_u")
     for a, fired in ((1.0, True), (3.5, False), (0.5, True), (2.0, False)):
         before = block.values["u"]
         block.run(a=a)

@@ -41,6 +41,9 @@ def iec61131_10_xml(project: Project) -> str:
     head = {"name": project.name, "creationDateTime": TIME}
     Xml.SubElement(root, _of("ContentHeader"), head)
     space = Xml.SubElement(Xml.SubElement(root, _of("Types")), _of("GlobalNamespace"))
+    for array in project.types:
+        defined = Xml.SubElement(space, _of("DataTypeDecl"), {"name": array.named})
+        defined.append(_array(array, "UserDefinedTypeSpec"))
     # The types first, then what uses them.
     for sort in ("FUNCTION", "FUNCTION_BLOCK", "PROGRAM"):
         for unit in project.units:
@@ -110,17 +113,20 @@ def _variable(declaration: Declaration) -> Xml.Element:
 def _type(declaration: Declaration, name: str) -> Xml.Element:
     """Return a type under a name; one of an array is defined where it stands."""
     element = Xml.Element(_of(name))
-    if declaration.last is None:
-        Xml.SubElement(element, _of("TypeName")).text = declaration.type
-        return element
-    array = Xml.SubElement(
-        element, _of("InstantlyDefinedType"), {f"{{{_INSTANCE}}}type": "ArrayTypeSpec"}
-    )
+    if declaration.named or declaration.last is None:
+        Xml.SubElement(element, _of("TypeName")).text = declaration.named or declaration.type
+    else:
+        element.append(_array(declaration, "InstantlyDefinedType"))
+    return element
+
+
+def _array(declaration: Declaration, name: str) -> Xml.Element:
+    array = Xml.Element(_of(name), {f"{{{_INSTANCE}}}type": "ArrayTypeSpec"})
     Xml.SubElement(Xml.SubElement(array, _of("BaseType")), _of("TypeName")).text = declaration.type
     dimension = Xml.SubElement(array, _of("DimensionSpec"), {"dimensionNumber": "1"})
     bounds = {"lower": "0", "upper": str(declaration.last)}
     Xml.SubElement(dimension, _of("IndexRange"), bounds)
-    return element
+    return array
 
 
 def _documentation(text: str) -> Xml.Element:

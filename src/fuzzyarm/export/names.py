@@ -23,19 +23,43 @@ C_RESERVED = frozenset(_C_WORDS.split())
 """Words of C and C++, of the headers that are used, and macros of common compilers."""
 
 _ST_WORDS = """
-    abs acos action add and any any_bit any_date any_int any_num any_real array asin at atan bool
-    by byte case concat configuration constant cos ctd ctu ctud date delete div do dint dt dword
-    else elsif end eq exit exp expt f_edge f_trig false find for function function_block ge gt if
-    in initial_step insert int interval jmp le left len limit lint ln log lreal lt lword max mid
-    min mod move mul mux ne not of on or pointer pow priority program pt q r r_edge r_trig real
-    read_only read_write ref repeat replace resource ret retain return right rol ror rs s sel sema
-    shl shr sin single sint sqrt sr step st string struct sub super tan task then this time tod to
-    tof ton tp transition trunc type udint uint ulint until usint var var_access var_config
-    var_external var_global var_in_out var_input var_output var_temp while with word wstring xor
+    abs abstract acos action add add_dt_time add_time add_tod_time adr adrinst and and_then
+    andn any any_bit any_char any_date any_derived any_elementary any_int any_magnitude
+    any_num any_real any_signed any_string any_unsigned array asin at atan atan2 bit bitadr
+    bool by byte cal calc calcn case char class concat concat_date_tod configuration constant
+    continue cos ctd ctu ctud date date_and_time day_of_week delete derivative dint div
+    divtime do dt dword else elsif en end end_action end_case end_class end_configuration
+    end_for end_function end_function_block end_if end_interface end_method end_namespace
+    end_program end_property end_repeat end_resource end_step end_struct end_transition
+    end_type end_union end_var end_while eno eq exit exp expt extends f_edge f_trig false
+    final find for from function function_block ge gt hysteresis if implements in indexof ini
+    initial_step insert int integral interface internal interval is_valid is_valid_bcd jmp
+    jmpc jmpcn ld ldate ldate_and_time ldn ldt le left len limit lint ln log lower_bound lreal
+    lt ltime ltime_of_day ltod lword max method mid min mod move mul multime mux namespace ne
+    non_retain not null of on or or_else orn overlap override persistent pid pointer pow
+    priority private program property protected pt public q r r_edge r_trig ramp read_only
+    read_write real ref ref_to reference repeat replace resource ret retain retc retcn return
+    right rol ror round rs rtc s sel sema shl shr sin single sint sizeof split_date split_dt
+    split_tod sqrt sr st step stn string struct sub sub_time super tan task then this time
+    time_of_day to tod tof ton tp transition true trunc trunc_int type udint uint ulint union
+    until upper_bound using usint uxint var var_access var_config var_external var_generic
+    var_global var_in_out var_input var_inst var_output var_stat var_temp wchar while with
+    word wstring xint xor xorn xsizeof xword
 """
 
 ST_RESERVED = frozenset(_ST_WORDS.split())
-"""Words and standard functions of IEC 61131-3, in lower case (the language ignores case)."""
+"""Words and standard functions of IEC 61131-3 and of the large tools, in lower case.
+
+The language ignores case. Every block and function has an ``EN`` and an ``ENO``.
+"""
+
+_ST_TYPE = (
+    r"(bool|l?real|u?[sdl]?int|byte|[dl]?word|bcd|w?string|w?char|l?time|l?date|l?dt|l?tod|any)"
+)
+ST_CONVERSION = re.compile(
+    rf"({_ST_TYPE}_)?(to|trunc)_{_ST_TYPE}|{_ST_TYPE}_trunc", re.IGNORECASE | re.ASCII
+)
+"""Conversions, as in ``REAL_TO_INT``."""
 
 
 ARDUINO_MACROS = re.compile(
@@ -83,7 +107,8 @@ class Names:
     def new(self, stem: str) -> str:
         """Return an identifier like `stem` that has not been given out."""
         base = identifier(stem)
-        refused = self._refused is not None and self._refused.fullmatch(base)
+        patterns = [self._refused, ST_CONVERSION if self._folds else None]
+        refused = any(pattern and pattern.fullmatch(base) for pattern in patterns)
         if refused or self._key(base) in self._reserved:
             base = f"{base}_x"
         name, number = base, 1

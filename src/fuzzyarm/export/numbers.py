@@ -143,6 +143,14 @@ def st_number(value: float, kind: Kind) -> str:
     return f"{mantissa}{mark.upper()}{exponent}"
 
 
+def st_literal(value: float, kind: Kind) -> str:
+    """Return a literal in a statement: one of an LREAL has its type, or some compilers round it."""
+    text = st_number(value, kind)
+    if kind is not np.float64:
+        return text
+    return f"-LREAL#{text[1:]}" if text.startswith("-") else f"LREAL#{text}"
+
+
 def _decimal(value: float, kind: Kind) -> str:
     if not issubclass(kind, np.floating):
         return str(int(value))

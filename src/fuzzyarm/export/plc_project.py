@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import ST_TYPES, Kind, st_number
+from fuzzyarm.export.numbers import ST_TYPES, Kind, st_literal, st_number
 from fuzzyarm.export.routine import Routine, number_lines
 from fuzzyarm.export.structured_text import structured_text
 
@@ -44,6 +44,10 @@ _UNIT = re.compile(
     r"(?P<body>.*?)^END_(?P=sort)$",
     re.DOTALL | re.MULTILINE,
 )
+_TYPE = re.compile(
+    r"^TYPE\n    (?P<name>\w+) : ARRAY \[0\.\.(?P<last>\d+)\] OF (?P<type>\w+);\nEND_TYPE\n",
+    re.MULTILINE,
+)
 _SECTION = re.compile(
     r"^(?P<title>VAR(?:_INPUT|_OUTPUT|_IN_OUT| CONSTANT| RETAIN|))\n(?P<lines>.*?)^END_VAR$\n?",
     re.DOTALL | re.MULTILINE,
@@ -59,7 +63,8 @@ _DECLARATION = re.compile(
 class Declaration:
     """A variable: its type or that of its elements, the last index of an array, where it starts.
 
-    `start` is the text of the number, or of all elements; `remark` mostly is a unit.
+    `start` is the text of the number, or of all elements; `remark` mostly is a unit; `named` is the
+    name of the type of an array that has one.
     """
 
     name: str
@@ -67,6 +72,7 @@ class Declaration:
     last: int | None
     start: str
     remark: str
+    named: str = ""
 
     @property
     def elements(self) -> list[str]:
@@ -107,12 +113,14 @@ class Unit:
 class Project:
     """All units, each after those that it calls; the program that tests is the last one.
 
-    `blocks` are the names of the blocks that a program calls.
+    `blocks` are the names of the blocks that a program calls, `types` the arrays whose types have
+    names.
     """
 
     name: str
     units: tuple[Unit, ...]
     blocks: tuple[str, ...]
+    types: tuple[Declaration, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -160,34 +168,32 @@ def _has_subnormal(point: Sequence[float], kind: Kind) -> bool:
 
 
 def _project(text: str, prefix: str, trials: Sequence[_BlockTest]) -> Project:
-    units = list(_units(text))
+    types = {
+        match["name"]: Declaration("", match["type"], int(match["last"]), "", "", match["name"])
+        for match in _TYPE.finditer(text)
+    }
+    units = list(_units(_TYPE.sub("", text), types))
     test = _test_program({unit.name: unit for unit in units}, prefix, trials)
     blocks = tuple(trial.block for trial in trials)
-    return Project(prefix, (*units, *_units(test)), blocks)
+    return Project(prefix, (*units, *_units(test, types)), blocks, tuple(types.values()))
 
 
-def _units(text: str) -> Iterator[Unit]:
+def _units(text: str, types: Mapping[str, Declaration]) -> Iterator[Unit]:
     """Yield the units of a text, and be sure that nothing lies between them."""
     end = 0
     for match in _UNIT.finditer(text):
         assert not text[end : match.start()].strip(), text[end : match.start()]
         end = match.end()
-        yield _unit(match)
+        yield _unit(match, types)
     assert not text[end:].strip(), text[end:]
 
 
-def _unit(match: re.Match[str]) -> Unit:
+def _unit(match: re.Match[str], types: Mapping[str, Declaration]) -> Unit:
     sections, last = [], 0
     for section in _SECTION.finditer(match["body"]):
         last = section.end()
         declarations = tuple(
-            Declaration(
-                declaration["name"],
-                declaration["type"],
-                None if declaration["last"] is None else int(declaration["last"]),
-                (declaration["start"] or "").strip(),
-                declaration["remark"] or "",
-            )
+            _declaration(declaration, types)
             for declaration in _DECLARATION.finditer(section["lines"])
         )
         sections.append(DeclarationSection(section["title"], declarations))
@@ -197,6 +203,14 @@ def _unit(match: re.Match[str]) -> Unit:
     return Unit(
         head, match["sort"], match["name"], match["type"] or "", tuple(sections), statements
     )
+
+
+def _declaration(match: re.Match[str], types: Mapping[str, Declaration]) -> Declaration:
+    last = None if match["last"] is None else int(match["last"])
+    plain = Declaration(match["name"], match["type"], last, "", match["remark"] or "")
+    array = types.get(plain.type, plain)
+    start = (match["start"] or "").strip()
+    return replace(plain, type=array.type, last=array.last, start=start, named=array.named)
 
 
 def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTest]) -> str:
@@ -241,7 +255,7 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
             condition = f"{block}.{name} <> {place}"
             # Fixed-point blocks have to agree exactly.
             if not np.issubdtype(trial.kind, np.integer):
-                tolerance = st_number(trial.tolerance, trial.kind)
+                tolerance = st_literal(trial.tolerance, trial.kind)
                 # Written as what has to be true: a comparison with not a number is false.
                 condition = f"NOT (ABS({block}.{name} - {place}) <= {tolerance})"
             lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]

@@ -53,7 +53,10 @@ def plcopen_xml(project: Project) -> str:
         kind = Xml.SubElement(coordinates, _of(language))
         Xml.SubElement(kind, _of("scaling"), {"x": "1", "y": "1"})
     types = Xml.SubElement(root, _of("types"))
-    Xml.SubElement(types, _of("dataTypes"))
+    listed = Xml.SubElement(types, _of("dataTypes"))
+    for array in project.types:
+        defined = Xml.SubElement(listed, _of("dataType"), {"name": array.named})
+        _array(Xml.SubElement(defined, _of("baseType")), array)
     pous = Xml.SubElement(types, _of("pous"))
     for unit in project.units:
         pous.append(_pou(unit))
@@ -86,12 +89,10 @@ def _pou(unit: Unit) -> Xml.Element:
 def _variable(declaration: Declaration) -> Xml.Element:
     variable = Xml.Element(_of("variable"), {"name": declaration.name})
     kind = Xml.SubElement(variable, _of("type"))
-    if declaration.last is None:
-        kind.append(_type(declaration.type))
+    if declaration.named or declaration.last is None:
+        kind.append(_type(declaration.named or declaration.type))
     else:
-        array = Xml.SubElement(kind, _of("array"))
-        Xml.SubElement(array, _of("dimension"), {"lower": "0", "upper": str(declaration.last)})
-        Xml.SubElement(array, _of("baseType")).append(_type(declaration.type))
+        _array(kind, declaration)
     if declaration.start:
         start = Xml.SubElement(variable, _of("initialValue"))
         if declaration.last is None:
@@ -102,6 +103,12 @@ def _variable(declaration: Declaration) -> Xml.Element:
                 cell = Xml.SubElement(values, _of("value"))
                 Xml.SubElement(cell, _of("simpleValue"), {"value": value})
     return variable
+
+
+def _array(parent: Xml.Element, declaration: Declaration) -> None:
+    array = Xml.SubElement(parent, _of("array"))
+    Xml.SubElement(array, _of("dimension"), {"lower": "0", "upper": str(declaration.last)})
+    Xml.SubElement(array, _of("baseType")).append(_type(declaration.type))
 
 
 def _type(name: str) -> Xml.Element:

@@ -45,7 +45,7 @@ _QUOTED = frozenset(
 """Words of SCL that the standard does not have; a name that is one stands in quotation marks."""
 
 _TOKEN = re.compile(
-    r"(?P<space>\s+)|(?P<remark>\(\*.*?\*\))|(?P<number>\d[\d.]*(?:E[+-]?\d+)?)"
+    r"(?P<space>\s+)|(?P<remark>\(\*.*?\*\))|(?P<number>(?:LREAL#)?\d[\d.]*(?:E[+-]?\d+)?)"
     r"|(?P<word>[A-Za-z_]\w*)|(?P<sign><>|<=|>=|:=|.)",
     re.DOTALL,
 )

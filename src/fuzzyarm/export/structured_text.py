@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from fuzzyarm.export.listing import WALKED, Loop, Walked, element, function_body
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import ST_TYPES, ExportError, Kind, rounded, st_number
+from fuzzyarm.export.numbers import ST_TYPES, ExportError, Kind, rounded, st_literal, st_number
 from fuzzyarm.export.program import Call
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
 from fuzzyarm.export.rulebase import DirectRoutine
@@ -74,7 +74,7 @@ def st_numbers(real: Kind) -> Language:
     def number(value: float) -> str:
         if not math.isfinite(value):
             raise ExportError("Structured Text has no infinite number", hint="export C")
-        return st_number(value, real)
+        return st_literal(value, real)
 
     return STRUCTURED_TEXT._replace(
         text=lambda operation: spellings.get(operation.name, operation.st), number=number, rename={}
@@ -84,7 +84,6 @@ def st_numbers(real: Kind) -> Language:
 class TableBlock(TableCode):
     """The function block of a table: its variables are declared apart from the statements."""
 
-    language = STRUCTURED_TEXT
     types = ST_TYPES
     number = staticmethod(st_number)
 
@@ -96,6 +95,7 @@ class TableBlock(TableCode):
         self.inputs = [self.names.new(axis.name) for axis in table.axes]
         self.output = self.names.new(table.output)
         super().__init__(core, self.inputs)
+        self.language = st_numbers(core.precision[2])
         self.constants: list[str] = []
         self.variables: list[tuple[str, str]] = []
         self.index = "INT" if core.values.size <= 0x7FFF else "DINT"
@@ -228,13 +228,16 @@ class TableBlock(TableCode):
         if self.fixed:
             value = f"({way[0]} - {way[1]}) * 32768 / ({way[2]} - {way[1]})"
         step = low if side.stride == 1 else f"{low} * {side.stride}"
+        first, last = (
+            st_literal(float(text), self.core.precision[1]) for text in (points[0], points[-1])
+        )
         return [
-            f"{x} := {points[0]};",
+            f"{x} := {first};",
             f"IF {argument} > {x} THEN",
             f"    {x} := {argument};",
             "END_IF;",
-            f"IF {x} > {points[-1]} THEN",
-            f"    {x} := {points[-1]};",
+            f"IF {x} > {last} THEN",
+            f"    {x} := {last};",
             "END_IF;",
             *search,
             f"{share} := {value};",
@@ -256,7 +259,11 @@ class TableBlock(TableCode):
 
 
 class CellBlock(TableBlock):
-    """A block whose result is the number of the cell that the inputs fall into."""
+    """A block whose result is the number of the cell that the inputs fall into, a DINT."""
+
+    def __init__(self, routine: TableRoutine, name: str) -> None:
+        super().__init__(routine, name)
+        self.index = "DINT"
 
     def text(self) -> str:
         """Return the block, without the values of the table."""
@@ -433,16 +440,15 @@ class RulesBlock:
         """Return the call of the functions of a walk; its tables are variables of the block."""
         walk = statement.walk
         text = walk_in_st(walk, self.file_names, f"{self.name}_{walk.output}_{WALKED}")
-        self.functions += text.functions
+        self.functions += [*text.types, *text.functions]
         arrays = {}
         # Not constants: a function takes by reference what may be written to.
-        for array, (kind, literals) in text.tables.items():
+        for array, literals in text.tables.items():
             arrays[array] = self.names.new(f"{walk.output}_{array}")
             body = "\n".join(number_lines(literals, indent="        "))
-            of = f"ARRAY [0..{len(literals) - 1}] OF {kind} := [\n{body}\n    ]"
-            self.variables[arrays[array]] = of
+            self.variables[arrays[array]] = f"{text.type_names[array]} := [\n{body}\n    ]"
         arrays["room"] = self.names.new(f"{walk.output}_room")
-        self.variables[arrays["room"]] = f"ARRAY [0..{text.room - 1}] OF LREAL"
+        self.variables[arrays["room"]] = text.type_names["room"]
         flag = self.names.new("done")
         self.variables[flag] = "BOOL"
         lines = []

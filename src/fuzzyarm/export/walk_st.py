@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import ExportError, st_number
+from fuzzyarm.export.numbers import ExportError, st_literal, st_number
 from fuzzyarm.export.walk import DefuzzifierWalk, WrittenFunction
 from fuzzyarm.translation.functions import Bindings, NotTranslatedError, Translation, _Function
 from fuzzyarm.translation.targets import C99
@@ -44,21 +44,26 @@ class WalkText:
     ----------
     functions : list of str
         Lines of the functions, each after those that it calls.
-    tables : dict of str to (str, list of str)
-        Of the three arrays: type of an element, and literals; none for the room.
+    types : list of str
+        Lines that define the types of the three arrays: a type that has no name is the same as no
+        other, and what a function takes by reference has to have the same.
+    type_names : dict of str to str
+        Their names.
+    tables : dict of str to list of str
+        Literals of the arrays but for the room.
     call : str
         The statement that fills total and value, with their names and those of the arrays in
         braces: ``{whole}``, ``{floats}``, ``{room}``, ``{total}``, ``{value}``, ``{done}``.
     """
 
-    def __init__(self, functions: list[str], walk: DefuzzifierWalk, name: str) -> None:
+    def __init__(self, translation: _InST, walk: DefuzzifierWalk, name: str) -> None:
         layout = walk.layout
-        self.functions = functions
+        self.functions = translation.text().split("\n")
+        self.types, self.type_names = translation.types_text(), translation.type_names
         self.tables = {
-            "whole": ("DINT", [str(number) for number in layout.whole]),
-            "floats": ("LREAL", [_real(number) for number in layout.floats]),
+            "whole": [str(number) for number in layout.whole],
+            "floats": [st_number(_finite(number), np.float64) for number in layout.floats],
         }
-        self.room = walk.room
         ends = f"0, {len(layout.whole)}, 0, {len(layout.floats)}, 0, {walk.room}"
         heap = f"{walk.heap}, {walk.room - walk.heap}"
         arguments = f"{{whole}}, {{floats}}, {{room}}, {{total}}, {{value}}, {ends}, {heap}, 0"
@@ -73,15 +78,17 @@ def walk_in_st(walk: DefuzzifierWalk, names: Names, name: str) -> WalkText:
         function = translation.function(walk.function, [*arrays, WHOLE])
     except NotTranslatedError as error:
         raise ExportError(str(error), hint="export C, or a table") from None
-    return WalkText(translation.text().split("\n"), walk, function.name)
+    return WalkText(translation, walk, function.name)
+
+
+def _finite(value: float) -> float:
+    # There is no number beyond all others: nothing that is compared with it is larger.
+    largest = sys.float_info.max
+    return 0.0 if math.isnan(value) else min(max(value, -largest), largest)
 
 
 def _real(value: float) -> str:
-    # There is no number beyond all others: nothing that is compared with it is larger.
-    if math.isnan(value):
-        return "0.0"
-    largest = sys.float_info.max
-    return st_number(min(max(value, -largest), largest), np.float64)
+    return st_literal(_finite(value), np.float64)
 
 
 _TARGET = replace(
@@ -120,6 +127,7 @@ class _InST(Translation):
             "whole": (len(layout.whole), "DINT"), "floats": (len(layout.floats), "LREAL"),
             "room": (walk.room, "LREAL"),
         }  # fmt: skip
+        self.type_names = {array: names.new(f"{name}_{array}_array") for array in self.sizes}
 
     def new_function(self, function: Any, types: Sequence[Type], bindings: Bindings) -> _STFunction:
         """Return a function that is not translated yet."""
@@ -137,9 +145,21 @@ class _InST(Translation):
         """Return the declaration of what every function takes by reference."""
         return [
             "VAR_IN_OUT",
-            *(f"    {name} : ARRAY [0..{size - 1}] OF {kind};"
-              for name, (size, kind) in self.sizes.items()),
-        ]  # fmt: skip
+            *(f"    {name} : {type_name};" for name, type_name in self.type_names.items()),
+        ]
+
+    def types_text(self) -> list[str]:
+        """Return the lines that define the types of the arrays."""
+        return [
+            line
+            for name, (size, kind) in self.sizes.items()
+            for line in (
+                "TYPE",
+                f"    {self.type_names[name]} : ARRAY [0..{size - 1}] OF {kind};",
+                "END_TYPE",
+                "",
+            )
+        ]
 
     def dispatcher(self, types: tuple[Type, ...]) -> str:
         """Return the name of the function that calls others by their number."""
