@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from st_programs import WORDS
 
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, Names, identifier
 from fuzzyarm.export.numbers import c_number, rounded_down, st_number
@@ -51,3 +52,16 @@ def test_a_threshold_rounded_down_decides_as_in_double_precision(threshold, x):
     (near,) = rounded_down([threshold], np.float32, "axis")
     for value in (np.float32(x), near, np.nextafter(near, np.float32(np.inf))):
         assert (value > near) == (float(value) > threshold)
+
+
+@pytest.mark.parametrize("word", ["INT_TO_REAL", "TRUNC_DINT", "to_int", "Lreal_Trunc"])
+def test_a_conversion_of_the_language_is_no_name_in_structured_text(word):
+    assert Names("st").new(word) == f"{word}_x"
+    assert Names("c").new(word) == word
+
+
+def test_no_word_of_a_compiler_is_a_name_in_structured_text():
+    # Names that are handed out are those that a block could declare.
+    taken = [word for word in WORDS if Names("st").new(word.upper()).lower() == word]
+    assert not taken
+    assert Names("st").new("time_to_collision") == "time_to_collision"

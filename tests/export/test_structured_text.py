@@ -8,12 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import table_definition as definition
+from budget import part
 from needs import need
 from st_programs import Program
 
+from fuzzyarm import load
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.export import ExportError, export_files, routines_of
 from fuzzyarm.export.names import identifier
 from fuzzyarm.language import load_rulebase, parse
+from fuzzyarm.proof.compiled import Making, program_of, source_of
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 
@@ -178,3 +182,53 @@ def test_what_the_language_lacks_is_named(tmp_path):
     assert model is not None
     with pytest.raises(ExportError, match="no function for 'tanh'"):
         export_files(routines_of(model), tmp_path / "plc.st")
+
+
+ROOT = Path(__file__).parents[2]
+FILES = sorted([*(ROOT / "rulebases").glob("*.frb"), *ROOT.glob("examples/controllers/*.frb")])
+"""Shipped files and examples."""
+
+
+@pytest.mark.slow(seconds=20)
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_a_strict_compiler_takes_every_file_that_is_shipped(tmp_path, precision):
+    taken, refused = 0, []
+    for path in part(FILES, 3):
+        out = tmp_path / f"{identifier(path.stem)}.st"
+        try:
+            sheet = load(path)
+            how = Making(source=str(path), precision=precision)
+            if isinstance(sheet, ControllerText):
+                exported, _ = program_of(sheet, out, how)
+            else:
+                exported, _ = source_of(sheet, out, how)
+        except ExportError as error:
+            refused.append(error.message)
+            continue
+        Program(exported.files[0][1])
+        taken += 1
+    reasons = ("is not text and cannot be exported", "has no infinite number", "double precision")
+    assert all(any(reason in message for reason in reasons) for message in refused), refused
+    assert taken > len(refused)
+
+
+def test_what_a_compiler_refuses_the_interpreter_refuses():
+    head = "FUNCTION_BLOCK b\nVAR_INPUT\n    x : LREAL;\n    n : INT;\nEND_VAR\nVAR_OUTPUT\n"
+    for outputs, statement in {
+        "    d : DINT;": "d := n;",
+        "    y : LREAL;": "y := x * 2.0;",
+        "    y : REAL;": "y := x;",
+        "    eno : BOOL;": "eno := TRUE;",
+        "    end_if : LREAL;": "end_if := x;",
+        "    ok : BOOL;": "ok := x > 1;",
+    }.items():
+        text = f"{head}{outputs}\nEND_VAR\n\n{statement}\nEND_FUNCTION_BLOCK\n"
+        with pytest.raises(AssertionError):
+            Program(text)
+    Program(f"{head}    y : LREAL;\nEND_VAR\n\ny := x * LREAL#2.0;\nEND_FUNCTION_BLOCK\n")
+    array = (
+        "FUNCTION f : BOOL\nVAR_IN_OUT\n    a : {};\nEND_VAR\n\nf := a[0] > 1.0;\nEND_FUNCTION\n"
+    )
+    with pytest.raises(AssertionError, match="has no name"):
+        Program(array.format("ARRAY [0..1] OF REAL"))
+    Program(f"TYPE\n    two : ARRAY [0..1] OF REAL;\nEND_TYPE\n{array.format('two')}")

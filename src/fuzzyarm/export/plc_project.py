@@ -246,7 +246,8 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
             huge = st_number(float(np.finfo(trial.kind).max), trial.kind)
             infinite = f"infinite_{number}"
             declarations.append(f"    {infinite} : {ST_TYPES[trial.kind]} := {huge};")
-            lines.append(f"{infinite} := {infinite} * 2.0;")
+            two = st_literal(2.0, trial.kind)
+            lines.append(f"{infinite} := {infinite} * {two};")
             lines += [f"{points}[{i}] := {infinite} - {infinite};" for i in lost]
         lines.append(f"FOR k := 0 TO {len(trial.expected) - 1} DO")
         lines.append(f"    {block}({arguments});")
