@@ -7,8 +7,8 @@ import pytest
 from budget import cases
 
 import fuzzyarm
+from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.planes import RulePlanes, TablePlanes, Zonotope
-from fuzzyarm.proof.bounds import UnprovableError
 
 BASES = {
     "pd7.frb": "u",  # minima, clipped sets
@@ -67,8 +67,10 @@ def test_where_nothing_fires_nothing_is_said():
         "rulebase gap\ninput x 0 .. 2\noutput u 0 .. 1\nterm x a: triangle 0 0 0.5\n"
         "term u high: singleton 1\nrule if x is a then u is high\n"
     ).rulebase
-    with pytest.raises(UnprovableError, match="no rule"):
-        RulePlanes(rulebase, "u")
+    planes = RulePlanes(rulebase, "u")
+    with pytest.raises(EnclosureError, match="no rule"):
+        planes.band(Zonotope(np.array([0.6]), np.array([[0.2]])))
+    assert planes.band(Zonotope(np.array([0.2]), np.array([[0.2]]))).low > 0.9
 
 
 @pytest.mark.parametrize("mode", ["linear", "nearest"])

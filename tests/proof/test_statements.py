@@ -446,3 +446,34 @@ def test_the_errors_of_a_table_are_those_of_all_its_cells() -> None:
     table = fuzzyarm.compile_table(rulebase, output.name, levels=levels)
     cells = [cell for cell, _ in cell_errors(table, rulebase, "linear")]
     assert cells == [(i, j) for i in range(2) for j in range(3)]
+
+
+BEYOND_AN_OUTPUT = """
+rulebase rb
+input e -1 .. 1
+output u -0.5 .. 0.5
+terms e: triangles N Z P
+term u N: singleton -1
+term u Z: singleton 0
+term u P: singleton 1
+inference u: {way}, outside error
+rule if e is N then u is N
+rule if e is Z then u is Z
+rule if e is P then u is P
+"""
+
+
+@pytest.mark.parametrize("way", ["defuzzifier weighted-average", "defuzzifier weighted-sum"])
+@pytest.mark.parametrize("statement", ["e in 0.6 .. 1 -> u >= 0.4", "u in -0.5 .. 0.5", "u <= 2"])
+def test_a_statement_on_a_value_that_is_not_there_is_refuted(statement: str, way: str) -> None:
+    rulebase = fuzzyarm.parse(BEYOND_AN_OUTPUT.format(way=way)).rulebase
+    verdict = prove(rulebase, statement)
+    assert verdict.verdict == "refuted"
+    assert "outside its range -0.5 .. 0.5" in verdict.reason
+    assert verdict.reason.endswith("it has no value there")
+    with pytest.raises(fuzzyarm.FuzzyarmError, match="outside its range"):
+        fuzzyarm.infer(rulebase, **verdict.points[0])
+    assert prove(rulebase, "e in -0.4 .. 0.4 -> u in -0.4001 .. 0.4001").proved
+    # The slope is asked for where the output has a value; beyond that there is none.
+    assert prove(rulebase, "u slope e in 0.9 .. 1.1").verdict == "undecided"
+    assert prove(rulebase, "e in -0.4 .. 0.4 -> u slope e in 0.9 .. 1.1").proved

@@ -13,7 +13,9 @@ from functools import cache
 
 import numpy as np
 
+from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
+from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.readings import pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked
 from fuzzyarm.expression.nodes import Constant, Node
@@ -118,6 +120,8 @@ class Zonotopes:
             value = self._asked(planes.band, arguments)
             if planes.clamps:
                 value = self.fresh(clip(value, output.low, output.high))
+            elif output.outside == "error" and not planes.prover.lies_between:
+                _demand_inside(value, output)
             results.append(value)
         return results
 
@@ -130,6 +134,9 @@ class Zonotopes:
     def _inside(self, x: Number, variable: Variable) -> Forms:
         forms = self.forms(x)
         if variable.outside == "extend":
+            return forms
+        if variable.outside == "error":
+            _demand_inside(forms, variable)
             return forms
         return self.fresh(clip(forms, variable.low, variable.high))
 
@@ -151,6 +158,15 @@ class Zonotopes:
         for row in rows:
             value = value + inputs[row].scaled(slopes[:, row])
         return self.fresh(value)
+
+
+def _demand_inside(x: Forms, variable: Variable) -> None:
+    """Refuse a signal of a rule base that may be outside its range, where there is no value."""
+    bounds, where = x.bounds, f"the range of '{variable.name}', where there is no value"
+    if (bounds.high < variable.low).any() or (bounds.low > variable.high).any():
+        raise LoopProofError(f"all runs from some starts are outside {where}")
+    if (bounds.low < variable.low).any() or (bounds.high > variable.high).any():
+        raise EnclosureError(f"a run may be outside {where}")
 
 
 @cache

@@ -36,7 +36,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import FLOATS, Stop
 from fuzzyarm.proof.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.bounds import WIDENED, UnprovableError
-from fuzzyarm.proof.prover import Prover, QuotientProblem
+from fuzzyarm.proof.prover import Prover, QuotientProblem, written
 from fuzzyarm.proof.surface import Surface
 from fuzzyarm.table import LookupTable
 
@@ -107,9 +107,27 @@ def _raised(dimension: int, degree: int) -> tuple[Any, Any]:
     return sources, shares
 
 
-@dataclass(frozen=True, eq=False)
+class _WholeCut(NamedTuple):
+    """All pieces over a box.
+
+    `least` and `most` are the ends of each piece, `middle` is what values are counted from; where
+    `is_silent`, some points of the box may have no value.
+    """
+
+    low: Vector
+    high: Vector
+    quotients: Quotients
+    middle: float
+    least: Vector
+    most: Vector
+    is_silent: bool
+
+
 class RulePlanes:
     """One output of a rule base, cut once and asked often.
+
+    Pieces are those of the declared ranges, and of more as soon as a set goes beyond the range of
+    an input that is taken as it is there (``outside extend``), or that has no end.
 
     Parameters
     ----------
@@ -117,22 +135,11 @@ class RulePlanes:
         The model.
     output : str
         Which output.
-
-    Raises
-    ------
-    UnprovableError
-        If it cannot be evaluated everywhere, or an input has no end.
     """
 
-    rulebase: RuleBase
-    output: str
-
-    def __post_init__(self) -> None:
-        prover = self.prover
-        silent = prover.without_value({})
-        if silent is not None:
-            at = ", ".join(f"{name} = {float(x):.6g}" for name, x in silent.items())
-            raise UnprovableError(f"no rule of '{self.output}' fires at {at}")
+    def __init__(self, rulebase: RuleBase, output: str) -> None:
+        self.rulebase, self.output = rulebase, output
+        self._cut: _WholeCut | None = None
 
     @cached_property
     def prover(self) -> Prover:
@@ -148,8 +155,7 @@ class RulePlanes:
     def range(self) -> tuple[float, float]:
         """What no value leaves; infinite where nothing is known."""
         output = self.prover.output
-        inside = self.prover.stays_inside or output.outside == "clamp"
-        return (output.low, output.high) if inside else (-math.inf, math.inf)
+        return (output.low, output.high) if self.prover.stays_inside else (-math.inf, math.inf)
 
     @property
     def clamps(self) -> bool:
@@ -158,11 +164,46 @@ class RulePlanes:
         free = model is not None and not math.isfinite(float(model.low))
         return free and self.prover.output.outside == "clamp"
 
-    @cached_property
-    def _whole(self) -> tuple[Quotients, float]:
-        """All pieces, their corners as inputs, and the centre."""
-        prover = self.prover
-        surface = prover.surface(QuotientProblem(prover.box({}), Surface.value), FLOATS)
+    # --- pieces, and where there is a value ---
+
+    def _within_ranges(self, low: Vector, high: Vector) -> tuple[Vector, Vector]:
+        """Return what of a box inputs can be: those that are taken as they are, all of it."""
+        ends = [
+            (variable.low, variable.high) if variable.outside != "extend" else (-np.inf, np.inf)
+            for variable in self.prover.inputs
+        ]
+        least, most = np.transpose(ends)
+        return np.clip(low, least, most), np.clip(high, least, most)
+
+    def _whole(self, low: Vector, high: Vector) -> _WholeCut:
+        """Return all pieces over a box that holds the given one."""
+        cut = self._cut
+        if cut is None or (low < cut.low).any() or (high > cut.high).any():
+            self._cut = cut = self._newly_cut(*self._grown(low, high))
+        return cut
+
+    def _grown(self, low: Vector, high: Vector) -> tuple[Vector, Vector]:
+        """Return a box to be cut: the declared one, and twice as wide as what goes beyond it."""
+        lows, highs = [], []
+        before = self._cut
+        for axis, variable in enumerate(self.prover.inputs):
+            ends = [x for x in (variable.low, variable.high) if math.isfinite(x)]
+            if before is not None:
+                ends += [before.low[axis], before.high[axis]]
+            first, last = min([low[axis], *ends]), max([high[axis], *ends])
+            more = last - first
+            is_open = variable.outside == "extend"
+            below = low[axis] < min(ends, default=math.inf)
+            above = high[axis] > max(ends, default=-math.inf)
+            grows = (below and (is_open or math.isinf(variable.low)),
+                     above and (is_open or math.isinf(variable.high)))  # fmt: skip
+            lows.append(first - more * grows[0])
+            highs.append(last + more * grows[1])
+        return np.array(lows), np.array(highs)
+
+    def _newly_cut(self, low: Vector, high: Vector) -> _WholeCut:
+        prover, region = self.prover, self._region(low, high)
+        surface = prover.surface(QuotientProblem(prover.box(region), Surface.value), FLOATS)
         quotients = surface.value()
         grid = surface.pieces.grid
         corners = quotients.corners.copy()
@@ -180,24 +221,61 @@ class RulePlanes:
             np.abs(quotients.upper).max(axis=1) / quotients.reach,
         )
         quotients.error = quotients.error + OFF * largest[:, None]
-        return quotients, float(surface.centre)
+        slack = 1e-12 * (1.0 + np.abs(corners).max(initial=0.0))
+        return _WholeCut(
+            low, high, quotients, float(surface.centre),
+            corners.min(axis=1) - slack, corners.max(axis=1) + slack,
+            prover.without_value(region) is not None,
+        )  # fmt: skip
+
+    def _region(self, low: Vector, high: Vector) -> dict[str, tuple[float, float]]:
+        ends = zip(low.tolist(), high.tolist(), strict=True)
+        return dict(zip(self.prover.names, ends, strict=True))
 
     @cached_property
-    def _boxes(self) -> tuple[Vector, Vector]:
-        corners = self._whole[0].corners
-        slack = 1e-12 * (1.0 + np.abs(corners).max(initial=0.0))
-        return corners.min(axis=1) - slack, corners.max(axis=1) + slack
+    def _has_value(self) -> bool:
+        """Whether there is a value all over the declared ranges, as far as that is known."""
+        try:
+            return self.prover.without_value({}) is None
+        except UnprovableError:
+            return False
+
+    def _is_silent(self, low: Vector, high: Vector) -> bool:
+        """Tell whether the value for no rule may count in a box; refuse one without a value."""
+        declared = [(variable.low, variable.high) for variable in self.prover.inputs]
+        inside = all(a >= x and b <= y for a, b, (x, y) in zip(low, high, declared, strict=True))
+        if inside and self._has_value:
+            return False
+        at = self.prover.without_memory().without_value(self._region(low, high))
+        if at is not None and self.prover.no_rule is None:
+            raise EnclosureError(f"no rule of '{self.output}' fires at {written(at)}")
+        return at is not None
+
+    # --- questions ---
 
     def band(self, inputs: Zonotope) -> PlaneBand:
-        """Return a plane and the band around it over a set of inputs, which lie in their ranges."""
-        if not self.has_pieces:
-            return self._plain(inputs)
+        """Return a plane and the band around it over a set of inputs.
+
+        Inputs whose range is not left lie in it, whatever their zonotope says.
+
+        Raises
+        ------
+        EnclosureError
+            If there may be no value somewhere, or no bound is known.
+        UnprovableError
+            If nothing can be proved of the rule base.
+        """
         centre, radius = inputs.centre, inputs.radius
-        low, high = centre - radius, centre + radius
-        least, most = self._boxes
-        some = np.flatnonzero(((most >= low) & (least <= high)).all(axis=1))
-        quotients, middle = self._whole
+        low, high = self._within_ranges(centre - radius, centre + radius)
+        if not self.has_pieces:
+            self._is_silent(low, high)
+            return self._plain(low, high)
+        cut = self._whole(low, high)
+        quotients, middle = cut.quotients, cut.middle
+        some = np.flatnonzero(((cut.most >= low) & (cut.least <= high)).all(axis=1))
         pieces = _clipped(self._near(quotients.take(some), inputs), centre, radius)
+        if not pieces.count:
+            raise EnclosureError(f"an input of '{self.output}' is outside its range")
         slopes, offset = np.zeros(len(centre)), 0.0
         for round_number in range(ROUNDS + 1):
             slopes, offset = self._plane(pieces, centre, radius, middle)
@@ -212,6 +290,8 @@ class RulePlanes:
             halves = part.halved(Stop())
             halves.corners = halves.corners * radius
             pieces = pieces.take(np.flatnonzero(~deciding)).joined(self._near(halves, inputs))
+        if cut.is_silent and self._is_silent(low, high):
+            return self._plain(low, high)
         return self._banded(slopes, offset, centre, radius, lows, highs)
 
     def _banded(
@@ -230,15 +310,12 @@ class RulePlanes:
         more = WIDENED * (self.prover.range + size) + OFF * (abs(low) + abs(high))
         return PlaneBand(slopes, shift + low - more, shift + high + more)
 
-    def _plain(self, inputs: Zonotope) -> PlaneBand:
-        radius = inputs.radius
-        region = {
-            name: (float(c - r), float(c + r))
-            for name, c, r in zip(self.prover.names, inputs.centre, radius, strict=True)
-        }
-        self.prover.stop = Stop(1.0)
-        bounds = self.prover.value(region)
-        return PlaneBand(np.zeros(len(radius)), bounds.low, bounds.high)
+    def _plain(self, low: Vector, high: Vector) -> PlaneBand:
+        """Return the range over a box, the value for no rule included."""
+        prover = self.prover.without_memory()
+        prover.stop = Stop(1.0)
+        bounds = prover.value(self._region(low, high))
+        return PlaneBand(np.zeros(len(low)), bounds.low, bounds.high)
 
     def _near(self, pieces: Quotients, inputs: Zonotope) -> Quotients:
         """Return the pieces that a set may meet: along its axes and those of its box."""

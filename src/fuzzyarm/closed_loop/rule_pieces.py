@@ -87,7 +87,8 @@ class RulePieces:
         self, box: tuple[tuple[Fraction, Fraction], ...]
     ) -> tuple[list[SimplexPiece], bool]:
         for variable, (low, high) in zip(self.rulebase.inputs, box, strict=True):
-            if not variable.low <= low <= high <= variable.high:
+            inside = variable.low <= low <= high <= variable.high
+            if variable.outside != "extend" and not inside:
                 raise LoopProofError(f"'{variable.name}' leaves its universe")
         points = {k: low for k, (low, high) in enumerate(box) if low == high}
         model, free = self.model, list(range(len(box)))
@@ -96,6 +97,8 @@ class RulePieces:
             free = [k for k in free if k not in points]
         cells = cut(model, Cut(tuple(box[k] for k in free)), rationals())
         surface = Surface(model, cells)
+        if surface.silent(valued=True) is not None:
+            raise LoopProofError(f"'{self.rulebase.name}' may have no value somewhere")
         values = surface.value()
         indices = lattice(values.corners.shape[2], values.degree)
         weights = [

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from fuzzyarm.closed_loop.rule_pieces import RulePieces
 from fuzzyarm.closed_loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, hull
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.table import LookupTable
 
 __all__ = ["Slope", "SlopeNumbers", "applied", "slopes_of"]
@@ -194,9 +194,7 @@ class SlopeNumbers:
         """Return what a rule base concludes."""
         pieces = self.pieces(sheet, output)
         inputs = {
-            variable.name: inputs[variable.name]
-            if variable.outside == "extend"
-            else self.limit(inputs[variable.name], variable.low, variable.high)
+            variable.name: self._brought(inputs[variable.name], variable)
             for variable in sheet.inputs
         }
         region = {name: (x.value.low, x.value.high) for name, x in inputs.items()}
@@ -206,6 +204,15 @@ class SlopeNumbers:
             if x.along:
                 result = result.joined(x.scaled(x.value, pieces.slope(region, name)), result.value)
         return result
+
+    def _brought(self, x: Slope, variable: Variable) -> Slope:
+        """Return an input as a rule base takes it."""
+        if variable.outside == "clamp":
+            return self.limit(x, variable.low, variable.high)
+        inside = variable.low <= x.value.low and x.value.high <= variable.high
+        if variable.outside == "error" and not inside:
+            raise SpanError(f"'{variable.name}' may be outside its range, where there is no value")
+        return x
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Slope]) -> Slope:
         """Refuse a table."""

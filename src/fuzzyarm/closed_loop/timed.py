@@ -149,7 +149,8 @@ def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | 
         low, high = tube.bounds(port, claim.begin, min(claim.end, tube.duration))
         reason += f": {claim.output} in {low:.6g} .. {high:.6g}"
     if not tube.complete:
-        reason += "; some of the starts could not be followed to the end"
+        why = f": {tube.reason}" if tube.reason else ""
+        reason += f"; some of the starts could not be followed to the end{why}"
     return reason
 
 

@@ -73,6 +73,8 @@ class Tube:
         How long it took.
     arrival : float
         After which time all boxes have arrived at a goal, s; 0 where there was none.
+    reason : str
+        Why one of those that could not be followed ended; empty where there is none.
     """
 
     problem: LoopProblem = field(repr=False)
@@ -89,6 +91,7 @@ class Tube:
     complete: bool
     seconds: float
     arrival: float = 0.0
+    reason: str = ""
 
     def bounds(self, output: str, begin: float, end: float) -> Interval:
         """Return between what an output (or a drive) is from one time to another.
@@ -223,6 +226,7 @@ class _Bisection:
         self.most = most
         self.progress = progress
         self.done = 0.0
+        self.reason = ""
 
     def tube(self, boxes: Sequence[int]) -> Tube:
         """Return the tube."""
@@ -279,8 +283,9 @@ class _Bisection:
         try:
             course = self.follower.follow(boxes, whole=whole)
             return [(list(boxes), course, course.weight)]
-        except EnclosureError:
+        except EnclosureError as error:
             if len(boxes) == 1:
+                self.reason = str(error)
                 return [(list(boxes), None, self.follower.last_weight)]
             middle = len(boxes) // 2
             first = self._followed(boxes[:middle], whole=whole)
@@ -350,4 +355,5 @@ class _Bisection:
             complete=not lost and bool(finished),
             seconds=clock.monotonic() - self.begun,
             arrival=0.0 if follower.goal is None else max(lengths) * period,
+            reason=self.reason if lost else "",
         )

@@ -241,13 +241,13 @@ class _Case:
             raise  # the claim is at fault, not its proof
         except FuzzyarmError as error:
             return self._said(UNDECIDED, reason=_sentence(error))
-        if self.claim.output:
+        if self.claim.output or self.claim.start:
             refuted = self._attacked(problem)
             if refuted is not None:
                 return refuted
         bounded = math.isfinite(self.claim.end) and not self.claim.stable
         loop_verdict = self._by_tube(problem) if bounded else self._by_region(problem)
-        if loop_verdict.verdict == UNDECIDED and not self.claim.output:
+        if loop_verdict.verdict == UNDECIDED and not (self.claim.output or self.claim.start):
             return self._attacked(problem) or loop_verdict
         return loop_verdict
 

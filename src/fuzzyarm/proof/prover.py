@@ -52,6 +52,9 @@ __all__ = ["Prover", "QuotientProblem", "written"]
 
 Make = Callable[[Surface], Quotients]
 
+Box = tuple[tuple[Fraction, Fraction], ...]
+"""A stretch of each input."""
+
 
 @dataclass(frozen=True)
 class QuotientProblem:
@@ -61,7 +64,7 @@ class QuotientProblem:
     is higher.
     """
 
-    box: tuple[tuple[Fraction, Fraction], ...]
+    box: Box
     make: Make
     positions: tuple[Any, ...] = ()
     mirrored: bool = False
@@ -128,8 +131,11 @@ class Prover:
     @cached_property
     def stays_inside(self) -> bool:
         """Whether no value but that for *no rule* can leave the range of the output."""
-        if self.output.outside != "extend":
-            return True
+        return self.output.outside != "extend" or self.lies_between
+
+    @cached_property
+    def lies_between(self) -> bool:
+        """Whether nothing that rules conclude lies beyond the range of the output."""
         output_plan = plan(self.rulebase).outputs[self.output.name]
         if not output_plan.discrete or not output_plan.record.is_between:
             return output_plan.record.is_between
@@ -138,9 +144,7 @@ class Prover:
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 
-    def box(
-        self, region: Mapping[str, tuple[float, float]]
-    ) -> tuple[tuple[Fraction, Fraction], ...]:
+    def box(self, region: Mapping[str, tuple[float, float]]) -> Box:
         """Return the stretch of each input, all of its range where the region says nothing.
 
         Raises
@@ -247,10 +251,13 @@ class Prover:
         box = self.box(region)
         table = self._fitting(table)
         if self.model is None:
+            at = self.outside_range(region)
+            if at is not None:
+                raise UnprovableError(f"the error of a table: {self.beyond_range(at)}")
             return self._boxes(box).table(table, mode, self.gap)
         self._demand_value_everywhere("the error of a table")
-        question = self._table_question(table, mode, box)
-        return self._clamped_or_refused(self.bounds_of(question))
+        self.demand_inside_range("the error of a table", box)
+        return self.bounds_of(self._table_question(table, mode, box))
 
     def demand_bounds(self) -> None:
         """Refuse a rule base that cannot be proved about, before any long work."""
@@ -308,7 +315,7 @@ class Prover:
         """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
         self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
-        self.demand_inside_range("symmetry")
+        self.demand_inside_range("symmetry", self.box({}))
         question = QuotientProblem(self.box(region), Surface.odd, mirrored=True)
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
@@ -351,6 +358,50 @@ class Prover:
             surface = self.surface(question, rationals(), cells)
         corner = surface.silent(valued=valued)
         return None if corner is None else self.named(surface.pieces.position(*corner))
+
+    def outside_range(
+        self, region: Mapping[str, tuple[float, float]]
+    ) -> dict[str, Fraction] | None:
+        """Return a point at which the output has no value, for it leaves its range; None: nowhere.
+
+        Only an output with ``outside error`` is without one there.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        if self.output.outside != "error" or self.lies_between:
+            return None
+        for sign, limit in ((-1, self.output.low), (1, self.output.high)):
+            if math.isinf(limit):
+                continue
+            claim = self._inside_at(region, sign, limit)
+            if claim.holds is None:
+                where = f"outside its range, where '{self.output.name}' has no value"
+                raise UnprovableError(f"whether it may be {where}, is open")
+            if not claim.holds:
+                return claim.at
+        return None
+
+    def _inside_at(
+        self, region: Mapping[str, tuple[float, float]], sign: int, limit: float
+    ) -> Claim:
+        """Tell whether the output, whatever is done outside its range, stays on one side of it."""
+        if self.model is None:
+            holds, pieces = self.boxes_at_most(region, sign * limit, negated=sign < 0)
+            return Claim(holds or None, {}, pieces, False)
+        return self.value_at_most(region, sign * limit, negated=sign < 0, strict=False)
+
+    def beyond_range(self, at: Mapping[str, Fraction]) -> str:
+        """Return in words that the output leaves its range at a point and has no value there."""
+        value = self._concluded(at)
+        number = "" if value is None else f" is {float(value):.10g},"
+        ends = f"{self.output.low:g} .. {self.output.high:g}"
+        return (
+            f"'{self.output.name}'{number} outside its range {ends}, at {written(at)}: "
+            "it has no value there"
+        )
 
     # ── the search ───────────────────────────────────────────────────────────────────
 
@@ -406,10 +457,16 @@ class Prover:
             ends.append((sign, reached, bound, at))
         return self._as_bounds(ends, shift, pieces, complete=complete)
 
+    def without_memory(self) -> Prover:
+        """Return the same prover with pieces of its own, to be forgotten with it."""
+        prover = copy(self)
+        prover._surfaces = {}
+        return prover
+
     def in_rationals(self) -> Prover:
         """Return the same prover without floats: strengths may be too small for them."""
-        prover = copy(self)
-        prover.exact, prover._surfaces = True, {}
+        prover = self.without_memory()
+        prover.exact = True
         return prover
 
     def _again(
@@ -537,9 +594,7 @@ class Prover:
             self._surfaces[key] = new_surface
         return new_surface
 
-    def _table_question(
-        self, table: LookupTable, mode: str, box: tuple[tuple[Fraction, Fraction], ...]
-    ) -> QuotientProblem:
+    def _table_question(self, table: LookupTable, mode: str, box: Box) -> QuotientProblem:
         names = self.names
 
         def make(surface: Surface) -> Quotients:
@@ -547,7 +602,7 @@ class Prover:
 
         return QuotientProblem(box, make, TableValues.positions(table, mode, names))
 
-    def _boxes(self, box: tuple[tuple[Fraction, Fraction], ...]) -> Boxes:
+    def _boxes(self, box: Box) -> Boxes:
         from fuzzyarm.proof.boxes import Boxes
 
         ends = [(float(low), float(high)) for low, high in box]
@@ -559,18 +614,28 @@ class Prover:
 
     def exactly(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
         """Return the output at a point in exact arithmetic; None where it has no value."""
+        value = self._concluded(at)
+        if value is None:
+            return None if self.no_rule is None else Fraction(self.no_rule)
+        low, high = (
+            Fraction(end) if math.isfinite(end) else None
+            for end in (self.output.low, self.output.high)
+        )
+        least = value if low is None else max(value, low)
+        inside = least if high is None else min(least, high)
+        if self.output.outside == "error" and inside != value:
+            return None
+        return inside if self.output.outside == "clamp" else value
+
+    def _concluded(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
+        """Return what rules conclude at a point, whatever is done outside the range."""
         assert self.model is not None
         box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
         surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
         quotients = surface.value()
         if not quotients.lower[0, 0] > 0 or surface.silent(valued=True) is not None:
-            return None if self.no_rule is None else Fraction(self.no_rule)
-        value = as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
-        if math.isfinite(self.output.low) and self.output.outside == "clamp":
-            value = max(value, Fraction(self.output.low))
-        if math.isfinite(self.output.high) and self.output.outside == "clamp":
-            value = min(value, Fraction(self.output.high))
-        return value
+            return None
+        return as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
 
     def named(self, position: list[Fraction]) -> dict[str, Fraction]:
         """Return inputs by name, those that are fixed included, in the order of the rule base."""
@@ -595,7 +660,7 @@ class Prover:
         }
         if low < high and self.without_value(region) is not None:
             raise UnprovableError("there are points at which no rule fires")
-        self.demand_inside_range("slopes")
+        self.demand_inside_range("slopes", question.box)
 
     def _demand_value_everywhere(self, what: str) -> None:
         at = self.without_value({})
@@ -613,18 +678,15 @@ class Prover:
 
         return over_inputs(table, self.rulebase.inputs)
 
-    def demand_inside_range(self, what: str) -> None:
-        """Refuse an output that leaves its range, where it is clamped."""
+    def demand_inside_range(self, what: str, box: Box) -> None:
+        """Refuse an output that leaves its range: it is clamped there, or has no value."""
         assert self.model is not None
         if math.isfinite(self.model.low) or self.output.outside == "extend":
             return
-        bounds = self.bounds_of(QuotientProblem(self.box({}), Surface.value), shifted=True)
+        bounds = self.bounds_of(QuotientProblem(box, Surface.value), shifted=True)
         if bounds.low < self.output.low or bounds.high > self.output.high:
-            raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and is clamped")
-
-    def _clamped_or_refused(self, bounds: Bounds) -> Bounds:
-        self.demand_inside_range("the error of a table")
-        return bounds
+            then = "is clamped" if self.output.outside == "clamp" else "has no value there"
+            raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and {then}")
 
     def _clamped(self, bounds: Bounds) -> Bounds:
         """Bring bounds of the value into the range, as the value is; a centroid lies in it."""

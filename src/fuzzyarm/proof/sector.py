@@ -110,9 +110,9 @@ def sector(
     region = dict(region or {})
     values = _fixed_inputs(prover, weights, region)
     exact = (prover if prover.exact else prover.in_rationals()).with_fixed(values)
-    exact.demand_inside_range("sectors")
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
     box = exact.box({name: span for name, span in region.items() if name in exact.names})
+    exact.demand_inside_range("sectors", box)
     silent = _silent(exact, region)
     if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))

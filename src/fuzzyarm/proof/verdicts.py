@@ -412,14 +412,17 @@ class _Case:
 
     def _without_value(self) -> Verdict | None:
         """Refute a statement on the value where the output has none."""
-        if self.prover.output.no_rule != "error":
-            return None
         prover = self.prover
         prover.stop = self.stop.half()  # the other half is for the bounds
-        at = prover.without_value(self.region)
+        if prover.output.no_rule == "error":
+            at = prover.without_value(self.region)
+            if at is not None:
+                return self._said(REFUTED, reason=self._silence(at))
+        at = prover.outside_range(self.region)
         if at is None:
             return None
-        return self._said(REFUTED, reason=self._silence(at))
+        self._note(at)
+        return self._said(REFUTED, reason=prover.beyond_range(at))
 
     def _silence(self, at: Mapping[str, Any]) -> str:
         """Say where no rule fires, and whether floats say so, too."""

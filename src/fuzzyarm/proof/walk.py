@@ -412,9 +412,12 @@ class LineWalk:
         universe = {
             variable.name: Interval(variable.low, variable.high) for variable in prover.inputs
         }
-        if not all(inside(laws[name].at, universe[name]) for name in moving):
-            if len(moving) > 1:
-                return "an input leaves its universe", 0.0
+        beyond = [name for name in moving if not inside(laws[name].at, universe[name])]
+        has_value = all(prover.rulebase.variable(n).outside != "error" for n in beyond)
+        if beyond and (len(moving) > 1 or not has_value):
+            then = "" if has_value else ", where there is no value"
+            return f"an input leaves its universe{then}", 0.0
+        if beyond:
             gains = hull(gains, NOTHING)  # the value stays where the input is cut off
         return combined("multiply", gains, by), sector.slack
 
