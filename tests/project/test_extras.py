@@ -18,7 +18,7 @@ from fuzzyarm.errors import MissingExtraError, demand_extra
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 PACKAGES = (
-    "cma", "control", "dask", "distributed", "flint", "fmpy", "gymnasium", "loky", "pandas",
+    "cma", "control", "dask", "distributed", "fmpy", "gymnasium", "loky", "pandas",
     "numba", "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
     "ziglang",
 )  # fmt: skip
@@ -58,7 +58,7 @@ def test_the_list_of_packages_is_that_of_the_extras():
         for lines in PROJECT["optional-dependencies"].values()
         for line in lines
     }
-    named = {"scikit-learn": "sklearn", "python-flint": "flint"}
+    named = {"scikit-learn": "sklearn"}
     assert {named.get(name, name) for name in asked} <= set(PACKAGES)
 
 

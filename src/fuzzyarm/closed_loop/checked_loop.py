@@ -304,6 +304,7 @@ class _Derivation:
         rows = self._plant_rows(lines, z, inputs)
         for key in self.memory:
             rows.append((dict(after[key].parts), {}))
+        lines.bounds += self._bounds_of_outputs(z)
         self._demand_other_memory_is_still(after)
         count = len(lines.blocks)
         width = [*names, *(f"w{k}" for k in range(count))]
@@ -360,6 +361,21 @@ class _Derivation:
             raise LoopProofError("an output of the plant is not affine")
         parts = {name: x.low for name, x in slope.along.items() if x.low}
         return LinearSignal(slope.value, parts)
+
+    def _bounds_of_outputs(
+        self, z: Mapping[str, LinearSignal]
+    ) -> list[tuple[Mapping[str, Fraction], Fraction, str]]:
+        """Return rows that keep outputs within their bounds: beyond them a run has diverged."""
+        bounds = []
+        for k, (address, port) in enumerate(self.problem.site.interface.outputs.items()):
+            line, label = self._output(k, z), ".".join(address)
+            if math.isinf(port.bound):
+                continue
+            room = Fraction(port.bound) - line.rest.size
+            if room <= 0:
+                raise LoopProofError(f"at rest '{label}' is beyond its bound")
+            bounds.append((line.parts, room, f"the bound of '{label}'"))
+        return bounds
 
     def _demand_other_memory_is_still(self, after: Mapping[str, LinearSignal]) -> None:
         """Refuse memory that is not a row of P, is read, and does not stay as it begins."""

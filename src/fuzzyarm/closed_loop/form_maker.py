@@ -25,7 +25,7 @@ from fuzzyarm.closed_loop.resting import rest_in_floats
 from fuzzyarm.closed_loop.sampled_plant import SampledPlant, require_still
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.expression.nodes import Symbol
-from fuzzyarm.plant.plant import Address
+from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.arithmetic import Stop
 
 __all__ = ["FormMaker"]
@@ -207,6 +207,7 @@ class FormMaker:
                     raise MovingError(f"'{name}' moves")
         except MovingError as error:
             raise self._no_equilibrium(error.message) from None
+        self._require_bounded(algebra, outputs)
         deviations = {name: variable(name) for name in names}
         drives = {f"u{k}": form.deviation for k, form in enumerate(inputs.values())}
         if self.is_exact:
@@ -232,6 +233,17 @@ class FormMaker:
             0.0 if continuous else self.problem.period,
             self._evidence(choice, algebra),
         )
+
+    def _require_bounded(self, algebra: AffineAlgebra, outputs: Mapping[Address, Affine]) -> None:
+        """Note that outputs stay within their bounds, beyond which a run counts as diverged.
+
+        One that a plant leaves open is far away, and left to the checker.
+        """
+        for address, port in self.problem.site.interface.outputs.items():
+            room = Fraction(port.bound) - abs(outputs[address].constant)
+            if port.bound < Port.bound and room > 0:
+                label = self.problem.site.interface.label(address)
+                algebra.require(outputs[address], -room, room, f"the bound of '{label}'")
 
     def _evidence(self, choice: Assumptions, algebra: AffineAlgebra) -> Evidence:
         """Return what a certificate says of this form."""

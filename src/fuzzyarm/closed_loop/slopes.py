@@ -10,11 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from typing import Any, NamedTuple
 
 from fuzzyarm.closed_loop.rule_pieces import RulePieces
-from fuzzyarm.closed_loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, hull
-from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.closed_loop.spans import (
+    FUNCTIONS,
+    RationalInterval,
+    SpanError,
+    exactly,
+    function,
+    hull,
+)
+from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, constant, postorder, symbol
+from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.table import LookupTable
 
@@ -53,22 +62,41 @@ def _inverse(a: Slope) -> Slope:
 
 
 def _function(name: str, a: Slope) -> Slope:
-    value = FUNCTIONS[name](a.value)
-    if name == "sqrt":
-        factor = exactly(Fraction(1, 2)).over(value)
-    elif name == "exp":
-        factor = value
-    elif name == "tanh":
-        factor = ONE.minus(value.times(value))
-    elif name == "sin":
-        factor = FUNCTIONS["cos"](a.value)
-    elif name == "cos":
-        factor = ZERO.minus(FUNCTIONS["sin"](a.value))
-    else:
-        assert name == "absolute"
+    value = function(name, a.value)
+    if name == "absolute":
         sides = [ONE] * (a.value.high > 0) + [exactly(Fraction(-1))] * (a.value.low <= 0)
-        factor = hull(*sides)
-    return a.scaled(value, factor)
+        return a.scaled(value, hull(*sides))
+    if not a.along:
+        return Slope(value, {})
+    slope = slopes_of([_derivative(name)], {"x": Slope(a.value, {})})[0]
+    return a.scaled(value, slope.value)
+
+
+@cache
+def _derivative(name: str) -> Node:
+    """Return the derivative of a function of ``x``, from the record of the operation."""
+    partials = OPERATIONS[name].partials
+    assert partials is not None
+    (root,) = partials(symbol("x"))
+    return constant(root) if isinstance(root, float | int) else root
+
+
+def _powered(a: Slope, exponent: Fraction) -> Slope:
+    """Return a power: of products where it is whole, else of the exponential."""
+    if exponent.denominator == 1 and 0 < exponent <= 16:
+        result = a
+        for _ in range(int(exponent) - 1):
+            result = _multiplied(result, a)
+        return result
+    if exponent < 0:
+        return _inverse(_powered(a, -exponent))
+    if exponent == Fraction(1, 2):
+        return _function("sqrt", a)
+    if not exponent:
+        return Slope(ONE, {})
+    by = exactly(exponent)
+    logarithm = _function("log", a)
+    return _function("exp", logarithm.scaled(logarithm.value.times(by), by))
 
 
 def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
@@ -111,7 +139,6 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "negative": _negative,
     "multiply": _multiplied,
     "divide": lambda a, b: _multiplied(a, _inverse(b)),
-    "tan": lambda a: _multiplied(_function("sin", a), _inverse(_function("cos", a))),
     "minimum": lambda a, b: _chosen(a, b, smaller=True),
     "maximum": lambda a, b: _chosen(a, b, smaller=False),
     "equal": _is_equal,
@@ -125,13 +152,7 @@ def applied(operation: str, arguments: Sequence[Slope]) -> Any:
     if operation in FUNCTIONS:
         return _function(operation, arguments[0])
     if operation == "power" and arguments[1].value.is_point and not arguments[1].along:
-        # A whole power by products; the checker reads no other.
-        exponent = arguments[1].value.low
-        if exponent.denominator == 1 and 0 < exponent <= 16:
-            result = arguments[0]
-            for _ in range(int(exponent) - 1):
-                result = _multiplied(result, arguments[0])
-            return result
+        return _powered(arguments[0], arguments[1].value.low)
     if operation not in _OPERATIONS:
         raise SpanError(f"the checker does not read '{operation}'")
     return _OPERATIONS[operation](*arguments)
@@ -159,7 +180,7 @@ def slopes_of(roots: Sequence[Node], values: Mapping[str, Slope]) -> list[Slope]
 
 
 def _squared(a: Slope) -> Slope:
-    size = FUNCTIONS["absolute"](a.value)
+    size = function("absolute", a.value)
     return a.scaled(size.times(size), a.value.times(exactly(Fraction(2))))
 
 

@@ -1,7 +1,10 @@
 """Intervals of rationals, in which the checker counts: no floats, nothing of the search.
 
 Ends are exact until their denominators grow long; then they are rounded outward to
-:data:`BITS` significant bits. Functions are Taylor polynomials with Lagrange's remainder.
+:data:`BITS` significant bits. Functions are those of Arb's balls (python-flint).
+
+Source: F. Johansson, "Arb: efficient arbitrary-precision midpoint-radius interval arithmetic",
+*IEEE Transactions on Computers* 66, 2017.
 """
 
 from __future__ import annotations
@@ -10,18 +13,17 @@ import math
 from fractions import Fraction
 from typing import NamedTuple
 
+from flint import arb, ctx, fmpq
+
 from fuzzyarm.closed_loop.problem import LoopProofError
 
-__all__ = ["FUNCTIONS", "RationalInterval", "SpanError", "exactly", "hull"]
+__all__ = ["FUNCTIONS", "RationalInterval", "SpanError", "exactly", "function", "hull"]
 
 BITS = 160
 """Significant bits that are left of an end that is rounded."""
 
 LONG = 320
 """Bits of a denominator above which an end is rounded."""
-
-QUARTER = Fraction(15707963267948966, 10**16)
-"""Less than π/2, by less than 1e-16."""
 
 
 class SpanError(LoopProofError):
@@ -108,94 +110,43 @@ def _up(x: Fraction) -> Fraction:
 
 # ── functions ────────────────────────────────────────────────────────────────────────
 
+LARGE = 64
+"""Magnitude of an exponent above which no rational is written down."""
 
-def _root(x: RationalInterval) -> RationalInterval:
-    if x.low < 0:
-        raise SpanError("the root of something negative")
-    ends = []
-    for end in x:
-        whole = (end.numerator << (2 * BITS)) // end.denominator
-        ends.append(Fraction(math.isqrt(whole), 1 << BITS))
-    high = ends[1] + Fraction(2, 1 << BITS) if ends[1] ** 2 != x.high else ends[1]
-    return RationalInterval(ends[0], high)
+GROWING = frozenset({"exp", "sinh", "cosh"})
 
+RISING = frozenset({"sqrt", "exp", "log", "asin", "atan", "sinh", "tanh"})
+"""Functions that lie between their values at the ends, which one ball around both would widen."""
 
-def _series(x: Fraction, first: int, step: int, sign: int) -> RationalInterval:
-    """Return Σ signᵏ xⁿ/n!, n = first + k step, with its tail; in parts of 2⁻ᴮᴵᵀˢ."""
-    scaled = (x.numerator << BITS) // x.denominator
-    total, n = 0, first
-    term = scaled if first else 1 << BITS
-    # The tail is below twice the first term left out, once |x| is less than half of n.
-    while abs(term) > 1 or n < 2 * abs(x):
-        total += term
-        for k in range(n + 1, n + step + 1):
-            term = ((term * scaled) >> BITS) // k
-        term, n = term * sign, n + step
-    # Each term is off by less than 2 (n + 1) parts that later ones multiply: by e^|x| in all.
-    off = 2 * abs(term) + 2 * (n + 2) ** 2 * 3 ** math.ceil(abs(x))
-    return RationalInterval(Fraction(total - off, 1 << BITS), Fraction(total + off, 1 << BITS))
+FUNCTIONS = (*RISING, "cosh", "sin", "cos", "tan", "acos", "absolute")
+"""Operations of one argument, named as the methods of a ball are."""
 
 
-def _short(x: Fraction, *, up: bool) -> Fraction:
-    """Return a number near by, whose powers stay short."""
-    whole = (x.numerator << 80) // x.denominator
-    near = Fraction(whole, 1 << 80)
-    return near + Fraction(int(up and near != x), 1 << 80)
-
-
-def _waves(x: RationalInterval, *, is_cosine: bool) -> RationalInterval:
-    unit = RationalInterval(Fraction(-1), Fraction(1))
-    if x.low == x.high == 0:
-        return exactly(Fraction(int(is_cosine)))
-    # Beyond ± π the ends say nothing of what is between them.
-    if x.size > 2 * QUARTER:
-        return unit
-    first, turn = (0, (Fraction(0),)) if is_cosine else (1, (QUARTER, -QUARTER))
-    ends = [_series(_short(end, up=k == 1), first, 2, -1) for k, end in enumerate(x)]
-    whole = hull(*ends)
-    low, high = whole
-    for top in turn:
-        near = Fraction(1, 10**15)
-        if x.low - near <= top <= x.high + near:
-            low, high = (low, Fraction(1)) if top >= 0 else (Fraction(-1), high)
-    slack = Fraction(1, 1 << 78)  # the ends were moved by less than 2⁻⁸⁰, and slopes are at most 1
-    return RationalInterval(max(low - slack, unit.low), min(high + slack, unit.high))
-
-
-def _exponential(x: RationalInterval) -> RationalInterval:
-    if x.low == x.high == 0:
-        return exactly(Fraction(1))
-    if x.size > 64:
+def function(name: str, x: RationalInterval) -> RationalInterval:
+    """Return bounds of one of :data:`FUNCTIONS`, by Arb's balls; SpanError where it has none."""
+    if name == "absolute":
+        least = Fraction(0) if x.low <= 0 <= x.high else min(abs(x.low), abs(x.high))
+        return RationalInterval(least, x.size)
+    if name in GROWING and x.size > LARGE:
         raise SpanError("the exponential of a large number")
-    low = _series(_short(x.low, up=False), 0, 1, 1).low
-    return RationalInterval(max(low, Fraction(0)), _series(_short(x.high, up=True), 0, 1, 1).high)
+    if name in RISING and not x.is_point:
+        return RationalInterval(function(name, exactly(x.low)).low,
+                                function(name, exactly(x.high)).high)  # fmt: skip
+    with ctx.workprec(BITS):
+        ball = _ball(x.low) if x.is_point else _ball(x.low).union(_ball(x.high))
+        value = getattr(ball, name)()
+        if not value.is_finite():
+            raise SpanError(f"'{name}' has no value, or no bound, in an interval")
+        low, high = (_end(end) for end in (value.lower(), value.upper()))
+    if name in ("sin", "cos"):
+        low, high = max(low, Fraction(-1)), min(high, Fraction(1))
+    return RationalInterval(low, high)
 
 
-def _tanh(x: RationalInterval) -> RationalInterval:
-    ends = []
-    for end in x:
-        if end == 0:
-            ends.append(exactly(Fraction(0)))
-            continue
-        if abs(end) > 30:
-            ends.append(RationalInterval(Fraction(-1), Fraction(1)))
-            continue
-        power = _exponential(exactly(2 * end))
-        ends.append(exactly(1).minus(exactly(2).over(power.plus(exactly(1)))))
-    return hull(*ends)
+def _ball(x: Fraction) -> arb:
+    return arb(fmpq(x.numerator, x.denominator))
 
 
-def _absolute(x: RationalInterval) -> RationalInterval:
-    low = Fraction(0) if x.low <= 0 <= x.high else min(abs(x.low), abs(x.high))
-    return RationalInterval(low, x.size)
-
-
-FUNCTIONS = {
-    "sqrt": _root,
-    "sin": lambda x: _waves(x, is_cosine=False),
-    "cos": lambda x: _waves(x, is_cosine=True),
-    "exp": _exponential,
-    "tanh": _tanh,
-    "absolute": _absolute,
-}
-"""Of one argument, by the name of the operation."""
+def _end(x: arb) -> Fraction:
+    mantissa, exponent = (int(part) for part in x.man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent

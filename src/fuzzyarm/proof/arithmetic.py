@@ -1,8 +1,8 @@
 """The two arithmetics of a proof: floats with a margin, and rationals.
 
 Every array of a proof is made by one of them, and the code over the arrays is the same: an
-array of rationals is a NumPy array of objects. ``python-flint`` (the extra ``prove``) brings
-rationals that are about five times as fast as the ``Fraction`` of Python.
+array of rationals is a NumPy array of objects: of ``python-flint``, whose rationals are about five
+times as fast as the ``Fraction`` of Python.
 """
 
 from __future__ import annotations

@@ -1,0 +1,134 @@
+"""Functions in a plant's equations, as the checker encloses them, and bounds that a plant has."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import fuzzyarm
+from fuzzyarm.closed_loop.slopes import Slope, applied
+from fuzzyarm.closed_loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, function
+from fuzzyarm.plant import Plant, Port
+from tests.budget import cases
+
+OWN = {"absolute": abs, **{n: getattr(math, n) for n in FUNCTIONS if n != "absolute"}}
+DOMAINS = {"sqrt": (0.01, 9.0), "log": (0.01, 9.0), "asin": (-0.99, 0.99), "acos": (-0.99, 0.99),
+           "tan": (-1.5, 1.5)}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_and_its_slope_hold_those_of_points(name):
+    generator = np.random.default_rng(7)
+    low, high = DOMAINS.get(name, (-4.0, 4.0))
+    for _ in range(cases(20, 200)):
+        a, b = sorted(generator.uniform(low, high, 2))
+        x = Slope(RationalInterval(Fraction(a), Fraction(b)), {"x": exactly(1.0)})
+        found = applied(name, [x])
+        along = found.along["x"]
+        for at in np.linspace(a, b, 9)[1:-1].tolist():
+            value = OWN[name](at)
+            slack = 1e-14 * (1.0 + abs(value))
+            assert float(found.value.low) - slack <= value <= float(found.value.high) + slack
+            step = 1e-6
+            slope = (OWN[name](at + step) - OWN[name](at - step)) / (2.0 * step)
+            slack = 1e-5 * (1.0 + abs(slope))
+            assert float(along.low) - slack <= slope <= float(along.high) + slack
+        # Of a point both are narrow.
+        point = applied(name, [Slope(exactly(a), {"x": exactly(1.0)})])
+        assert point.value.high - point.value.low < Fraction(1, 2**120)
+        assert point.along["x"].high - point.along["x"].low < Fraction(1, 2**100)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_of_a_point_is_narrow(name):
+    found = function(name, exactly(0.375))
+    assert found.high - found.low < Fraction(1, 2**140)
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [("log", 0.0, 1.0), ("sqrt", -1e-9, 1.0), ("asin", 0.5, 1.1), ("tan", 1.0, 2.0),
+     ("exp", 0.0, 1e6), ("sinh", -1e6, 0.0)],
+)  # fmt: skip
+def test_where_a_function_has_no_value_or_bound_nothing_is_said(name, low, high):
+    with pytest.raises(SpanError):
+        function(name, RationalInterval(Fraction(low), Fraction(high)))
+
+
+@pytest.mark.parametrize("exponent", [2.0, 3.0, -1.0, 0.5, 1.5, -2.5])
+def test_a_power_holds_those_of_points(exponent):
+    x = Slope(RationalInterval(Fraction(1, 2), Fraction(3, 2)), {"x": exactly(1.0)})
+    found = applied("power", [x, Slope(exactly(exponent), {})])
+    for at in np.linspace(0.5, 1.5, 11):
+        assert float(found.value.low) - 1e-12 <= at**exponent <= float(found.value.high) + 1e-12
+        slope = exponent * at ** (exponent - 1.0)
+        assert float(found.along["x"].low) - 1e-12 <= slope <= float(found.along["x"].high) + 1e-12
+
+
+LINE = """
+controller line
+period 5 ms
+axis pendulum
+  e  = error of angle
+  ce = error of rate
+  u  = e + ce * 0.5
+  drive torque = u, within -5 .. 5
+"""
+
+
+class Pendulum(Plant):
+    """θ'' = -θ'/2 + 8 u, which others pull."""
+
+    inputs = {"torque": Port("N m", -10.0, 10.0)}
+    outputs = {
+        "angle": Port("rad", -2.0, 2.0, bound=10.0),
+        "rate": Port("rad/s", -4.0, 4.0, rate_of="angle", bound=100.0),
+    }
+    states = {"angle": "rad", "rate": "rad/s"}
+    longest_step = 0.01
+
+    def derivative(self, t, x, u, p):
+        return [x[1], -0.5 * x[1] + 8.0 * u[0]]
+
+
+class OfAtan(Pendulum):
+    """Pulled by an arc tangent."""
+
+    def derivative(self, t, x, u, p):
+        return [x[1], 2.0 * math.atan(x[0]) - 0.5 * x[1] + 8.0 * u[0]]
+
+
+class OfSinh(Pendulum):
+    """Pulled by a hyperbolic sine."""
+
+    def derivative(self, t, x, u, p):
+        return [x[1], 2.0 * math.sinh(x[0]) - 0.5 * x[1] + 8.0 * u[0]]
+
+
+class OfLog(Pendulum):
+    """Pulled by a logarithm."""
+
+    def derivative(self, t, x, u, p):
+        return [x[1], 2.0 * math.log(3.0 + x[0]) - 2.0 * math.log(3.0) - 0.5 * x[1] + 8.0 * u[0]]
+
+
+class OfSine(Pendulum):
+    """Pulled by a sine: its region would go beyond the bound of 10 rad."""
+
+    def derivative(self, t, x, u, p):
+        return [x[1], 2.0 * math.sin(x[0]) - 0.5 * x[1] + 8.0 * u[0]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plant", [OfAtan, OfSinh, OfLog, OfSine])
+def test_a_loop_with_a_function_is_proved_within_the_bounds_of_its_plant(tmp_path, plant):
+    (tmp_path / "line.frb").write_text(LINE)
+    controller = fuzzyarm.load_controller(tmp_path / "line.frb")
+    verdict = fuzzyarm.prove(controller, "stable", plant=plant(), budget=40.0)
+    assert verdict.proved, verdict.reason
+    low, high = verdict.region["angle"]
+    assert -10.0 <= low < -0.5
+    assert 0.5 < high <= 10.0
