@@ -22,6 +22,7 @@ from xml.etree import ElementTree as Xml
 
 from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controllers import ControllerProgram, port_name
+from fuzzyarm.export.document import xml_document
 from fuzzyarm.export.fmi import fmi_source
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.steps import StepVariable
@@ -315,7 +316,7 @@ def _description(
         Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})
     _structure(root, version, entries)
     Xml.indent(root)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, "unicode")}\n'
+    return xml_document(root, "UTF-8")
 
 
 def _structure(root: Xml.Element, version: int, entries: Sequence[Entry]) -> None:
@@ -340,7 +341,7 @@ def _build_description(prefix: str) -> str:
     sources = Xml.SubElement(configuration, "SourceFileSet", {"language": "C99"})
     Xml.SubElement(sources, "SourceFile", {"name": f"{prefix}.c"})
     Xml.indent(root)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, "unicode")}\n'
+    return xml_document(root, "UTF-8")
 
 
 def _archive(content: dict[str, str | bytes]) -> bytes:

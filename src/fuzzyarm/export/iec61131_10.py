@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Xml
 
+from fuzzyarm.export.document import xml_document
 from fuzzyarm.export.plc_project import TIME, Declaration, DeclarationSection, Project, Unit
 from fuzzyarm.version import __version__
 
@@ -54,7 +55,7 @@ def iec61131_10_xml(project: Project) -> str:
     Xml.indent(root)
     for element, text in texts.items():
         element.text = text
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{Xml.tostring(root, "unicode")}\n'
+    return xml_document(root)
 
 
 def _declared(unit: Unit) -> Xml.Element:

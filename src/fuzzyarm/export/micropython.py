@@ -21,7 +21,7 @@ from fuzzyarm.export.listing import Loop, Walked, element, function_body
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, Kind
 from fuzzyarm.export.program import Call
-from fuzzyarm.export.routine import Routine, routine_words
+from fuzzyarm.export.routine import Routine, plain, routine_words
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.sets import TABLE_HINT
 from fuzzyarm.export.table import Side, TableCode, TableRoutine
@@ -231,7 +231,7 @@ def module_text(
             "    return 0", ""]  # fmt: skip
     needs_math = any("math." in text for text in [*module.helpers, *parts])
     head = [
-        *(f"# {line}".rstrip() for line in words),
+        *(f"# {plain(line)}".rstrip() for line in words),
         "",
         *(["import math"] if needs_math else []),
         "from array import array",

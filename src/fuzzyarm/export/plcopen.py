@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Xml
 
+from fuzzyarm.export.document import xml_document
 from fuzzyarm.export.plc_project import ELEMENTARY, TIME, Declaration, Project, Unit
 from fuzzyarm.version import __version__
 
@@ -63,7 +64,7 @@ def plcopen_xml(project: Project) -> str:
     instances = Xml.SubElement(root, _of("instances"))
     Xml.SubElement(instances, _of("configurations"))
     _indent(root)
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{Xml.tostring(root, "unicode")}\n'
+    return xml_document(root)
 
 
 def _pou(unit: Unit) -> Xml.Element:

@@ -304,7 +304,7 @@ def comment(lines: Sequence[str], first: str, every: str, last: str) -> list[str
 
 
 def plain(text: str) -> str:
-    """Return `text` on one line, harmless in a comment of C or of Structured Text."""
+    """Return foreign text on one line, harmless in a comment of every language here."""
     printable = "".join(letter if letter.isprintable() else " " for letter in text)
     for mark in ("*/", "/*", "(*", "*)", "??"):
         while mark in printable:
