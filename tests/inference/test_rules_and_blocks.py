@@ -307,8 +307,8 @@ def test_blocks_that_differ_in_the_implication_share_the_strength_of_a_number(me
     second = RuleBlock((rule("b high", "u left"),), "second", implication="product")
     rulebase = dataclasses.replace(base([], outputs, method), blocks=(first, second))
     a, b = 0.25, 0.75
-    weighted = max(a, b) * 1.0 + a * 5.0
-    expected = weighted if method == "weighted-sum" else weighted / (max(a, b) + a)
+    weighted = (a + b) * 1.0 + a * 5.0
+    expected = weighted if method == "weighted-sum" else weighted / (a + b + a)
     assert infer(rulebase, a=a, b=b)["u"] == pytest.approx(expected, abs=1e-15)
     assert infer(rulebase, a=np.array([a]), b=b)["u"][0] == pytest.approx(expected, abs=1e-15)
     assert compiled(rulebase)(a=np.array([a]), b=b)["u"][0] == pytest.approx(expected, abs=1e-15)

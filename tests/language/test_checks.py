@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from strategies import rulebases
 
 from fuzzyarm.api import check_text
+from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS, check
 from fuzzyarm.language.check.coverage import silent_point
@@ -568,28 +569,6 @@ def test_a_claim_may_reach_to_the_ends_of_a_range():
         assert "bad-range" in names(f"{PD7}\nprove {claim}\n")
 
 
-def test_rules_that_share_a_conclusion_of_an_average_are_a_doubt_until_it_is_settled():
-    text = (
-        "rulebase t\ninput a 0 .. 1\ninput b 0 .. 1\noutput u 0 .. 1\nterms a, b: triangles L H\n"
-        "terms u: singletons L H\ninference defuzzifier weighted-average\n"
-        "rule if a is H then u is H\nrule if b is H then u is H\n"
-        "rule if a is L and b is L then u is L\nrule if a is L then u is L\n"
-    )
-    (found,) = check_text(text).diagnostics
-    assert (found.name, found.severity) == ("shared-conclusion", Severity.WARNING)
-    for stated in ("aggregation sum", "aggregation max"):
-        assert names(text.replace("weighted-average", f"weighted-average, {stated}")) == []
-
-
-def test_rules_that_never_fire_together_may_share_a_conclusion():
-    text = (
-        "rulebase t\ninput a 0 .. 2\noutput u 0 .. 1\nterms a: triangles L M H\n"
-        "terms u: singletons X Y\ninference defuzzifier weighted-average\n"
-        "rules u\n  a L M H\n  u X Y X\n"
-    )
-    assert names(text) == []
-
-
 def test_an_output_that_stays_away_from_its_ends_is_told_once_with_its_reach():
     text = (
         "rulebase t\ninput a 0 .. 1\noutput u 0 .. 100\nterms a, u: triangles OFF HALF ON\n"
@@ -773,3 +752,29 @@ def test_what_a_tune_block_promises_has_to_hold():
     assert not {"broken-partition", "uneven-mirror"} & set(names(two))
     promised = names(two + "tune\n  peaks e mirrored, partition\n")
     assert {"broken-partition", "uneven-mirror"} <= set(promised)
+
+
+VALUES = ("singleton 0", "singleton 1")
+RAMPS = ("ramp 1 0", "ramp 0 0.4")
+
+
+@pytest.mark.parametrize(
+    ("settings", "terms", "value"),
+    [
+        ("defuzzifier weighted-average", VALUES, 0.6),
+        ("defuzzifier weighted-average, aggregation max", VALUES, 0.75),
+        ("aggregation max, defuzzifier weighted-average", VALUES, 0.75),
+        ("defuzzifier weighted-sum", VALUES, 0.75),
+        ("defuzzifier karnik-mendel", VALUES, 0.6),
+        ("defuzzifier tsukamoto", RAMPS, 0.4125),
+    ],
+)
+def test_weighted_rules_add_up_unless_the_file_says_otherwise(settings, terms, value):
+    """Σ wᵢ zᵢ / Σ wᵢ over two rules of strength 0.25 and one of 0.75."""
+    text = (
+        "rulebase t\ninput a 0 .. 1\ninput b 0 .. 1\noutput u 0 .. 1\nterms a, b: triangles L H\n"
+        f"term u Z: {terms[0]}\nterm u O: {terms[1]}\ninference u: {settings}\n"
+        "rule if a is H then u is Z\nrule if b is H then u is Z\nrule if a is L then u is O\n"
+    )
+    assert check_text(text).diagnostics == ()
+    assert infer(parse(text).rulebase, a=0.25, b=0.25)["u"] == pytest.approx(value, abs=1e-12)

@@ -50,7 +50,7 @@ class Draft:
         self.terms: dict[str, Term] = {}
         self.spread: set[str] = set()  # names of terms from a `terms` line
         self.outside = "clamp"
-        self.aggregation = "max"
+        self.aggregation = ""  # that of the defuzzifier
         self.defuzzifier = Defuzzifier()
         self.no_rule: float | str = "error"
 

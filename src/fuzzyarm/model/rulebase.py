@@ -276,7 +276,8 @@ class Output(Variable):
     Attributes
     ----------
     aggregation : str
-        How the clipped sets of several rules become one: an S-norm.
+        How the clipped sets of several rules become one: an S-norm. By default that of the
+        defuzzifier: weighted rules add up, of sets the maximum is taken.
     defuzzifier : Defuzzifier
         The way from the aggregate to a number.
     no_rule : float or str
@@ -284,9 +285,21 @@ class Output(Variable):
         value that the caller passes as the last one.
     """
 
-    aggregation: str = "max"
+    aggregation: str = ""
     defuzzifier: Defuzzifier = Defuzzifier()
     no_rule: float | str = "error"
+
+    def __post_init__(self) -> None:
+        """Choose the aggregation where none is given."""
+        Variable.__post_init__(self)
+        if not self.aggregation:
+            object.__setattr__(self, "aggregation", "sum" if self._weighs() else "max")
+
+    def _weighs(self) -> bool:
+        record, kinds = self.defuzzifier.record, {term.shape.kind for term in self.terms}
+        if record.type2:
+            return bool(kinds) and kinds <= {"singleton", "linear"}
+        return record.weighs and not record.inverts  # a sum of strengths has no inverse
 
 
 @dataclass(frozen=True, slots=True)

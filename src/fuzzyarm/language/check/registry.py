@@ -13,7 +13,6 @@ from fuzzyarm.language.check.rules import (
     broken_symmetries,
     conflicting_rules,
     jumps,
-    shared_conclusions,
 )
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.check.terms import (
@@ -158,13 +157,6 @@ CHECKS: dict[str, Check] = {
             "The terms of a variable are mirror images about the middle of the range except "
             "for one pair, or its `tune` line says `mirrored` and they are not.",
             uneven_terms,
-        ),
-        Check(
-            "shared-conclusion",
-            Severity.WARNING,
-            "Rules with the same conclusion of a weighted average or sum fire at once, and only "
-            "the strongest of them counts: `aggregation` is max unless the file says otherwise.",
-            shared_conclusions,
         ),
         Check(
             "unused-variable",

@@ -7,20 +7,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
-from itertools import combinations, islice
 from math import isfinite
 
 from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.check.subject import Subject, plain_propositions
 from fuzzyarm.language.phrases import JunctionNode, PropositionNode
-from fuzzyarm.language.statements import CellNode, GridNode, InferenceNode
+from fuzzyarm.language.statements import CellNode, GridNode
 from fuzzyarm.model.rulebase import (
     Consequent,
     Expression,
     Hedged,
     Is,
     Or,
-    Output,
     Rule,
 )
 from fuzzyarm.text.diagnostic import Diagnostic, Related
@@ -72,86 +70,6 @@ def _key(expression: Expression) -> Hashable:
         return ("hedged", expression.hedges, _key(expression.operand))
     word = "or" if isinstance(expression, Or) else "and"
     return (word, frozenset(map(_key, expression.operands)))
-
-
-# --- Rules that share a conclusion of a weighted output, and count once together ---
-
-# One example is enough; a rule base without any must not take quadratic time.
-_MOST_PAIRS = 10_000
-
-
-def shared_conclusions(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``shared-conclusion`` where the larger of two strengths is taken without a word."""
-    explicit = _with_aggregation(subject)
-    for output in subject.rulebase.outputs:
-        weighted = _weighs(output) and output.aggregation == "max"
-        if not weighted or not subject.document.statements or explicit & {None, output.name}:
-            continue
-        fold = next(_pairs_that_fold(output, subject), None)
-        if fold is None:
-            continue
-        first, second, conclusion = fold
-        yield Diagnostic(
-            "shared-conclusion",
-            f"this rule and that on line {first.span.line} conclude '{conclusion}' at once, and"
-            f" only the stronger one counts in the {output.defuzzifier.method}",
-            second.span,
-            hint=f"to add them up, as other programs do, write  inference {output.name}:"
-            " aggregation sum  (or  aggregation max  where this is meant)",
-            related=(Related("the other rule", first.span),),
-        )
-
-
-def _weighs(output: Output) -> bool:
-    """Whether an output is an average of values, by its defuzzifier or by its terms."""
-    record, kinds = output.defuzzifier.record, {term.shape.kind for term in output.terms}
-    if record.type2:
-        return kinds <= {"singleton", "linear"}
-    return record.weighs and not record.inverts
-
-
-def _with_aggregation(subject: Subject) -> set[str | None]:
-    """Return the outputs whose aggregation the text states; None stands for all of them."""
-    nodes = (statement.node for statement in subject.document.statements)
-    return {
-        node.target
-        for node in nodes
-        if isinstance(node, InferenceNode)
-        and any(setting.key == "aggregation" for setting in node.settings)
-    }
-
-
-def _pairs_that_fold(output: Output, subject: Subject) -> Iterator[tuple[Rule, Rule, str]]:
-    """Yield pairs of plain rules with one conclusion that fire at once, beside another one."""
-    by_conclusion: dict[tuple[str, Hashable], list[Rule]] = {}
-    rules = [rule for _, rule in subject.rules_for(output) if rule.weight > 0.0]
-    for rule in rules:
-        for consequent in rule.consequents:
-            if consequent.variable == output.name:
-                by_conclusion.setdefault((consequent.term, consequent.hedges), []).append(rule)
-    if len(by_conclusion) < 2 and output.defuzzifier.record.of == "average":
-        return  # the average of one value is that value
-    pairs = (
-        (first, second, conclusion)
-        for (conclusion, _), group in by_conclusion.items()
-        for first, second in combinations(group, 2)
-    )
-    for first, second, conclusion in islice(pairs, _MOST_PAIRS):
-        parts = (*plain_propositions(first), *plain_propositions(second))
-        if plain_propositions(first) and plain_propositions(second) and _overlap(parts, subject):
-            yield first, second, conclusion
-
-
-def _overlap(parts: tuple[Is, ...], subject: Subject) -> bool:
-    """Whether there is an input at which all these propositions hold."""
-    terms_by_variable: dict[str, set[tuple[str, tuple[()]]]] = {}
-    for part in parts:
-        terms_by_variable.setdefault(part.variable, set()).add((part.term, ()))
-    inputs = {variable.name: variable for variable in subject.rulebase.inputs}
-    return terms_by_variable.keys() <= inputs.keys() and all(
-        any(terms <= cell.degrees.keys() for cell in subject.probes(inputs[name]))
-        for name, terms in terms_by_variable.items()
-    )
 
 
 # --- Grids that are antisymmetric (or symmetric) except for a few cells ---
