@@ -60,11 +60,11 @@ def failing_in_c(paths: Sequence[Path], folder: Path) -> list[str]:
     return subprocess.run([program], capture_output=True, text=True, check=True).stdout.split()
 
 
-def failing_in_scl(paths: Sequence[Path], real: str = "LREAL") -> list[str]:
+def failing_in_scl(paths: Sequence[Path]) -> list[str]:
     """Return files of SCL whose test does not pass in the interpreter of the tests."""
     failing = []
     for path in paths:
-        program = Program(Reader(path.read_text("utf-8")).text(), real)
+        program = Program(Reader(path.read_text("utf-8")).text())
         test = program.instance(f"{path.stem}_test")
         with np.errstate(over="ignore", invalid="ignore"):  # a NaN is made by them
             test.run()
