@@ -88,7 +88,7 @@ _MODULES = (".mjs", ".js")
 _SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
 _RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
-_CONTROLLERS_ONLY = ("fmi", "platforms", "certificate")
+_CONTROLLERS_ONLY = ("fmi", "platforms", "certificate", "trust")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
@@ -326,15 +326,15 @@ def _of_file(path: str) -> Iterator[None]:
         raise error.in_file(path) from error
 
 
-def _certified(path: str, controller: ControllerText) -> str:
+def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
     """Check a certificate; return what it proves, for the head of a program."""
     from fuzzyarm.closed_loop import check_certificate
 
-    verdict = check_certificate(path, controller)
+    verdict = check_certificate(path, controller, trust=trust)
     if not verdict.proved or verdict.certificate is None:
         raise WordError(f"{path}: {verdict.reason}")
-    how = "as if it ran without a period" if verdict.continuous else "as sampled"
-    return f"{verdict.statement}, {how}; certificate {verdict.certificate.seal}"
+    how = "" if verdict.continuous else ", as sampled"
+    return f"{verdict.statement}{how}; certificate {verdict.certificate.seal}"
 
 
 def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:
@@ -354,7 +354,8 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     if request.certificate is not None:
         if request.table or request.q:
             raise WordError("the certificate is of the rules, not of a table or of whole numbers")
-        how = replace(how, proofs=(_certified(request.certificate, controller),))
+        proved = _certified(request.certificate, controller, trust=request.trust)
+        how = replace(how, proofs=(proved,))
     with busy("exporting") as progress, _of_file(request.file):
         exported, reports = program_of(controller, request.out, how, progress)
     report = _report(request, how, exported)

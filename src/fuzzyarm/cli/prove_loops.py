@@ -134,7 +134,8 @@ def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
 def check(request: ProveWords) -> int:
     """Do what ``--check`` says."""
     path = request.check or ""
-    from fuzzyarm.closed_loop import CertificateError, check_certificate
+    from fuzzyarm.closed_loop import CertificateError
+    from fuzzyarm.closed_loop.orders import check_of
 
     controller = None
     if request.files:
@@ -142,7 +143,7 @@ def check(request: ProveWords) -> int:
         if controller is None:
             raise WordError(f"{request.files[0]} is not a controller")
     try:
-        verdict = check_certificate(path, controller)
+        verdict = check_of(request, controller)
     except CertificateError as error:
         raise WordError(str(error)) from error
     if request.json:

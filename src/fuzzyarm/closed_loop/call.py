@@ -59,6 +59,8 @@ class ProveKeywords(TypedDict, total=False):
     tell : callable
         Called with the statement, the number of pieces or attempts and the gap between the bounds;
         NaN where there is none.
+    trust : bool
+        Of a controller: whether plants that its file names may be code, which is run.
     """
 
     plant: str | Plant | None
@@ -69,10 +71,11 @@ class ProveKeywords(TypedDict, total=False):
     exact: bool
     continuous: bool
     tell: Tell | None
+    trust: bool
 
 
 OF_RULES = ("tolerance", "budget", "exact", "tell")
-OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell")
+OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell", "trust")
 """Keywords that count where a rule base is asked, and a controller in its loop."""
 
 
@@ -87,6 +90,7 @@ def prove(
     budget: float = math.inf,
     continuous: bool = False,
     tell: Tell | None = None,
+    trust: bool = False,
 ) -> LoopVerdict: ...
 
 
@@ -130,7 +134,7 @@ def prove(
         of a controller. Without one, of a path, everything that its file states.
     **keywords
         ``budget`` and ``tell``; of a rule base ``tolerance`` and ``exact``; of a controller
-        ``plant``, ``connect``, ``sensors`` and ``continuous``. See
+        ``plant``, ``connect``, ``sensors``, ``continuous`` and ``trust``. See
         :class:`~fuzzyarm.closed_loop.call.ProveKeywords`.
 
     Returns

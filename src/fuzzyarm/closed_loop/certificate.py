@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any, cast, get_args
 
 from fuzzyarm.closed_loop.certificate_fields import CertificateError, Field
+from fuzzyarm.closed_loop.claims import require_sense
 from fuzzyarm.closed_loop.evidence import Evidence, Gains
-from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem
 from fuzzyarm.controller.text import ControllerText, sheet_files
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim, Stretch, When
@@ -31,7 +32,7 @@ __all__ = [
     "fingerprints_of",
 ]
 
-FORMAT = "fuzzyarm-certificate 3"
+FORMAT = "fuzzyarm-certificate 4"
 
 Matrix = tuple[tuple[Fraction, ...], ...]
 
@@ -127,7 +128,11 @@ def loop_data(
             "to": None if claim.end == float("inf") else _text(claim.end),
         },
         "sensors": {
-            port: [_text(s.delay), None if s.difference is None else _text(s.difference)]
+            port: {
+                "delay": _text(s.delay),
+                "resolution": _text(s.resolution),
+                "difference": None if s.difference is None else _text(s.difference),
+            }
             for port, s in sensors.items()
         },
         "connect": dict(connect),
@@ -179,13 +184,19 @@ def _spread(entry: Field) -> tuple[int, int, Fraction, Fraction]:
     return k.index, j.index, low.rational, high.rational
 
 
+def _share(entry: Field) -> Fraction:
+    if not 0 <= entry.rational <= 1:
+        entry.refuse("is not from 0 to 1")
+    return entry.rational
+
+
 def _evidence(loop: Field) -> Evidence:
     return Evidence(
         texts_of(loop["memory"]),
         _pairs(loop["rest"]),
         tuple(map(_gains, loop["gains"])),
         tuple(map(_spread, loop["spread"])),
-        loop["grip"].rational,
+        _share(loop["grip"]),
         _rationals(loop["box"]),
     )
 
@@ -234,7 +245,7 @@ def unsealed(whole: Field, kind: str) -> Field:
     path = whole.file
     version = whole["format"].text
     if version != kind:
-        if version.startswith("fuzzyarm-certificate"):
+        if version.startswith(("fuzzyarm-certificate ", "fuzzyarm-tube ")):
             raise CertificateError(f"{path} is of another version ({version}): prove it anew")
         whole["format"].refuse(f'is not "{kind}"')
     data = dict(whole.value)
@@ -253,7 +264,7 @@ def claim_of(data: Field) -> LoopClaim:
     """Return the claim of a certificate's data."""
     claim = data["claim"]
     low, high = claim["between"].row(2)
-    return LoopClaim(
+    made = LoopClaim(
         claim["plant"].text,
         claim["stable"].flag,
         tuple((name.text, x.number) for name, x in (pair.row(2) for pair in claim["at"])),
@@ -266,11 +277,17 @@ def claim_of(data: Field) -> LoopClaim:
         claim["from"].number,
         math.inf if claim["to"].value is None else claim["to"].number,
     )
+    try:
+        require_sense(made)
+    except ClaimError as error:
+        claim.refuse(f"means nothing: {error}")
+    return made
 
 
 def sensors_by_name(problem: LoopProblem) -> dict[str, Sensor]:
     """Return the sensors of a loop as a certificate has them."""
-    return {".".join(port): sensor for port, sensor in problem.sensors.items()}
+    label = problem.site.interface.label
+    return {label(port): sensor for port, sensor in problem.sensors.items()}
 
 
 def sensors_of(data: Field) -> dict[str, Sensor]:
@@ -279,10 +296,11 @@ def sensors_of(data: Field) -> dict[str, Sensor]:
 
 
 def _sensor(pair: Field) -> Sensor:
-    delay, difference = pair.row(2)
+    delay, resolution = pair["delay"].number, pair["resolution"].number
+    difference = pair["difference"]
     filter_time = None if difference.value is None else difference.number
     try:
-        return Sensor(delay=delay.number, difference=filter_time)
+        return Sensor(delay=delay, resolution=resolution, difference=filter_time)
     except PlantError as error:
         pair.refuse(f"is not a sensor: {error}")
 

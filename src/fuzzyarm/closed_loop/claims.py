@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from fuzzyarm.closed_loop.claimed_time import ClaimedPeriods, claimed_periods
 from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem, loop_problem
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.document import parse_document
@@ -14,12 +16,22 @@ from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
-from fuzzyarm.plant.own import find_plant
-from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.own import PLANTS, trusted_plant
+from fuzzyarm.plant.plant import Plant, Port, interface_of, parameter
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.numbers import number_text
 
-__all__ = ["claim_text", "claimed_port", "problem_of", "read_claim"]
+__all__ = [
+    "claim_text",
+    "claimed_in",
+    "claimed_plant",
+    "claimed_port",
+    "loop_sentence",
+    "problem_of",
+    "read_claim",
+    "require_sense",
+]
 
 
 OPENINGS = ("stable", "on", "at", "with", "from")
@@ -82,6 +94,141 @@ def claim_text(claim: LoopClaim) -> str:
     return text_of(claim_node(claim)).removeprefix("prove ")
 
 
+def loop_sentence(
+    claim: LoopClaim,
+    sensors: Mapping[str, Sensor] | None = None,
+    connect: Mapping[str, str] | None = None,
+    *,
+    plant: Plant | None = None,
+    continuous: bool = False,
+) -> str:
+    """Return a claim together with all that makes its loop another than the plain one.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        Which.
+    sensors : mapping of str to Sensor, optional
+        By port; exact ones by default.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    plant : Plant, optional
+        In place of the shipped one that the claim names: what differs from that is said.
+    continuous : bool, optional
+        Whether the controller is taken to run without a period.
+    """
+    words = [claim_text(claim)]
+    words += _plant_words(claim, plant)
+    words += [
+        f"{name_text(name)} joined to {name_text(port)}"
+        for name, port in (connect or {}).items()
+        if name != port
+    ]
+    for name, sensor in (sensors or {}).items():
+        parts = ", ".join(_sensor_words(sensor))
+        if parts:
+            words.append(f"sensor of {name_text(name)}: {parts}")
+    if continuous:
+        words.append("in continuous time")
+    return "; ".join(words)
+
+
+def _sensor_words(sensor: Sensor) -> Iterator[str]:
+    if sensor.difference is not None:
+        yield f"by difference, filter {number_text(sensor.difference)} s"
+    if sensor.noise:
+        yield f"noise {number_text(sensor.noise)}"
+    if sensor.resolution:
+        yield f"resolution {number_text(sensor.resolution)}"
+    if sensor.delay:
+        yield f"delay {number_text(sensor.delay)} s"
+
+
+def _plant_words(claim: LoopClaim, plant: Plant | None) -> Iterator[str]:
+    """Say in what a plant differs from the shipped one of its name."""
+    if plant is None or claim.plant not in PLANTS:
+        return
+    shipped = PLANTS[claim.plant]()
+    stated = {name for name, _, _ in claim.parameters}
+    for name in shipped.parameters:
+        value = plant.parameters.get(name) and parameter(plant, name).value
+        if name not in stated and value is not None and value != parameter(shipped, name).value:
+            yield f"{name_text(name)} = {number_text(value)}"
+    own = interface_of(plant)
+    for address, port in interface_of(shipped).inputs.items():
+        other = own.inputs.get(address)
+        if other is not None and other != port:
+            yield f"actuator {own.label(address)}: {_port_words(other)}"
+
+
+def _port_words(port: Port) -> str:
+    ends = f"{number_text(port.low)} .. {number_text(port.high)}"
+    return ends if math.isinf(port.slew) else f"{ends}, slew {number_text(port.slew)}"
+
+
+def claimed_plant(claim: LoopClaim, named: str | None = None, *, trust: bool = False) -> Plant:
+    """Return the plant of a claim; of a claim in a file only if its code may run.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        Which; one that stands in no file is trusted as its author is.
+    named : str, optional
+        The plant of the command line, whose file may run.
+    trust : bool, optional
+        Whether all files may.
+    """
+    return trusted_plant(claim.plant, named, trust=trust or claim.span == NOWHERE)
+
+
+def require_sense(claim: LoopClaim) -> None:
+    """Refuse a claim that means nothing, wherever it comes from.
+
+    Raises
+    ------
+    ClaimError
+        With the part that is wrong.
+    """
+    for part, names in (
+        ("at", [name for name, _ in claim.at]),
+        ("with", [name for name, _, _ in claim.parameters]),
+        ("from", [name for name, _, _ in claim.start]),
+    ):
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ClaimError(f"'{twice}' stands twice after '{part}'")
+    for name, value in claim.at:
+        if not math.isfinite(value):
+            raise ClaimError(f"the set point {name} = {value:g} is not a number")
+    if not claim.output:
+        if (claim.low, claim.high, claim.when) != (0.0, 0.0, "always") or _times(claim):
+            raise ClaimError("bounds or times of no output are claimed")
+        if not claim.stable:
+            raise ClaimError("nothing is claimed")
+        return
+    if not (math.isfinite(claim.low) and math.isfinite(claim.high) and claim.low <= claim.high):
+        ends = f"{claim.low:g} .. {claim.high:g}"
+        raise ClaimError(f"{claim.output} in {ends} is not an interval")
+    _require_times(claim)
+
+
+def _require_times(claim: LoopClaim) -> None:
+    """Refuse times that are none of a run, or that the word before them does not have."""
+    begin, end = number_text(claim.begin), number_text(claim.end)
+    if claim.when == "always" and _times(claim):
+        raise ClaimError(f"a claim that holds always has no times, such as {begin} .. {end} s")
+    if claim.when == "after" and not (0.0 <= claim.begin < math.inf and math.isinf(claim.end)):
+        raise ClaimError(f"'after {begin} s' and an end at {end} s are no claim for all time")
+    if claim.when == "during" and not (0.0 <= claim.begin <= claim.end < math.inf and claim.end):
+        raise ClaimError(
+            f"during {begin} .. {end} s is no time of a run", hint="as in during 0 .. 1 s"
+        )
+
+
+def _times(claim: LoopClaim) -> bool:
+    return claim.begin != 0.0 or claim.end != math.inf
+
+
 def problem_of(
     text: ControllerText,
     claim: LoopClaim,
@@ -90,10 +237,11 @@ def problem_of(
     connect: Mapping[str, str] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
 ) -> LoopProblem:
-    """Return the loop of a claim."""
+    """Return the loop of a claim, which has to mean something."""
+    require_sense(claim)
     problem = loop_problem(
         text,
-        plant if plant is not None else find_plant(claim.plant),
+        plant if plant is not None else claimed_plant(claim),
         start={name: (low, high) for name, low, high in claim.start},
         parameters={name: (low, high) for name, low, high in claim.parameters},
         set_point=dict(claim.at),
@@ -102,10 +250,16 @@ def problem_of(
     )
     if claim.output:
         claimed_port(problem, claim)
-        if not claim.low <= claim.high:
-            ends = f"{claim.low:g} .. {claim.high:g}"
-            raise ClaimError(f"{claim.output} in {ends} is not an interval")
+    if claim.output or claim.start:
+        problem.require_known_start()
     return problem
+
+
+def claimed_in(problem: LoopProblem, claim: LoopClaim) -> ClaimedPeriods:
+    """Return the control periods of its loop that a claim counts in."""
+    interface = problem.site.interface
+    is_drive = bool(claim.output) and interface.port(claim.output) in interface.inputs
+    return claimed_periods(claim, problem.period, jumps=is_drive)
 
 
 def claimed_port(problem: LoopProblem, claim: LoopClaim) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 from fuzzyarm.api import controller_if_any, load_rules, load_sampled
 from fuzzyarm.closed_loop.certificate import Certificate
-from fuzzyarm.closed_loop.claims import claim_text, read_claim
+from fuzzyarm.closed_loop.claims import claimed_plant, loop_sentence, read_claim
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.timed import loop_tube
@@ -69,7 +69,7 @@ def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
     """Return the statements of a request beside the lines of files."""
     controller = controller_if_any(path)
     if request.check is not None:
-        return [check_certificate(request.check, controller)]
+        return [check_of(request, controller)]
     if bounds_one(request):
         return bounds_of(request, load_rules(path, "prove"), tell).values()
     if not request.sector:
@@ -83,6 +83,12 @@ def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
     if not sectors:
         raise WordError(f"no sector {failed[0]}")
     return sectors
+
+
+def check_of(request: ProveRequest, controller: ControllerText | None) -> LoopVerdict:
+    """Check the certificate of a request."""
+    path = request.check or ""
+    return check_certificate(path, controller, named=request.plant, trust=request.trust)
 
 
 # --- What goes together ---
@@ -303,13 +309,14 @@ def certify(
 
 
 def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
-    """Return connections and sensors of a loop, as keywords of `prove_loop`."""
+    """Return the plant, connections and sensors of a loop, as keywords of `prove_loop`."""
     loop = ExperimentRequest(
         connect=request.connect, quantise=request.quantise, sensor_delay=request.sensor_delay
     )
-    setup: dict[str, Any] = {"connect": connections(loop)}
+    plant = claimed_plant(claim, request.plant, trust=request.trust)
+    setup: dict[str, Any] = {"connect": connections(loop), "plant": plant}
     if loop.quantise or loop.sensor_delay:
-        setup["sensors"] = sensors_of(loop, find_plant(claim.plant))
+        setup["sensors"] = sensors_of(loop, plant)
     return setup
 
 
@@ -368,10 +375,12 @@ def tube_of(
     """Bound all ports of the plant for a time: the tube, what is left open, and what it is of."""
     claim = claim_of(request)
     duration = read_time(request.duration or "", "--for")
-    statement = claim_text(claim).removeprefix("stable ") + f" for {duration:g} s"
+    setup = setup_of(request, claim)
+    statement = loop_sentence(claim, setup.get("sensors"), setup["connect"])
+    statement = f"{statement.removeprefix('stable ')} for {duration:g} s"
     try:
         way, left_open = loop_tube(
-            controller, claim, duration, budget=budget_of(request), **setup_of(request, claim),
+            controller, claim, duration, budget=budget_of(request), **setup,
             tell=lambda share, boxes: tell(statement, boxes, 1.0 - share),
         )  # fmt: skip
     except EnclosureError as error:

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from fuzzyarm.model.controller import Axes, Drive, Factor, Learn, Product, Signa
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.equations import expressions_of
 from fuzzyarm.plant.own import start_of
-from fuzzyarm.plant.plant import Address, Plant, Port, parameter
+from fuzzyarm.plant.plant import Address, Plant, Port, parameter, with_parameters
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.names import near_hint
 
@@ -98,6 +99,10 @@ class LoopProblem:
         Of each reference of the plant, by axis and port; constant, and 0 for rates.
     sensors : dict of (str, str) to Sensor
         By axis and port; those that are not there are exact.
+    begins_alone : tuple of str
+        States that begin where the plant says, and not where a claim does.
+    unknown_start : str
+        Why it is not known where those begin; empty where it is.
     """
 
     text: ControllerText
@@ -107,6 +112,20 @@ class LoopProblem:
     parameters: Mapping[str, Interval]
     set_point: Mapping[Address, float]
     sensors: Mapping[Address, Sensor] = field(default_factory=dict)
+    begins_alone: tuple[str, ...] = ()
+    unknown_start: str = ""
+
+    def require_known_start(self) -> None:
+        """Refuse a claim about runs whose start is not one box.
+
+        Raises
+        ------
+        LoopProofError
+            If a state begins where the plant says, and that is not one place.
+        """
+        if self.unknown_start:
+            boxes = ", ".join(f"{name} in LOW .. HIGH" for name in self.begins_alone)
+            raise LoopProofError(self.unknown_start, hint=f"say it: from {boxes}")
 
     @property
     def period(self) -> float:
@@ -183,12 +202,13 @@ def loop_problem(
             f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
     site.wiring(text.model)  # says which port is missing
-    begun = [float(value) for value in start_of(plant, np.random.default_rng(0))]
-    starts = {name: Interval(x, x) for name, x in zip(plant.states, begun, strict=True)}
-    starts |= _chosen("state", start, plant.states)
     numbers = {name: parameter(plant, name).value for name in plant.parameters}
     values = {name: Interval(x, x) for name, x in numbers.items()}
     values |= _chosen("parameter", parameters, plant.parameters)
+    begun, unknown = _begun(plant, values)
+    starts = {name: Interval(x, x) for name, x in zip(plant.states, begun, strict=True)}
+    starts |= _chosen("state", start, plant.states)
+    alone = tuple(name for name in plant.states if name not in (start or {}))
     interface = site.interface
     set_points = dict.fromkeys(interface.references, 0.0)
     for name, value in (set_point or {}).items():
@@ -207,7 +227,55 @@ def loop_problem(
             raise LoopProofError(
                 f"the noise of '{label}' has no bound", hint="a resolution or a delay has one"
             )
-    return LoopProblem(text, plant, site, starts, values, set_points, effective)
+    return LoopProblem(
+        text, plant, site, starts, values, set_points, effective, alone, unknown if alone else ""
+    )
+
+
+class _Watched(dict[str, Any]):
+    """Parameters of a plant that note which of them are read."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        super().__init__(values)
+        self.read: set[str] = set()
+
+    def __getitem__(self, name: str) -> Any:
+        self.read.add(name)
+        return super().__getitem__(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        self.read.add(name)
+        return super().get(name, default)
+
+    def values(self) -> Any:
+        self.read |= set(self)
+        return super().values()
+
+    def items(self) -> Any:
+        self.read |= set(self)
+        return super().items()
+
+
+def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
+    """Return where a plant begins by itself, and why that is not one place; empty: it is."""
+    points = {name: span.low for name, span in values.items()}
+    at = with_parameters(plant, points) if points else copy(plant)
+    at.parameters = watched = _Watched(at.parameters)
+    generator = np.random.default_rng(0)
+    before = _drawn_from(generator)
+    begun = start_of(at, generator)
+    if _drawn_from(generator) != before or start_of(at, np.random.default_rng(0)) != begun:
+        return begun, f"{plant.name} draws where it starts, and a claim is about all starts"
+    free = [n for n, span in values.items() if span.low < span.high and n in watched.read]
+    if free:
+        return begun, f"{plant.name} makes its start of '{free[0]}', of which only bounds are known"
+    return begun, ""
+
+
+def _drawn_from(generator: np.random.Generator) -> tuple[str, int]:
+    """Return what a generator of numbers changes when it is used."""
+    bits: Any = generator.bit_generator
+    return repr(bits.state), bits.seed_seq.n_children_spawned
 
 
 def _chosen(

@@ -20,7 +20,8 @@ from fuzzyarm.closed_loop.algebra import Number
 from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
-from fuzzyarm.closed_loop.claims import claimed_port, problem_of
+from fuzzyarm.closed_loop.claimed_time import decimal
+from fuzzyarm.closed_loop.claims import claimed_in, claimed_port, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError, outward
 from fuzzyarm.closed_loop.follower import Demand
 from fuzzyarm.closed_loop.form_maker import FormMaker
@@ -78,7 +79,7 @@ def followed(
     LoopProofError, UnreadableError, UnprovableError
         If the loop has something of which nothing is enclosed.
     """
-    horizon = claim.end if haven is None else haven.horizon
+    horizon = _end(problem, claim) if haven is None else haven.horizon
     if not math.isfinite(horizon):
         raise LoopProofError("a tube has an end", hint="during 0 .. 10 s")
     demands = []
@@ -97,6 +98,15 @@ def followed(
     if proved and haven is None and demands:
         proved = course.holds(demands[0])
     return course, "" if proved else _failure(problem, course, claim, haven)
+
+
+def _end(problem: LoopProblem, claim: LoopClaim) -> float:
+    """Return until when a claim counts, s: of a drive that jumps at its end the new value, too."""
+    if math.isinf(claim.end):
+        return claim.end
+    last = claimed_in(problem, claim).last or 0
+    at_end = decimal(claim.end) == last * decimal(problem.period)
+    return (last + 1) * problem.period if at_end else claim.end
 
 
 def loop_tube(
@@ -133,6 +143,7 @@ def loop_tube(
         If the loop has something of which nothing is enclosed.
     """
     problem = problem_of(text, claim, plant=plant, connect=connect, sensors=sensors)
+    problem.require_known_start()
     loop_claim = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
     way, _ = followed(problem, loop_claim, budget=budget, tell=tell)
     return way, in_the_way(way)
@@ -212,8 +223,7 @@ class Haven:
         if against:
             raise LoopProofError(f"the region is not proved: {against}")
         self.loop = loop
-        period = Fraction(maker.problem.period)
-        self.first = int(Fraction(claim.begin) / period)
+        self.first = claimed_in(maker.problem, claim).first
         plant = maker.problem.plant
         self.horizon = max(plant.duration or 0.0, 1000 * maker.problem.period, claim.begin)
         self.level = self._level()

@@ -34,7 +34,7 @@ from fuzzyarm.text.files import write_atomically
 
 __all__ = ["TubeCertificate", "certify_tube", "read_certificate", "write_certificate"]
 
-FORMAT = "fuzzyarm-tube 1"
+FORMAT = "fuzzyarm-tube 2"
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
 from fuzzyarm.closed_loop.checked_motion import around_motion, dot, flow_over
+from fuzzyarm.closed_loop.claims import claimed_in
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.program_walk import ProgramWalk
 from fuzzyarm.closed_loop.slopes import Slope, SlopeNumbers, slopes_of
@@ -294,9 +295,9 @@ def tube_refutation(loop: TubeLoop, claim: LoopClaim, port: str, boxes: Sequence
     """Return why a certificate does not prove a claim for a bounded time; empty where it does."""
     if not _is_all(tuple(box.path for box in boxes)):
         return "its boxes are not all of the starts"
-    period = Fraction(loop.problem.period)
+    _, last = claimed_in(loop.problem, claim)
     for number, box in enumerate(boxes, 1):
-        if len(box.sets) * period < Fraction(claim.end):
+        if last is None or len(box.sets) <= last:
             return f"box {number} ends before the claim does"
         against = _box_refutation(loop, claim, port, box)
         if against:
@@ -320,17 +321,15 @@ def _box_refutation(loop: TubeLoop, claim: LoopClaim, port: str, box: BoxProof) 
     spans = start_of(loop, box.path)
     if not _is_inside([x.middle for x in spans], [x.radius for x in spans], box.sets[0]):
         return "its first set does not contain the starts"
-    h = Fraction(loop.problem.period)
-    for k, tube_set in enumerate(box.sets):
-        if h * k >= Fraction(claim.end):
-            break
+    begin, last = claimed_in(loop.problem, claim)
+    assert last is not None
+    for k, tube_set in enumerate(box.sets[: last + 1]):
         step = loop.period(tube_set, first=k == 0)
-        # Outputs are bounded over the whole period, so it counts as soon as it touches the claim.
-        if h * (k + 1) > Fraction(claim.begin):
+        if k >= begin:  # bounds are of the whole period
             where = step.outputs[port]
             if not (claim.low <= where.low and where.high <= claim.high):
                 return f"in period {k + 1} the claim is not shown"
-        if k + 1 < len(box.sets) and not leads_into(step, box.sets[k + 1]):
+        if k < last and not leads_into(step, box.sets[k + 1]):
             return f"period {k + 1} does not lead from its set into the next one"
     return ""
 

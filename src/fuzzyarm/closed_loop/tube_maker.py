@@ -11,6 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from fuzzyarm.closed_loop.claims import claimed_in
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.spans import RationalInterval
 from fuzzyarm.closed_loop.tube_checker import POINT, BoxProof, Period, TubeLoop, TubeSet, start_of
@@ -70,19 +71,18 @@ def _followed(
         ),
     )
     sets = []
-    h, k = Fraction(loop.problem.period), 0
+    first, last = claimed_in(loop.problem, claim)
+    assert last is not None
     try:
-        while h * k < Fraction(claim.end):
+        for k in range(last + 1):
             if time.monotonic() > until:
                 return "time ran out"
             sets.append(tube_set)
             step = loop.period(tube_set, first=k == 0)
             where: RationalInterval = step.outputs[port]
-            if h * (k + 1) > Fraction(claim.begin) and not (
-                claim.low <= where.low and where.high <= claim.high
-            ):
+            if k >= first and not (claim.low <= where.low and where.high <= claim.high):
                 return f"in period {k + 1} the claim is not shown"
-            tube_set, k = _next(step), k + 1
+            tube_set = _next(step)
     except LoopProofError as error:
         return str(error)
     return BoxProof(path, tuple(sets))

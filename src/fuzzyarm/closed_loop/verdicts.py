@@ -23,7 +23,7 @@ from fuzzyarm.closed_loop.certificate import (
 from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.checker import refutation
-from fuzzyarm.closed_loop.claims import claim_text, problem_of
+from fuzzyarm.closed_loop.claims import claimed_plant, loop_sentence, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem
@@ -39,6 +39,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.loop.run import Run
 from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.plant.own import trusted_plant
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.text.diagnostic import NOWHERE
@@ -166,6 +167,7 @@ def prove_loop(
     budget: float = math.inf,
     continuous: bool = False,
     tell: Tell | None = None,
+    trust: bool = False,
 ) -> LoopVerdict:
     """Prove or refute a claim about a controller in its loop.
 
@@ -187,6 +189,8 @@ def prove_loop(
         Of the loop as if the controller ran without a period.
     tell : callable, optional
         Called with the claim, the number of attempts and NaN.
+    trust : bool, optional
+        Whether the plant of a claim that stands in a file may be code, which is run.
 
     Returns
     -------
@@ -200,6 +204,7 @@ def prove_loop(
     ClaimError
         If the claim names another state or parameter, or has ends in the wrong order.
     """
+    plant = claimed_plant(claim, trust=trust) if plant is None else plant
     case = _Case(text, claim, plant, connect, sensors, budget, tell, continuous=continuous)
     return case.verdict()
 
@@ -220,7 +225,7 @@ class _Case:
         continuous: bool,
     ) -> None:
         self.text, self.claim, self.continuous = text, claim, continuous
-        self.statement = claim_text(claim)
+        self.statement = loop_sentence(claim, sensors, connect, plant=plant, continuous=continuous)
         self.plant, self.connect, self.sensors = plant, connect, dict(sensors or {})
         self.started = time.monotonic()
         watch = None if tell is None else (lambda count, gap: tell(self.statement, count, gap))
@@ -279,7 +284,7 @@ class _Case:
             return self._said(UNDECIDED, reason=reason, evidence=in_the_way(way), rest=stable.rest)
         return self._said(
             PROVED, tube=way, region=stable.region, rest=stable.rest, fall=stable.fall,
-            uncertain=stable.uncertain, evidence=self._own_start(problem),
+            uncertain=stable.uncertain, evidence=_own_start(problem),
         )  # fmt: skip
 
     def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
@@ -291,7 +296,7 @@ class _Case:
         except (FuzzyarmError, EnclosureError) as error:
             return self._said(UNDECIDED, reason=_sentence(error))
         if not reason:
-            return self._said(PROVED, tube=way, evidence=self._own_start(problem))
+            return self._said(PROVED, tube=way, evidence=_own_start(problem))
         try:
             verdict = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
         except (FuzzyarmError, EnclosureError):
@@ -300,13 +305,6 @@ class _Case:
             return verdict
         whole = way if way.complete else None
         return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
-
-    def _own_start(self, problem: LoopProblem) -> tuple[str, ...]:
-        """Say where the plant starts by itself, in a claim that does not say it."""
-        if self.claim.start:
-            return ()
-        values = ", ".join(f"{name} = {ends.low:g}" for name, ends in problem.start.items())
-        return (f"of runs that start as the plant does: {values}",)
 
     def _told_of_boxes(self, share: float, boxes: int) -> None:
         """Show how far a tube is."""
@@ -394,6 +392,12 @@ class _Case:
         return self._said(REFUTED, evidence=breach.words, run=breach.run)
 
 
+def _own_start(problem: LoopProblem) -> tuple[str, ...]:
+    """Say where the plant starts by itself, of states of which a claim does not say it."""
+    values = ", ".join(f"{name} = {problem.start[name].low:g}" for name in problem.begins_alone)
+    return (f"of runs that start as the plant does: {values}",) if values else ()
+
+
 def _begun_at_rest(maker: FormMaker) -> dict[str, float] | None:
     """Return where the plant rests; None where what is remembered does not start at rest."""
     begin = maker.begin
@@ -421,6 +425,9 @@ def check_certificate(
     certificate: Certificate | TubeCertificate | str,
     text: ControllerText | None = None,
     plant: Plant | None = None,
+    *,
+    named: str | None = None,
+    trust: bool = False,
 ) -> LoopVerdict:
     """Check a certificate, without any search.
 
@@ -433,6 +440,10 @@ def check_certificate(
         certificate.
     plant : Plant, optional
         In place of the one that the claim names.
+    named : str, optional
+        A plant whose code may run, where the claim names the same one.
+    trust : bool, optional
+        Whether the plant of the claim may be code, which is run.
 
     Returns
     -------
@@ -443,6 +454,8 @@ def check_certificate(
     ------
     CertificateError
         If it is not a certificate, or one of other files.
+    PlantError
+        If its plant is code that may not run.
     """
     started = time.monotonic()
     place = Path(".")
@@ -458,16 +471,14 @@ def check_certificate(
         if path is None:
             raise CertificateError(f"the controller {certificate.controller} is not there")
         text = read_controller(str(path))
-    now = fingerprints_of(text)
-    for name, fingerprint in certificate.fingerprints.items():
-        if name not in now:
-            expected_name = Path(certificate.controller).name
-            raise CertificateError(
-                f"this certificate is of {expected_name}, not of {Path(text.path).name}"
-            )
-        if now[name] != fingerprint:
-            raise CertificateError(f"{name} is not the file that was proved")
-    statement = claim_text(certificate.claim)
+    _require_files(certificate, text)
+    claim = certificate.claim
+    statement = loop_sentence(
+        claim, certificate.sensors, certificate.connect, plant=plant,
+        continuous=isinstance(certificate, Certificate) and certificate.continuous,
+    )  # fmt: skip
+    if plant is None:
+        plant = trusted_plant(claim.plant, named, trust=trust)
     facts: dict[str, Any] = {}
     try:
         if isinstance(certificate, TubeCertificate):
@@ -487,6 +498,19 @@ def check_certificate(
     except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
     return _checked(statement, certificate, against, facts, started)
+
+
+def _require_files(certificate: Certificate | TubeCertificate, text: ControllerText) -> None:
+    """Refuse a certificate of other files than those of a controller, or of more or fewer."""
+    now = fingerprints_of(text)
+    if set(now) != set(certificate.fingerprints):
+        expected_name = Path(certificate.controller).name
+        raise CertificateError(
+            f"this certificate is of {expected_name}, not of {Path(text.path).name}"
+        )
+    for name, fingerprint in certificate.fingerprints.items():
+        if now[name] != fingerprint:
+            raise CertificateError(f"{name} is not the file that was proved")
 
 
 def _checked(

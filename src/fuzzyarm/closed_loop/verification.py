@@ -19,6 +19,7 @@ from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop, checked_loop
 from fuzzyarm.closed_loop.checked_motion import output_between_samples
 from fuzzyarm.closed_loop.checker import is_inside, refutation
+from fuzzyarm.closed_loop.claims import claimed_in
 from fuzzyarm.closed_loop.outward import above, below
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.spans import RationalInterval
@@ -302,7 +303,7 @@ def _outside(
     claim = certificate.claim
     if certificate.continuous:
         return "a claim about an output is proved of the sampled loop"
-    periods = int(Fraction(claim.begin) / Fraction(problem.period)) if claim.begin else 0
+    periods = claimed_in(problem, claim).first
     remainder = power_up(1 - certificate.rate, periods) * level
     try:
         span = port_within(problem, loop, certificate.p, remainder, claim.output)

@@ -81,6 +81,36 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
     raise PlantError(f"no plant '{name}'", name=name, hint=hint)
 
 
+def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -> Plant:
+    """Make a plant that a file names: a shipped one, or one whose code may run.
+
+    Parameters
+    ----------
+    name : str
+        As a `prove` line or a certificate has it.
+    named : str, optional
+        The plant of the command line: its file may run.
+    trust : bool, optional
+        Whether all files may.
+
+    Raises
+    ------
+    PlantError
+        If it is code of which only the file says that it should run.
+    """
+    if name in PLANTS or trust or (named is not None and _place(name) == _place(named)):
+        return find_plant(name)
+    message = f"the plant '{name}' is code, which does not run because a file names it"
+    raise PlantError(message, name=name, hint=f"--plant {name.partition(':')[0]}, or --trust")
+
+
+def _place(name: str) -> str:
+    """Return the file of a plant, however it is written."""
+    path = name if name.startswith(ENVIRONMENT) else name.rsplit(".py:", 1)[0]
+    path = f"{path}.py" if path != name and not name.startswith(ENVIRONMENT) else path
+    return path if path.startswith(ENVIRONMENT) else os.path.realpath(path)
+
+
 def own_plant(place: str) -> Plant:
     """Load ``FILE.py`` or ``FILE.py:NAME``.
 

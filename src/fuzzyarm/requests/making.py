@@ -74,3 +74,6 @@ class ExportRequest(CompileRequest):
         "--certificate CERT", "of a controller: what it proves goes into the head", None,
         group=SOURCE,
     )  # fmt: skip
+    trust: bool = option(
+        "--trust", "with --certificate: run the Python file of its plant", False, group=SOURCE
+    )

@@ -76,4 +76,7 @@ class ProveRequest(Request):
     plant: str | None = option(
         "--plant PLANT", "of a controller: on this one instead of that of its axes", None
     )
+    trust: bool = option(
+        "--trust", "run the Python files of plants that lines or a certificate name", False
+    )
     output: str | None = option("--output NAME", "which output, if there are several", None)

@@ -1,0 +1,354 @@
+"""A claim says which loop, start and time it is about; a certificate means what it says."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from fuzzyarm import load_controller, prove
+from fuzzyarm.closed_loop import (
+    CertificateError,
+    certify_tube,
+    check_certificate,
+    loop_tube,
+    prove_loop,
+    read_claim,
+    write_certificate,
+)
+from fuzzyarm.closed_loop.claimed_time import claimed_periods
+from fuzzyarm.closed_loop.claims import loop_sentence, require_sense
+from fuzzyarm.closed_loop.problem import ClaimError, LoopProofError
+from fuzzyarm.loop.course import Sensor
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plant import PlantError, with_parameters
+
+PLANT = """
+from fuzzyarm.plant import Plant, Port
+class {name}(Plant):
+    inputs = {{"u": Port("V", -5.0, 5.0)}}
+    outputs = {{"y": Port("m", -10.0, 10.0)}}
+    states = {states}
+    parameters = {parameters}
+    duration = 1.0
+    def start(self, rng):
+        return {start}
+    def derivative(self, t, x, u, p):
+        return {rates}
+"""
+
+LAW = "controller c\nperiod 10 ms\naxis a\n  e = error of y\n  drive u = e * 2\n{}"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def plant_file(
+    name="lag", start="[0.5]", states='{"y": "m"}', parameters="{}", rates="[u[0] - x[0]]"
+):
+    text = PLANT.format(
+        name=name.title(), start=start, states=states, parameters=parameters, rates=rates
+    )
+    Path(f"{name}.py").write_text(text, encoding="utf-8")
+    return f"{name}.py"
+
+
+def law(lines=""):
+    Path("c.frb").write_text(LAW.format(lines), encoding="utf-8")
+    return load_controller("c.frb")
+
+
+# --- In which time ---
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "jumps", "expected"),
+    [
+        (0.0, 0.003, False, (0, 2)),
+        (0.0, 0.003, True, (0, 3)),  # what a drive becomes at the end counts
+        (0.001, 0.001, False, (0, 0)),  # an instant on a sample: where the period before ends
+        (0.001, 0.001, True, (0, 1)),
+        (0.003, 0.007, False, (3, 6)),
+        (0.003, 0.007, True, (2, 7)),
+        (0.0, 0.0035, True, (0, 3)),
+        (0.003, math.inf, False, (3, None)),
+        (0.003, math.inf, True, (2, None)),
+        (0.0, 1.001, False, (0, 1000)),
+    ],
+)
+def test_periods_in_which_a_claim_counts(begin, end, jumps, expected):
+    claim = LoopClaim("motor", output="y", when="during", begin=begin, end=end)
+    assert claimed_periods(claim, 0.001, jumps=jumps) == expected
+
+
+def test_a_drive_counts_with_its_new_value_at_the_end(folder):
+    name, text = plant_file(), law()
+    # y = 0.5 at the start: u = -1 in the first period, and -0.9702 in the second one.
+    within = f"on '{name}': u in -1.0001 .. -0.99 during 0 .. "
+    assert prove_loop(text, read_claim(f"{within}9 ms")).proved
+    assert prove_loop(text, read_claim(f"{within}10 ms")).verdict == "refuted"
+    assert prove_loop(
+        text, read_claim(f"on '{name}': u in -1.0001 .. -0.97 during 0 .. 10 ms")
+    ).proved
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"when": "always", "end": 1.0},
+        {"when": "always", "begin": 1.0},
+        {"when": "during", "begin": 1.0, "end": 0.5},
+        {"when": "during", "begin": -1.0, "end": 0.5},
+        {"when": "during", "end": 0.0},
+        {"when": "during", "end": -1.0},
+        {"when": "during", "end": math.inf},
+        {"when": "after", "begin": 1.0, "end": 2.0},
+        {"when": "after", "begin": -1.0},
+        {"low": 1.0, "high": 0.0},
+        {"low": math.nan},
+        {"low": -math.inf},
+        {"start": (("y", 0.0, 1.0), ("y", 2.0, 3.0))},
+        {"at": (("y", 0.0), ("y", 1.0))},
+        {"at": (("y", math.nan),)},
+        {"output": "", "high": 0.0},
+        {"output": "", "high": 0.0, "stable": True, "begin": 1.0},
+    ],
+)
+def test_a_claim_that_means_nothing_is_refused(fields):
+    with pytest.raises(ClaimError):
+        require_sense(LoopClaim("motor", **{"output": "y", "high": 1.0, **fields}))
+
+
+# --- Certificates with other fields ---
+
+
+def sealed(data):
+    data = {name: value for name, value in data.items() if name != "seal"}
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return {**data, "seal": hashlib.sha256(text.encode()).hexdigest()}
+
+
+@pytest.fixture
+def certified(folder):
+    name, text = plant_file(), law()
+    claim = read_claim(f"on '{name}' from y in 0.4 .. 0.5: y in 0.3 .. 0.6 during 0 .. 30 ms")
+    write_certificate(certify_tube(text, claim), "c.json")
+    assert check_certificate("c.json", trust=True).proved
+    return json.loads(Path("c.json").read_text(encoding="utf-8"))
+
+
+def checked(data, **claim):
+    data = {**data, "claim": {**data["claim"], **claim}}
+    Path("c.json").write_text(json.dumps(sealed(data)), encoding="utf-8")
+    return check_certificate("c.json", trust=True)
+
+
+@pytest.mark.parametrize(
+    "claim",
+    [
+        {"when": "always"},
+        {"when": "after", "from": "0"},
+        {"when": "always", "to": "0", "between": ["-100", "-99"]},
+        {"when": "after", "to": "0", "between": ["-100", "-99"]},
+        {"to": "-1", "between": ["-100", "-99"]},
+        {"to": "0", "between": ["-100", "-99"]},
+        {"from": "5", "to": "1/1000", "between": ["-100", "-99"]},
+        {"start": [["y", "0", "1"], ["y", "2/5", "1/2"]]},
+        {"output": "", "between": ["0", "0"]},
+    ],
+)
+def test_a_sealed_certificate_of_a_claim_without_a_meaning_is_none(certified, claim):
+    with pytest.raises(CertificateError, match="means nothing"):
+        checked(certified, **claim)
+
+
+@pytest.mark.parametrize(
+    "claim",
+    [
+        {"between": ["-100", "-99"]},
+        {"start": [["y", "0", "1/2"]]},
+        {"to": "1"},
+        {"output": "u"},
+        *(
+            {"from": at, "to": at, "between": ["-100", "-99"]}
+            for k in (1, 2, 3)
+            for at in (f"{k}/100", str(Fraction(0.01) * k), str(Fraction(k / 100)))
+        ),
+        {"from": "1/3000", "to": "1/2500", "between": ["-100", "-99"]},
+    ],
+)
+def test_a_sealed_certificate_of_a_false_claim_proves_nothing(certified, claim):
+    assert checked(certified, **claim).verdict == "undecided"
+
+
+def test_an_instant_on_a_sample_is_proved_with_its_value(certified):
+    instant = {"from": "1/50", "to": "1/50"}
+    assert checked(certified, **instant).proved
+    # y' is about -3 y, so that y is at most 0.4852 from 10 ms on, and 0.4709 at 20 ms.
+    assert checked(certified, between=["3/10", "49/100"], **instant).proved
+    assert not checked(certified, between=["3/10", "47/100"], **instant).proved
+    assert checked(certified, start=[]).proved  # from 0.5, where the plant begins by itself
+
+
+def test_a_certificate_names_all_files(certified):
+    data = {**certified, "sha256": {}}
+    with pytest.raises(CertificateError, match="this certificate is of"):
+        checked(data)
+
+
+# --- Which start ---
+
+
+DRAWN = "[0.0 * x + float(rng.standard_normal()) for x in (1.0,)]"
+
+
+@pytest.mark.parametrize(
+    "start", [DRAWN, "[rng.uniform(0.1, 0.2)]", "[float(__import__('random').random())]"]
+)
+def test_a_start_that_is_drawn_has_to_be_said(folder, start):
+    name, text = plant_file(start=start), law()
+    verdict = prove_loop(text, read_claim(f"on '{name}': y in -9 .. 9 during 0 .. 100 ms"))
+    assert verdict.verdict == "undecided"
+    assert "draws where it starts" in verdict.reason
+    assert "from y in LOW .. HIGH" in verdict.reason
+    with pytest.raises(LoopProofError, match="draws where it starts"):
+        loop_tube(text, read_claim("stable", name), 0.1)
+    said = f"on '{name}' from y in -1 .. 1: y in -9 .. 9 during 0 .. 100 ms"
+    assert prove_loop(text, read_claim(said)).proved
+    assert prove_loop(text, read_claim(f"stable on '{name}'")).proved  # from no start
+
+
+def test_a_certificate_does_not_make_a_drawn_start_known(folder):
+    name, text = plant_file(), law()
+    write_certificate(
+        certify_tube(text, read_claim(f"on '{name}': y in -9 .. 9 during 0 .. 20 ms")), "c.json"
+    )
+    plant_file(start="[rng.uniform(0.5, 5)]")
+    verdict = check_certificate("c.json", trust=True)
+    assert verdict.verdict == "undecided"
+    assert "draws where it starts" in verdict.reason
+
+
+def test_a_start_made_of_a_parameter_follows_it():
+    text = load_controller("rulebases/cartpole.frb")
+    tail = ": theta in -0.1 .. 0.1 during 0 .. 100 ms"
+    wide = prove_loop(text, read_claim(f"on cartpole with theta_0 in 0.05 .. 0.3{tail}"))
+    assert wide.verdict == "undecided"
+    assert "makes its start of 'theta_0'" in wide.reason
+    # theta begins at 0.3 where the parameter is 0.3.
+    point = prove_loop(text, read_claim(f"on cartpole with theta_0 in 0.3 .. 0.3{tail}"))
+    assert point.verdict == "refuted"
+    other = prove_loop(text, read_claim(f"on cartpole with M in 1 .. 1.1{tail}"))
+    assert other.verdict != "refuted"
+    assert "makes its start" not in other.reason
+
+
+def test_a_verdict_says_where_states_begin_that_a_claim_leaves_out(folder):
+    name = plant_file(
+        states='{"y": "m", "v": "m/s"}', start="[0.5, 0.25]", rates="[x[1], u[0] - x[1]]"
+    )
+    verdict = prove_loop(
+        law(), read_claim(f"on '{name}' from y in 0 .. 0.1: y in -1 .. 1 during 0 .. 50 ms")
+    )
+    assert verdict.evidence == ("of runs that start as the plant does: v = 0.25",)
+
+
+# --- Which loop ---
+
+
+def test_all_that_makes_another_loop_is_in_the_sentence(folder):
+    claim = read_claim("stable on motor with J in 1 .. 2")
+    assert loop_sentence(claim) == "stable on motor with J in 1 .. 2"
+    sensors = {"y": Sensor(delay=0.04, resolution=0.5), "v": Sensor(difference=0.01), "w": Sensor()}
+    assert loop_sentence(claim, sensors, {"u": "voltage", "y": "y"}, continuous=True) == (
+        "stable on motor with J in 1 .. 2; u joined to voltage;"
+        " sensor of y: resolution 0.5, delay 0.04 s;"
+        " sensor of v: by difference, filter 0.01 s; in continuous time"
+    )
+
+
+def test_the_sentence_of_a_late_sensor_is_that_of_its_certificate(folder):
+    name, text = plant_file(), law()
+    claim = read_claim(f"on '{name}': y in -1 .. 1 during 0 .. 50 ms")
+    sensors = {"y": Sensor(delay="20ms")}
+    sentence = f"on '{name}': y in -1 .. 1 during 0 .. 0.05 s; sensor of y: delay 0.02 s"
+    verdict = prove_loop(text, claim, sensors=sensors)
+    assert verdict.proved
+    assert verdict.statement == sentence
+    write_certificate(certify_tube(text, claim, sensors=sensors), "c.json")
+    again = check_certificate("c.json", trust=True)
+    assert again.proved
+    assert again.statement == sentence
+
+
+def test_a_changed_plant_is_said():
+    servo = load_controller("rulebases/servo.frb")
+    motor = find_plant("motor")
+    name, value = next((n, p) for n, p in motor.parameters.items())
+    number = getattr(value, "value", value) * 1.01
+    verdict = prove_loop(
+        servo, read_claim("stable on motor"), plant=with_parameters(motor, {name: number})
+    )
+    assert verdict.statement == f"stable on motor; {name} = {number!r}"
+    assert (
+        prove_loop(servo, read_claim("stable on motor"), plant=motor).statement == "stable on motor"
+    )
+
+
+# --- Whose code runs ---
+
+
+EVIL = "open('ran', 'w').close()\n"
+
+
+def test_a_line_of_a_file_does_not_run_code(folder):
+    name = plant_file()
+    text = law(f"prove on '{name}': y in -1 .. 1 during 0 .. 20 ms\n")
+    Path(name).write_text(EVIL + Path(name).read_text(encoding="utf-8"), encoding="utf-8")
+    (claim,) = text.model.claims
+    for judge in (
+        lambda: prove_loop(text, claim),
+        lambda: prove(text, claim),
+        lambda: prove("c.frb"),
+        lambda: certify_tube(text, claim),
+        lambda: loop_tube(text, claim, 0.1),
+    ):
+        with pytest.raises(PlantError, match="is code, which does not run") as error:
+            judge()
+        assert error.value.hint == f"--plant {name}, or --trust"
+        assert not Path("ran").exists()
+    assert prove_loop(text, claim, trust=True).proved
+    assert Path("ran").exists()
+    assert prove("c.frb", trust=True)[0].proved
+    assert prove(
+        "c.frb", plant=f"./{name}", statement=f"on '{name}': y in -1 .. 1 during 0 .. 20 ms"
+    )
+
+
+def test_a_certificate_does_not_run_code(certified):
+    Path("lag.py").write_text(EVIL + Path("lag.py").read_text(encoding="utf-8"), encoding="utf-8")
+    write = json.dumps(sealed(certified))
+    Path("c.json").write_text(write, encoding="utf-8")
+    for words in ({}, {"named": "other.py"}, {"named": "motor"}):
+        with pytest.raises(PlantError, match="is code, which does not run"):
+            check_certificate("c.json", **words)
+        assert not Path("ran").exists()
+    assert check_certificate("c.json", named="./lag.py").proved
+    assert Path("ran").exists()
+
+
+@pytest.mark.parametrize(
+    "name", ["../evil.py", "evil.py:Some", "evil.fmu", "gym:evil:Env-v0", "nothing"]
+)
+def test_no_plant_but_a_shipped_one_is_loaded_for_a_file(folder, name):
+    text = law(f"prove stable on '{name}'\n")
+    with pytest.raises(PlantError, match="is code, which does not run"):
+        prove_loop(text, text.model.claims[0])
