@@ -101,6 +101,7 @@ def loop_sentence(
     *,
     plant: Plant | None = None,
     continuous: bool = False,
+    duration: float = 0.0,
 ) -> str:
     """Return a claim together with all that makes its loop another than the plain one.
 
@@ -116,8 +117,12 @@ def loop_sentence(
         In place of the shipped one that the claim names: what differs from that is said.
     continuous : bool, optional
         Whether the controller is taken to run without a period.
+    duration : float, optional
+        s; of bounds for a time, which claim nothing.
     """
     words = [claim_text(claim)]
+    if duration:
+        words = [f"{words[0].removeprefix('stable ')} for {duration:g} s"]
     words += _plant_words(claim, plant)
     words += [
         f"{name_text(name)} joined to {name_text(port)}"
@@ -151,8 +156,10 @@ def _plant_words(claim: LoopClaim, plant: Plant | None) -> Iterator[str]:
     shipped = PLANTS[claim.plant]()
     stated = {name for name, _, _ in claim.parameters}
     for name in shipped.parameters:
-        value = plant.parameters.get(name) and parameter(plant, name).value
-        if name not in stated and value is not None and value != parameter(shipped, name).value:
+        if name in stated or name not in plant.parameters:
+            continue
+        value = parameter(plant, name).value
+        if value != parameter(shipped, name).value:
             yield f"{name_text(name)} = {number_text(value)}"
     own = interface_of(plant)
     for address, port in interface_of(shipped).inputs.items():

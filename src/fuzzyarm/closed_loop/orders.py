@@ -376,8 +376,7 @@ def tube_of(
     claim = claim_of(request)
     duration = read_time(request.duration or "", "--for")
     setup = setup_of(request, claim)
-    statement = loop_sentence(claim, setup.get("sensors"), setup["connect"])
-    statement = f"{statement.removeprefix('stable ')} for {duration:g} s"
+    statement = loop_sentence(claim, setup.get("sensors"), setup["connect"], duration=duration)
     try:
         way, left_open = loop_tube(
             controller, claim, duration, budget=budget_of(request), **setup,
