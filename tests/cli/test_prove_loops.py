@@ -18,7 +18,8 @@ def test_a_tube_alone_bounds_all_ports(capsys, tmp_path):
     words = ["--with", "J in 0.009 .. 0.011", "--quantise", "position=0.001"]
     assert main([*ON, "--from", START, "--for", "3ms", *words, "--plot", str(figure)]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].endswith(f"on motor with J in 0.009 .. 0.011 from {START} for 0.003 s; sensor of position: resolution 0.001")
+    sentence = f"on motor with J in 0.009 .. 0.011 from {START} for 0.003 s"
+    assert lines[0].endswith(f"{sentence}; sensor of position: resolution 0.001")
     assert [line.split(" in ")[0].strip() for line in lines[1:5]] == [
         "position", "velocity", "current", "voltage",
     ]  # fmt: skip

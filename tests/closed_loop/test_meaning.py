@@ -329,7 +329,7 @@ def test_a_line_of_a_file_does_not_run_code(folder):
             judge()
         assert error.value.hint == f"--plant {name}, or --trust"
         assert not Path("ran").exists()
-    assert prove_loop(text, claim, trust=True).proved
+    assert prove("c.frb", claim, trust=True).proved
     assert Path("ran").exists()
     assert prove("c.frb", trust=True)[0].proved
     assert prove(

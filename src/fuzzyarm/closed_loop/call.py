@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any, TypedDict, overload
 
 from fuzzyarm.api import load
-from fuzzyarm.closed_loop.claims import read_claim
+from fuzzyarm.closed_loop.claims import claimed_plant, read_claim
 from fuzzyarm.closed_loop.orders import Proof, proofs_of
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.controller.text import ControllerText
@@ -60,7 +60,7 @@ class ProveKeywords(TypedDict, total=False):
         Called with the statement, the number of pieces or attempts and the gap between the bounds;
         NaN where there is none.
     trust : bool
-        Of a controller: whether plants that its file names may be code, which is run.
+        Of a file: whether plants that it names may be code, which is run.
     """
 
     plant: str | Plant | None
@@ -75,7 +75,7 @@ class ProveKeywords(TypedDict, total=False):
 
 
 OF_RULES = ("tolerance", "budget", "exact", "tell")
-OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell", "trust")
+OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell")
 """Keywords that count where a rule base is asked, and a controller in its loop."""
 
 
@@ -90,7 +90,6 @@ def prove(
     budget: float = math.inf,
     continuous: bool = False,
     tell: Tell | None = None,
-    trust: bool = False,
 ) -> LoopVerdict: ...
 
 
@@ -226,6 +225,8 @@ def _of_controller(
         raise wrong_kind(thing, RULE_BASE)
     if name and isinstance(plant, str):
         claim = replace(claim, plant=name)
+    if loop_plant is None:
+        loop_plant = claimed_plant(claim, trust=keywords.get("trust", False))
     own_words = {name: keywords[name] for name in OF_LOOPS if name in keywords}
     return prove_loop(thing, claim, plant=loop_plant, **own_words)
 

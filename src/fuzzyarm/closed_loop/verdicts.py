@@ -167,7 +167,6 @@ def prove_loop(
     budget: float = math.inf,
     continuous: bool = False,
     tell: Tell | None = None,
-    trust: bool = False,
 ) -> LoopVerdict:
     """Prove or refute a claim about a controller in its loop.
 
@@ -178,7 +177,8 @@ def prove_loop(
     claim : LoopClaim
         What is claimed.
     plant : Plant, optional
-        In place of the one that the claim names.
+        In place of the one that the claim names. That one is loaded only if it is a shipped one, or
+        if the claim does not stand in a file: else its code would run.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
     sensors : mapping of str to Sensor, optional
@@ -189,8 +189,6 @@ def prove_loop(
         Of the loop as if the controller ran without a period.
     tell : callable, optional
         Called with the claim, the number of attempts and NaN.
-    trust : bool, optional
-        Whether the plant of a claim that stands in a file may be code, which is run.
 
     Returns
     -------
@@ -204,7 +202,7 @@ def prove_loop(
     ClaimError
         If the claim names another state or parameter, or has ends in the wrong order.
     """
-    plant = claimed_plant(claim, trust=trust) if plant is None else plant
+    plant = claimed_plant(claim) if plant is None else plant
     case = _Case(text, claim, plant, connect, sensors, budget, tell, continuous=continuous)
     return case.verdict()
 
