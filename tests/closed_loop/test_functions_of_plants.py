@@ -132,3 +132,19 @@ def test_a_loop_with_a_function_is_proved_within_the_bounds_of_its_plant(tmp_pat
     low, high = verdict.region["angle"]
     assert -10.0 <= low < -0.5
     assert 0.5 < high <= 10.0
+
+
+class Open(Pendulum):
+    """Its run never counts as diverged."""
+
+    outputs = {
+        "angle": Port("rad", -2.0, 2.0, bound=math.inf),
+        "rate": Port("rad/s", -4.0, 4.0, rate_of="angle", bound=math.inf),
+    }
+
+
+def test_a_loop_is_proved_whose_plant_leaves_the_bounds_of_its_outputs_open(tmp_path):
+    (tmp_path / "line.frb").write_text(LINE)
+    controller = fuzzyarm.load_controller(tmp_path / "line.frb")
+    verdict = fuzzyarm.prove(controller, "stable", plant=Open(), budget=40.0)
+    assert verdict.proved, verdict.reason
