@@ -13,6 +13,8 @@ declare namespace Messages {
     version?: number;
     text?: string | null;
     saved?: string;
+    wrote?: boolean;
+    asked?: Array<string>;
   }
 
   /** Messages about a file: `close`, `write`, and `ask` and `start` before their own fields. */

@@ -532,16 +532,36 @@ def test_nothing_is_lost_with_the_connection(served, window):
     one.evaluate("designer.drop()")
     one.get_by_text("does not answer").wait_for()
     one.keyboard.type("# typed alone\n")
-    # The window that is left writes now; what the other one has typed waits until that one writes.
-    until(lambda: other.evaluate("!designer.text.view.state.readOnly"), "the heir writes")
-    other.evaluate("designer.text.goTo([27, 0])")
-    other.keyboard.type("# meanwhile\n")
-    until(lambda: "# meanwhile" in text_of(one), "heard of")
-    assert "# typed alone" in text_of(one)
-    assert "# typed alone" not in text_of(other)
-    one.get_by_role("button", name="Write here").click()
-    until(lambda: "# typed alone" in text_of(other), "sent")
-    until(lambda: text_of(one) == text_of(other), "the same")
+    # The window that is left writes only as long as the other one, which has typed, is away.
+    until(lambda: text_of(other).startswith("# typed alone\n"), "sent")
+    until(lambda: other.evaluate("designer.text.view.state.readOnly"), "it follows again")
+    assert one.get_by_text("this one follows").count() == 0
+    assert text_of(one) == text_of(other)
+
+
+def test_what_is_saved_while_the_server_is_away_is_saved_when_it_is_back(served, window):
+    path, address = put(served, "away.frb")
+    one, other = window(address), window(address)
+    other.get_by_text("this one follows").wait_for()
+    one.evaluate("designer.text.goTo([0, 0])")
+    one.keyboard.type("# before\n")
+    until(lambda: text_of(other).startswith("# before\n"), "the same")
+    served.stop()
+    for page in (one, other):
+        page.get_by_text("does not answer").wait_for()
+    one.keyboard.type("# away\n")
+    one.keyboard.press("Control+s")
+    one.get_by_text("saved when it is back").wait_for()
+    typed = text_of(one)
+    served.start()
+    until(lambda: path.read_text() == typed, "saved")
+    until(lambda: text_of(other) == typed, "the other window reads it")
+    until(lambda: other.evaluate("designer.text.view.state.readOnly"), "it follows")
+    one.get_by_text("connected again").or_(one.get_by_text("saved", exact=True)).wait_for()
+    assert text_of(one) == typed
+    assert one.locator(".banner:visible").count() == 0
+    other.evaluate("designer.text.link.save()")
+    other.get_by_text("Not saved: another window writes this file").wait_for()
 
 
 def test_the_page_outlives_the_server(served, window):

@@ -277,16 +277,70 @@ def test_a_byte_order_mark_stays_and_half_a_character_is_not_saved(tmp_path):
         shared.save()
 
 
-def test_after_a_restart_windows_that_disagree_are_asked_and_the_file_stays(shared):
+def test_after_a_restart_the_window_that_wrote_wins(shared):
     disk = shared.text
-    one, two = ("# one\n" + disk, "# two\n" + disk)
-    shared.resume(one, disk, "resumed")
-    shared.resume(two, disk, "resumed")
+    shared.remember("# earlier\n" + disk, disk)  # of a window that only read
+    assert shared.text == "# earlier\n" + disk
+    shared.resume("# later\n" + disk, [disk])
+    assert shared.text == "# later\n" + disk
+    assert not shared.status["conflict"]
+    shared.remember("# earlier\n" + disk, disk)
+    assert shared.text == "# later\n" + disk
+
+
+def test_after_a_restart_a_window_with_nothing_of_its_own_takes_the_file(shared):
+    disk = shared.text
+    shared.remember("# earlier\n" + disk, disk)  # which the other one has undone
+    shared.resume(disk, [disk])
+    assert shared.text == disk
+    shared.resume("# of before\n", ["# of before\n"])
+    assert shared.text == disk
+
+
+def test_a_save_that_was_not_answered_is_its_own_and_that_of_another_program_is_not(shared):
+    disk = shared.text
+    shared.resume("# typed on\n" + disk, ["# of before\n", disk])
+    assert not shared.status["conflict"]
+    assert shared.text == "# typed on\n" + disk
+    other = SharedText(shared.path)
+    other.resume("# typed on\n" + disk, ["# of before\n", "# asked\n"])
+    assert other.status["conflict"]
+    assert other.text == "# typed on\n" + disk
+    other.settle("theirs")
+    assert other.text == disk
+
+
+def test_after_a_restart_windows_that_have_both_typed_are_asked_and_the_file_stays(shared):
+    disk = shared.text
+    shared.push(0, [{"clientID": "b", "changes": [[0, "# one", ""], len(disk)]}])
+    shared.is_typed = True
+    one = shared.text
+    shared.resume("# two\n" + disk, [disk])
     assert shared.status["elsewhere"]
     shared.settle("theirs")
     assert shared.text == one
     assert shared.saved == disk  # and not what the other window has had
     assert shared.status["dirty"]
+
+
+def told(client_socket, kind):
+    while (found := json.loads(client_socket.receive_text()))["is"] != kind:
+        pass
+    return found
+
+
+def test_the_window_that_wrote_writes_again_in_whatever_order_they_come_back(client):
+    again = {"do": "open", "file": "pd7.frb", "epoch": "before", "version": 9, "saved": PD7}
+    reader = {**again, "text": "# half\n" + PD7}
+    writer = {**again, "text": "# half\n# typed\n" + PD7, "wrote": True}
+    for order in ((reader, writer), (writer, reader)):
+        with socket_of(client) as one, socket_of(client) as two:
+            for socket, message in zip((one, two), order, strict=True):
+                socket.send_text(json.dumps(message))
+                opened = told(socket, "opened")
+                assert opened["writes"] == (message is writer or message is order[0])
+            if order[0] is reader:
+                assert not told(one, "writer")["writes"]
 
 
 def test_a_long_text_is_merged_at_once():

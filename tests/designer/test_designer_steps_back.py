@@ -66,7 +66,9 @@ def test_steps_outlive_the_server_and_what_has_changed_meanwhile_is_none(page, s
     cursor = page.evaluate("designer.text.view.state.selection.main.head")
     path.write_text(before + "# theirs\n")
     served.start()
+    page.get_by_role("button", name="Keep both").click()
     until(lambda: "# theirs" in text_of(page), "merged with the file")
+    page.locator(".cm-content").focus()
     assert page.evaluate("designer.text.view.state.selection.main.head") == cursor
     back(page, 9)
     until(lambda: text_of(page) == before + "# theirs\n", "the steps of this hand")

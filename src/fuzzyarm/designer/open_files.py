@@ -180,6 +180,14 @@ class OpenFiles:
             if window is not None:
                 await window.tell(self._right(window, name))
 
+    async def _return(self, name: str, writer: Window) -> None:
+        """Let a window write again that did before it was away; it is told when it has the text."""
+        before = self._writers.get(name)
+        self._writers[name] = writer
+        if before not in (None, writer):
+            assert before is not None
+            await before.tell(self._right(before, name))
+
     def _right(self, window: Window, name: str) -> Writer:
         return {"is": "writer", "file": name, "writes": self._writers.get(name) is window}
 
@@ -313,8 +321,10 @@ class OpenFiles:
                 raise
             shared = self.workspace.revived(name, request.text)
         window.files.add(name)
-        writes = self._writers.setdefault(name, window) is window
         before = shared.version
+        if request.wrote and (request.epoch != shared.epoch or request.version == before):
+            await self._return(name, window)  # nobody has typed since it was away, or it is asked
+        writes = self._writers.setdefault(name, window) is window
         if request.epoch == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(request.version)
             if missed is not None:
@@ -330,8 +340,10 @@ class OpenFiles:
                 await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
+        elif request.text is not None and request.wrote:
+            shared.resume(request.text, (request.saved, *request.asked))
         elif request.text is not None:
-            shared.resume(request.text, request.saved, "resumed")
+            shared.remember(request.text, request.saved)
         opened: Opened = {
             "is": "opened",
             "file": name,
@@ -352,6 +364,7 @@ class OpenFiles:
             await window.tell(self._right(window, name))
             return
         if shared.push(version, request.updates):
+            shared.is_typed = True
             await self._changed(name, shared, version)
             return
         missed = shared.since(version)

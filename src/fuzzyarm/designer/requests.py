@@ -39,13 +39,19 @@ class BareMessage:
 
 @dataclass(frozen=True)
 class Open:
-    """A window shows a file; with what it has of it, if it had the file open before."""
+    """A window shows a file; with what it has of it, if it had the file open before.
+
+    `wrote` is whether it wrote the file then, and `asked` are texts that it wanted saved, of which
+    it does not know whether they were.
+    """
 
     file: str
     epoch: str = ""
     version: int = 0
     text: str | None = None
     saved: str = ""
+    wrote: bool = False
+    asked: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -70,6 +70,9 @@ LONGEST_HISTORY = 2_000
 DISK = "disk"
 """Who made a change that came from the file."""
 
+RESUMED = "resumed"
+"""Who made one that came from a window which outlived the server."""
+
 
 class ConflictError(FuzzyarmError, ValueError):
     """The file has changed on disk while something was unsaved, or is not a text any more."""
@@ -119,6 +122,8 @@ class SharedText:
         The text that is on disk, as far as is known.
     is_there : bool
         Whether there is a file.
+    is_typed : bool
+        Whether a window has changed the text since it was opened.
     conflict : Conflict or None
         What somebody else has written while something here was unsaved.
     """
@@ -131,6 +136,7 @@ class SharedText:
         self.stamp: Stamp | None = stamp_of(path)
         self.mark = b""
         self.is_there = text is None
+        self.is_typed = False
         if text is None:
             text = read_text(path)
             with path.open("rb") as file:
@@ -191,14 +197,28 @@ class SharedText:
         if text != self.text:
             self.push(self.version, [{"clientID": who, "changes": difference(self.text, text)}])
 
-    def resume(self, text: str, saved: str, who: str) -> None:
-        """Take the text of a window that outlived the server: merged with what is here."""
-        both = merged(saved, text, self.text)
-        if both is not None:
-            self.replace(both, who)
-        elif text != self.text:
-            self.conflict = Conflict(self.text, on_disk=self.text == self.saved)
-            self.replace(text, who)
+    def resume(self, text: str, known: Sequence[str]) -> None:
+        """Take the text of the window that wrote here before the server was started again.
+
+        Parameters
+        ----------
+        text : str
+            What it has.
+        known : sequence of str
+            What it knows to be saved, and what it has wanted saved since.
+        """
+        if text == known[0]:  # it has nothing of its own
+            text = self.text if self.is_typed else self.saved
+        elif self.is_typed and text != self.text:
+            self.conflict = Conflict(self.text, on_disk=False)
+        elif self.is_there and self.saved not in (text, *known):
+            self.conflict = Conflict(self.saved, both=merged(known[0], text, self.saved))
+        self.replace(text, RESUMED)
+
+    def remember(self, text: str, saved: str) -> None:
+        """Take what a window that only read has, where it is more than anybody else knows."""
+        if self.version == 0 and saved == self.saved:
+            self.replace(text, RESUMED)
 
     # --- The file ---
 

@@ -41,6 +41,8 @@ export class Desk {
     this.apart = false; // whether the file says something else than what was saved, or is gone
     this.dirty = false;
     this.lost = false;
+    this.wants = false; // whether it is to be saved, once the server has the text
+    this.asked = []; // texts that were to be saved, of which it is not known whether they are
     this.writes = true; // as long as no other window does
     this.latest = null; // findings, which come in front of the picture of the same text
     this.working = new Set(); // long works that go on
@@ -51,12 +53,8 @@ export class Desk {
       push: (version, updates) => this.send({ do: "push", version, updates }),
       ask: (question) => this.connection.ask(this.file, question),
       save: () => {
-        if (!this.writes) return true;
-        const trySave = () => {
-          if (!this.text.settled()) setTimeout(trySave, 20);
-          else this.send({ do: "save" });
-        };
-        trySave();
+        this.wants = true;
+        this.trySave();
         return true;
       },
       say: (words) => {
@@ -139,6 +137,7 @@ export class Desk {
         this.writes = message.writes;
         this.back();
         this.text.open(message);
+        this.trySave();
       },
       reopened: (message) => {
         this.saved = message.saved;
@@ -147,6 +146,7 @@ export class Desk {
         this.text.follow(!this.writes);
         this.text.receive(message); // and what was typed meanwhile is sent
         this.mark(this.text.state().text !== this.saved);
+        this.trySave();
       },
       updates: (message) => this.text.receive(message),
       findings: (message) => {
@@ -170,10 +170,13 @@ export class Desk {
         if (!this.writes) this.tellFollowing();
       },
       status: (message) => {
-        this.saved = message.saved ?? this.saved;
+        if (message.saved !== undefined) {
+          this.saved = message.saved;
+          this.asked = [];
+        }
         this.apart = message.gone || message.conflict;
         this.mark(this.apart || this.text.state().text !== this.saved);
-        if (this.writes) this.tellState(message);
+        if (this.writes || message.elsewhere) this.tellState(message);
         else this.tellFollowing();
       },
       failed: (message) => {
@@ -188,6 +191,19 @@ export class Desk {
   isIdle = () => this.text.settled() && !this.dirty && !this.working.size && this.banner.hidden;
 
   focus = (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus();
+
+  /** Save as soon as the server has the text; what is not saved is said. */
+  trySave = () => {
+    if (!this.wants) return;
+    if (this.lost) return void this.link.say(S.savedLater);
+    if (!this.writes) this.tellFollowing(S.notSavedHere);
+    else if (!this.text.settled()) return void setTimeout(this.trySave, 20);
+    else {
+      this.asked.push(this.text.state().text);
+      this.send({ do: "save" });
+    }
+    this.wants = false;
+  };
 
   take = (message) => this.TAKEN[message.is]?.(message);
 
@@ -234,9 +250,10 @@ export class Desk {
   /** Whether the banner only says that the file was read again: it stays while one types. */
   rereadShown = () => this.banner.firstChild?.textContent === S.reread;
 
-  tellFollowing = () => {
+  tellFollowing = (words = this.text.settled() ? S.follows : S.behind) => {
     const write = () => this.send({ do: "write" });
-    this.tell(this.text.settled() ? S.follows : S.behind, el("button", { textContent: S.writeHere, onclick: write }));
+    if (this.banner.firstChild?.textContent !== S.notSavedHere)
+      this.tell(words, el("button", { textContent: S.writeHere, onclick: write }));
   };
 
   mark = (changed) => {
@@ -258,7 +275,9 @@ export class Desk {
   /** Save, and wait until the server has; whether what is here is saved. */
   saveNow = async () => {
     if (!this.dirty) return true;
-    const { error } = (await this.text.sent()) ? await this.connection.save(this.file) : { error: S.gone };
+    const isSent = await this.text.sent();
+    if (isSent) this.asked.push(this.text.state().text);
+    const { error } = isSent ? await this.connection.save(this.file) : { error: S.gone };
     if (error) this.link.say(error);
     return !error;
   };
@@ -275,10 +294,9 @@ export class Desk {
       this.back();
       return;
     }
-    const { epoch, text: now } = this.text.state();
-    this.send(
-      epoch ? { do: "open", epoch, version: this.text.version(), text: now, saved: this.saved } : { do: "open" },
-    );
+    const { epoch, text } = this.text.state();
+    const { saved, asked, writes: wrote } = this;
+    this.send({ do: "open", ...(epoch ? { epoch, version: this.text.version(), text, saved, asked, wrote } : {}) });
   };
 
   back = () => {

@@ -21,6 +21,8 @@ export const S = {
   follows: "Another window writes this file; this one follows it.",
   behind: "Another window writes this file. What was typed here last is not in it.",
   writeHere: "Write here",
+  savedLater: "not saved: the server does not answer; saved when it is back",
+  notSavedHere: "Not saved: another window writes this file; this one follows it.",
   fileGone: "The file is gone from the folder. Save writes it anew.",
   unreadable: (why) => `The file has changed on disk, and is not taken: ${why}.`,
   keepMine: "Keep mine",
