@@ -755,6 +755,7 @@ declare namespace Messages {
     "rename": Naming;
     "delete": OfFile;
     "users": OfFile;
+    "carried": OfFile;
     "findings": OfFile;
     "import": Import;
     "convert": Convert;

@@ -61,6 +61,9 @@ declare namespace Page {
     buttons?(hand: Hand): HTMLElement[];
     begin?(desk: any): void;
     listed?(names: string[]): void;
+    /** Whether this tab writes, and have it do so; without, the server says which window does. */
+    writes?(): boolean;
+    write?(): void;
   }
 
   /** Two numbers: an end and the other, or a place. */

@@ -324,13 +324,23 @@ class Workspace:
 
     def _users(self, request: requests.OfFile) -> dict[str, Any]:
         """Name the controllers that use a file: they would miss it."""
-        use = re.compile(rf'^use\s[^#\n]*"{re.escape(request.file)}"', re.MULTILINE)
         users = []
         for name in self.files():
             with contextlib.suppress(OSError, FuzzyarmError):
-                if use.search(self.session(name).text):
+                if request.file in _used(self.session(name).text):
                     users.append(name)
         return {"users": users}
+
+    def _carried(self, request: requests.OfFile) -> dict[str, Any]:
+        """Return the texts of the files that a file uses, as they are now; shipped ones, too."""
+        names = self.files()
+        texts = {
+            name: self.session(name).text
+            if name in names
+            else shipped(name).read_text(encoding="utf-8")
+            for name in _used(self.session(request.file).text)
+        }
+        return {"texts": texts}
 
     def put(self, name: str, text: str) -> dict[str, Any]:
         """Write what was dropped under a free name near to `name`."""
@@ -385,8 +395,15 @@ _ACTS: Mapping[str, Callable[[Workspace, Any], dict[str, Any]]] = {
     "rename": Workspace._rename,
     "delete": Workspace._delete,
     "users": Workspace._users,
+    "carried": Workspace._carried,
 }
 """What a page may ask of the folder → who answers."""
+
+
+def _used(text: str) -> list[str]:
+    """Return the files that a controller names, with mistakes in its text or not."""
+    lines = re.findall(r"^use\s[^#\n]*", text, re.MULTILINE)
+    return sorted({name for line in lines for name in re.findall(r'"([^"]+)"', line)})
 
 
 def converted_file(name: str, data: bytes) -> dict[str, Any]:

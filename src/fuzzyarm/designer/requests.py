@@ -389,6 +389,7 @@ FOLDER_QUESTIONS: Mapping[str, type] = {
     "rename": Naming,
     "delete": OfFile,
     "users": OfFile,
+    "carried": OfFile,
     "findings": OfFile,
     "import": Import,
     "convert": Convert,

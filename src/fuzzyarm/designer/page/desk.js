@@ -12,6 +12,7 @@ import { TextPane } from "./text.js";
 import { S } from "./strings.js";
 
 const FILES = "files"; // the view of the folder
+const LOOKS = ["list", "findings", "users", "carried"]; // questions about the folder that change nothing in it
 
 /** The desk of a file; `page` is what all desks share, `views` which views it has. */
 export class Desk {
@@ -65,7 +66,8 @@ export class Desk {
         this.store.emit("edited");
       },
       saved: () => this.saved,
-      writes: () => this.writes,
+      writes: () => this.mayWrite(),
+      sends: () => this.writes,
     };
 
     this.text = new TextPane(this.link, this.page.nonce);
@@ -95,7 +97,10 @@ export class Desk {
       askNow: (what, details) => this.text.question(what, details), // of the text as it is typed
       settled: () => this.text.sent(),
       replace: (words) => this.text.replace(words),
-      folder: this.connection.folder,
+      folder: (asked) =>
+        LOOKS.includes(asked.what) || (this.page.writes?.() ?? true)
+          ? this.connection.folder(asked)
+          : Promise.resolve({ error: S.follows }),
       file: () => this.file,
       onDrop: (act) => {
         this.bring = act;
@@ -143,7 +148,7 @@ export class Desk {
         this.saved = message.saved;
         this.writes = message.writes;
         this.back();
-        this.text.follow(!this.writes);
+        this.text.follow(!this.mayWrite());
         this.text.receive(message); // and what was typed meanwhile is sent
         this.mark(this.text.state().text !== this.saved);
         this.trySave();
@@ -164,10 +169,7 @@ export class Desk {
       },
       writer: (message) => {
         this.writes = message.writes;
-        this.text.follow(!this.writes);
-        this.mark(this.dirty);
-        this.tell(""); // the state of the file comes after it
-        if (!this.writes) this.tellFollowing();
+        this.turned(); // the state of the file comes after it
       },
       status: (message) => {
         if (message.saved !== undefined) {
@@ -176,7 +178,7 @@ export class Desk {
         }
         this.apart = message.gone || message.conflict;
         this.mark(this.apart || this.text.state().text !== this.saved);
-        if (this.writes || message.elsewhere) this.tellState(message);
+        if (this.mayWrite() || message.elsewhere) this.tellState(message);
         else this.tellFollowing();
       },
       failed: (message) => {
@@ -193,10 +195,21 @@ export class Desk {
   focus = (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus();
 
   /** Save as soon as the server has the text; what is not saved is said. */
+  /** Whether this window writes the file; in a page that keeps files itself, only one tab does. */
+  mayWrite = () => this.writes && (this.page.writes?.() ?? true);
+
+  /** Another tab writes from now on, or this one. */
+  turned = () => {
+    this.text.follow(!this.mayWrite());
+    this.mark(this.dirty);
+    if (this.mayWrite()) this.tell("");
+    else this.tellFollowing();
+  };
+
   trySave = () => {
     if (!this.wants) return;
     if (this.lost) return void this.link.say(S.savedLater);
-    if (!this.writes) this.tellFollowing(S.notSavedHere);
+    if (!this.mayWrite()) this.tellFollowing(S.notSavedHere);
     else if (!this.text.settled()) return void setTimeout(this.trySave, 20);
     else {
       this.asked.push(this.text.state().text);
@@ -251,15 +264,15 @@ export class Desk {
   rereadShown = () => this.banner.firstChild?.textContent === S.reread;
 
   tellFollowing = (words = this.text.settled() ? S.follows : S.behind) => {
-    const write = () => this.send({ do: "write" });
+    const write = this.page.write ?? (() => this.send({ do: "write" }));
     if (this.banner.firstChild?.textContent !== S.notSavedHere)
       this.tell(words, el("button", { textContent: S.writeHere, onclick: write }));
   };
 
   mark = (changed) => {
     this.dirty = changed;
-    this.saving.disabled = !changed || !this.writes;
-    this.text.revertible(changed && this.writes);
+    this.saving.disabled = !changed || !this.mayWrite();
+    this.text.revertible(changed && this.mayWrite());
     if (!this.lost) this.status.textContent = changed ? S.unsaved : S.saved;
     this.page.marked();
   };

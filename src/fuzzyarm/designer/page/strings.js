@@ -617,12 +617,14 @@ export const S = {
     noWorker: "This browser has no workers, which checking and running need; here are your texts, and nothing is lost.",
     noServer:
       "A browser loads Python from a web server only, not from a file: type  python -m http.server  in this folder, and open the address that it prints.",
+    renamed: (old, now) => `${old} is here already, with another text, and stays: that of the link is now ${now}.`,
     damagedLink: "The link is damaged: the file that it carried cannot be read. Your own files are as they were.",
     notKept: "This browser's storage is full: the text lasts only as long as this page is open. Download it.",
     notLasting: "This browser keeps nothing: download what you want to keep.",
     link: "Link",
     linkHint: "an address that carries this file",
-    linkNote: "Whoever opens this address has the file; it is not sent to a server.",
+    linkNote: (used) =>
+      `Whoever opens this address has the file${used.length ? ` and ${used.join(", ")}, which it uses` : ""}; nothing is sent to a server.`,
     linkTooLong: "The file is too long for an address. Download it, and send it as a file.",
     address: "Address",
     copy: "Copy",

@@ -201,7 +201,7 @@ export class TextPane {
   // --- changes ---
 
   send = () => {
-    if (this.sending || !this.epoch || !this.link.writes()) return;
+    if (this.sending || !this.epoch || !this.link.sends()) return;
     const updates = sendableUpdates(this.view.state);
     if (!updates.length) return;
     this.sending = this.link.push(
@@ -421,7 +421,13 @@ export class TextPane {
       this.link.say(S.follows);
       return;
     }
-    this.view.dispatch({ changes: difference(this.view.state.doc.toString(), words), userEvent: "input.replace" });
+    this.take(words);
+  };
+
+  take = (words) => {
+    const now = this.view.state.doc.toString();
+    if (now === words) return;
+    this.view.dispatch({ changes: difference(now, words), userEvent: "input.replace" });
     this.send();
   };
 }

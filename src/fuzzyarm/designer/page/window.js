@@ -49,6 +49,8 @@ class Whole {
       imports: start.imports,
       gone: around.gone,
       buttons: around.buttons,
+      writes: around.writes,
+      write: around.write,
       unsaved: () => this.unsaved,
       turnTo: this.turnTo,
       listed: this.listed,

@@ -1,7 +1,7 @@
 // The page with its own Python: the designer's views, texts that stay in the browser, links that carry a file.
 
 import { DiagramPane } from "../diagram.js";
-import { fill } from "../dialogs.js";
+import { fill, tellAll } from "../dialogs.js";
 import { clean, el } from "../draw.js";
 import { FILES } from "../files.js";
 import { DESIGN } from "../frame.js";
@@ -12,6 +12,7 @@ import { expose, openWindow } from "../window.js";
 import { Kept } from "./kept.js";
 import { carriedBy, fragmentOf } from "./link.js";
 import { pythonLine, canRunPython } from "./python_line.js";
+import { Tabs } from "./tabs.js";
 
 const VIEWS = [{ ...DESIGN, panes: [...DESIGN.panes, DiagramPane] }, RUN, TABLE, FILES];
 const LATER = 250; // ms after the last letter until a text is kept
@@ -20,30 +21,36 @@ const P = S.playground;
 const start = JSON.parse(document.getElementById("start").textContent);
 const kept = new Kept();
 kept.begin(start.texts);
+const desks = new Set(); // all that there are
+const tabs = new Tabs({
+  flush: () => desks.forEach((desk) => desk.keep()),
+  turned: () => desks.forEach((desk) => desk.turned()),
+  load: () => location.reload(),
+});
 
-/** Take the file of the address; what is wrong with it is said, and nothing is lost. */
+/** Take the files of the address; what is to be said of them, and nothing is lost. */
 async function arrived() {
   let carried;
   try {
     carried = await carriedBy(location.hash);
   } catch {
     history.replaceState(null, "", location.pathname);
-    return P.damagedLink;
+    return [P.damagedLink];
   }
-  if (!carried) return "";
-  const named = /^[^/\\]{1,80}\.(frb|lut)$/i.test(carried.file) ? carried.file : "linked.frb";
-  const name = kept.free(named, carried.text);
-  const isKept = kept.put(name, carried.text);
+  if (!carried) return [];
+  const { name, renamed, isKept } = kept.bring(carried);
   history.replaceState(null, "", `#${new URLSearchParams({ file: name })}`);
-  return isKept ? "" : P.notKept;
+  return [...renamed.map(([old, now]) => P.renamed(old, now)), ...(isKept ? [] : [P.notKept])];
 }
 
-/** What a button of the desk does: the address with the file in it, to be copied. */
+/** What a button of the desk does: the address with the file in it and those that it uses, to be copied. */
 async function share(hand) {
-  const fragment = await fragmentOf(hand.file(), hand.text());
+  const { texts, error } = await hand.folder({ what: "carried", file: hand.file() });
+  if (error) return tellAll(P.link, [error]);
+  const fragment = await fragmentOf({ [hand.file()]: hand.text(), ...texts });
   const address = `${location.href.replace(/#.*/, "")}${fragment}`;
-  const note = fragment ? P.linkNote : P.linkTooLong;
-  await fill(P.link, fragment ? [{ name: "address", label: P.address, value: address }] : [], P.copy, copy, note);
+  const note = fragment ? P.linkNote(Object.keys(texts)) : P.linkTooLong;
+  return fill(P.link, fragment ? [{ name: "address", label: P.address, value: address }] : [], P.copy, copy, note);
 
   async function copy() {
     if (!fragment) return {};
@@ -63,24 +70,25 @@ function download(hand) {
   setTimeout(() => URL.revokeObjectURL(href), 1000);
 }
 
-/** Keep what is typed, a moment after it is. */
+/** Keep what is typed, a moment after it is; where another tab writes, show what that one keeps. */
 function keeping(desk) {
   let later = 0;
-  const keep = () => {
-    if (!desk.file || !desk.text.state().epoch) return;
-    if (!kept.put(desk.file, desk.text.state().text)) desk.link.say(P.notKept);
-  };
   const soon = () => {
     clearTimeout(later);
-    later = setTimeout(keep, LATER);
+    later = setTimeout(desk.keep, LATER);
+  };
+  desk.keep = () => {
+    clearTimeout(later);
+    if (!desk.file || !desk.text.state().epoch) return;
+    const text = desk.text.state().text;
+    if (!tabs.writes) desk.text.take(kept.get(desk.file) ?? text);
+    else if (!kept.put(desk.file, text)) desk.link.say(P.notKept);
   };
   desk.store.on("edited", soon);
   desk.store.on("closed", () => clearTimeout(later));
-  window.addEventListener("pagehide", keep);
 }
 
-function open(words) {
-  const desks = new Set(); // all that have been made
+function open() {
   let state = P.loading; // what is said until Python is there; then empty
   const say = (now) => {
     state = now;
@@ -103,6 +111,7 @@ function open(words) {
     ],
     begin: (desk) => {
       desks.add(desk);
+      desk.store.on("closed", () => desks.delete(desk));
       const text = kept.get(desk.file);
       if (state) {
         // The text is there before Python is, which then takes it as that of a page which has lost its server.
@@ -113,11 +122,12 @@ function open(words) {
       keeping(desk);
     },
     listed: (names) => {
-      for (const name of kept.names()) if (!names.includes(name)) kept.remove(name);
+      if (tabs.writes) kept.offer(names);
     },
+    writes: () => tabs.writes,
+    write: () => tabs.take(),
   });
   expose(whole);
-  if (words) whole.shown.link.say(words);
 }
 
 function firstOf(names) {
@@ -130,9 +140,20 @@ function standing(words) {
   document.body.append(el("main", { class: "standing" }, el("p", { role: "alert" }, words), ...texts.flat()));
 }
 
-arrived().then((words) => {
+window.addEventListener("pagehide", () => desks.forEach((desk) => desk.keep()));
+window.addEventListener("storage", () => {
+  tabs.stored();
+  if (!tabs.writes) desks.forEach((desk) => desk.keep());
+});
+
+async function main() {
+  if (kept.lasting) await tabs.begin();
+  const words = await arrived();
   const why = canRunPython();
   if (why) standing(why);
-  else open(words);
-  if (!kept.lasting) window.designer?.desks.forEach((desk) => desk.link.say(P.notLasting));
-});
+  else open();
+  if (words.length) await tellAll(P.link, words);
+  if (!kept.lasting) desks.forEach((desk) => desk.link.say(P.notLasting));
+}
+
+main();

@@ -39,6 +39,7 @@ export class Kept {
     this.store = store();
     /** Whether they outlast the page. */
     this.lasting = !(this.store instanceof Passing);
+    this.begun = new Set(); // names that this page has offered
   }
 
   /** Put files there for somebody who has not been here before. */
@@ -73,6 +74,33 @@ export class Kept {
 
   remove(name) {
     this.store.removeItem(PREFIX + name);
+  }
+
+  /** Forget the texts that this page has offered and does not offer any more; those of another tab stay. */
+  offer(names) {
+    for (const name of this.begun) if (!names.includes(name)) this.remove(name);
+    this.begun = new Set(names);
+  }
+
+  /**
+   * Take files that belong together, of which the first uses the others. No text is replaced: where a name has another
+   * text, the file gets a free name, and its users name that.
+   *
+   * @param {Record<string, string>} files
+   * @returns {{ name: string, renamed: Array<[string, string]>, isKept: boolean }}
+   */
+  bring(files) {
+    const [first, ...others] = Object.keys(files);
+    const names = new Map();
+    const put = (name, text) => {
+      names.set(name, this.free(name, text));
+      return this.put(names.get(name), text);
+    };
+    let isKept = true;
+    for (const name of others) isKept = put(name, files[name]) && isKept;
+    const named = (line) => line.replace(/"([^"]*)"/g, (all, name) => (names.has(name) ? `"${names.get(name)}"` : all));
+    isKept = put(first, files[first].replace(/^use\s[^#\n]*/gm, named)) && isKept;
+    return { name: names.get(first), renamed: [...names].filter(([old, now]) => old !== now), isKept };
   }
 
   all() {

@@ -1,4 +1,4 @@
-// A file in an address: `#file=NAME&text=…`, deflated (RFC 1950: its sum tells whether it is whole) and in base 64 (RFC
+// Files in an address, the one that is shown and those that it uses: `#files=…`, as JSON, deflated (RFC 1950: its sum tells whether it is whole) and in base 64 (RFC
 // 4648, section 5). What stands behind # is never sent to a server.
 
 const LARGEST = 60_000; // characters of an address that programs pass on
@@ -17,22 +17,27 @@ function base64(bytes) {
 const bytesOf = (text) =>
   Uint8Array.from(atob(text.replace(/-/g, "+").replace(/_/g, "/")), (each) => each.charCodeAt(0));
 
-/** The fragment that carries a file; empty where it would be too long for an address. */
-export async function fragmentOf(file, text) {
-  const packed = base64(await through(new CompressionStream("deflate"), new TextEncoder().encode(text)));
-  const found = new URLSearchParams({ file, text: packed }).toString();
-  return found.length > LARGEST ? "" : `#${found}`;
+/** The fragment that carries files; empty where it would be too long for an address. */
+export async function fragmentOf(files) {
+  const packed = base64(
+    await through(new CompressionStream("deflate"), new TextEncoder().encode(JSON.stringify(files))),
+  );
+  return packed.length > LARGEST ? "" : `#files=${packed}`;
 }
 
+const isName = (name) => /^[^/\\"]{1,80}\.(frb|lut)$/i.test(name);
+
 /**
- * The file that a fragment carries; null where it carries none.
+ * The files that a fragment carries; null where it carries none.
  *
- * @returns {Promise<{ file: string, text: string } | null>}
+ * @returns {Promise<Record<string, string> | null>}
  */
 export async function carriedBy(fragment) {
-  const said = new URLSearchParams(fragment.replace(/^#/, ""));
-  const packed = said.get("text");
+  const packed = new URLSearchParams(fragment.replace(/^#/, "")).get("files");
   if (packed === null) return null;
   const bytes = await through(new DecompressionStream("deflate"), bytesOf(packed));
-  return { file: said.get("file") ?? "", text: new TextDecoder("utf-8", { fatal: true }).decode(bytes) };
+  const files = Object.entries(JSON.parse(new TextDecoder("utf-8", { fatal: true }).decode(bytes)));
+  const isWhole = files.length && files.every(([name, text]) => isName(name) && typeof text === "string");
+  if (!isWhole) throw new Error("not files");
+  return Object.fromEntries(files);
 }
