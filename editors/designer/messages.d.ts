@@ -208,11 +208,12 @@ declare namespace Messages {
     values: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
-  /** A new file of a kind; a controller around a rule base. */
+  /** A new file of a kind, or of an example; a controller around a rule base. */
   interface NewFile {
     name: string;
     kind: string;
     around?: string;
+    method?: "mamdani" | "sugeno";
   }
 
   /** A file, and the name of its copy or its own new one. */
@@ -347,6 +348,11 @@ declare namespace Messages {
     replace?: boolean;
   }
 
+  /** What the user does to a sweep: end it, with the runs that are made. */
+  interface SweepWord {
+    enough?: boolean;
+  }
+
   interface Opened {
     is: "opened";
     file: string;
@@ -395,6 +401,7 @@ declare namespace Messages {
     version: number | null;
     summary: string;
     findings: Array<Finding>;
+    more: number;
     colours: Array<Array<any>>;
   }
 
@@ -786,6 +793,7 @@ declare namespace Messages {
     "learn": LearnWord;
     "tune": TuneWord;
     "fit": FitWord;
+    "sweep": SweepWord;
   }
 
   type Heard =

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
+import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, distribution, requires
 from importlib.util import find_spec
@@ -29,6 +31,21 @@ def installing(extra: str) -> str:
         folder = "." if clone == Path.cwd() else clone
         return " ".join([*words, *["-e"] * editable, f'"{folder}[{extra}]"'])
     return " ".join([*words, *(f'"{need}"' for need in _requirements(extra))])
+
+
+def install(extra: str) -> str:
+    """Install what an extra asks for into the Python that runs; return what went wrong, or ''."""
+    pip = _pip()
+    by = [*shlex.split(UV), "install", "--python", sys.executable]
+    words = by if pip == UV else [sys.executable, "-m", "pip", "install", "--quiet"]
+    try:
+        done = subprocess.run(
+            [*words, *_requirements(extra)], capture_output=True, text=True, check=False
+        )
+    except OSError as error:
+        return str(error)
+    lines = done.stderr.strip().splitlines() or ["it failed"]
+    return lines[-1] if done.returncode else ""
 
 
 def _clone() -> tuple[Path | None, bool]:

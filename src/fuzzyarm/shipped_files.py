@@ -35,9 +35,22 @@ def shipped_folder() -> Path:
     return inside if inside.is_dir() else here.parents[1] / "rulebases"
 
 
+OF_THE_STUDY = "as-described"
+"""Folder of the variants that follow the study's text where its figures say something else."""
+
+EXAMPLES = ("fan.frb", "tipper.frb", "heater.frb", "servo.frb", "pd7.frb", "pd-motor.frb")
+"""Shipped files to begin with, the simplest first."""
+
+
+def _shipped_files() -> dict[str, Path]:
+    folder = shipped_folder()
+    paths = [*folder.iterdir(), *(folder / OF_THE_STUDY).iterdir()]
+    return {path.name: path for path in paths if path.suffix in (".frb", ".lut")}
+
+
 def shipped_names() -> list[str]:
     """Return the names of the shipped files, sorted."""
-    return sorted(p.name for p in shipped_folder().iterdir() if p.suffix in (".frb", ".lut"))
+    return sorted(_shipped_files())
 
 
 def shipped(name: str) -> Path:
@@ -53,8 +66,8 @@ def shipped(name: str) -> Path:
     NotShippedError
         If there is none; with the nearest name.
     """
-    path = shipped_folder() / demand_text("shipped", name, "name")
-    if Path(name).name != name or not path.is_file():
+    path = _shipped_files().get(demand_text("shipped", name, "name"))
+    if path is None:
         raise NotShippedError(name, shipped_names())
     return path
 

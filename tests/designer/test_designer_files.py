@@ -26,7 +26,7 @@ from fuzzyarm.designer.tables import cell_place, error_map, table_error, table_p
 from fuzzyarm.inference import infer
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.proof.tables import cell_errors
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.shipped_files import shipped, shipped_folder
 from fuzzyarm.table import compile_table, read_table, write_table
 from fuzzyarm.text.files import confined
 from fuzzyarm.text.folders import CONTROLLER_EXPORTS
@@ -541,6 +541,38 @@ def test_new_files_of_every_purpose_are_those_of_the_command(tmp_path):
     answer = workspace.answer(asked)
     assert "has mistakes" in answer["error"]
     assert "error" in workspace.answer({"what": "new", "name": "c", "kind": "nonsense"})
+
+
+def test_a_new_file_concludes_sets_or_values_as_the_command_does(tmp_path):
+    workspace = Workspace(tmp_path / "class")
+    workspace.answer({"what": "new", "name": "s", "kind": "pd", "method": "sugeno"})
+    assert main(["new", str(tmp_path / "s"), "--kind", "pd", "--sugeno"]) == 0
+    written = (tmp_path / "s.frb").read_text()
+    assert (tmp_path / "class" / "s.frb").read_text() == written
+    assert "defuzzifier weighted-average" in written
+    assert main(["new", str(tmp_path / "c"), "--kind", "controller", "--sugeno"]) == 1
+
+
+def test_examples_come_with_what_they_use_and_replace_nothing(tmp_path):
+    for name, words in Workspace(tmp_path).answer({"what": "list"})["examples"].items():
+        folder = tmp_path / f"of {name}"
+        answer = Workspace(folder).answer({"what": "new", "name": f"my-{name}", "kind": name})
+        assert answer["open"] == f"my-{name}"
+        assert words
+        made = {path.name: path.read_text() for path in folder.iterdir()}
+        assert made.pop(f"my-{name}") == shipped(name).read_text()
+        assert all(text == shipped(used).read_text() for used, text in made.items())
+        assert main(["check", *map(str, folder.iterdir())]) == 0
+    (tmp_path / "pd7.frb").write_text("# mine\n")
+    Workspace(tmp_path).answer({"what": "new", "name": "servo", "kind": "servo.frb"})
+    assert (tmp_path / "pd7.frb").read_text() == "# mine\n"
+
+
+def test_the_shipped_folder_opens_its_plain_rule_base():
+    workspace = Workspace(shipped_folder())
+    assert workspace.first() == "pd7.frb"
+    assert not [name for name in workspace.files() if "as-described" in name]
+    assert fuzzyarm.load(shipped("stfc-as-described.frb"))
 
 
 def test_foreign_rule_bases_are_offered_and_nothing_else(tmp_path):

@@ -157,7 +157,7 @@ def test_an_empty_folder_invites_and_has_nothing_that_goes_nowhere(page, serve):
     assert page.locator(".cm-content").count() == 0
     assert page.locator("#status").inner_text() == ""
     assert page.get_by_role("button", name="Save").count() == 0
-    starts = page.locator(".starts button").all_inner_texts()
+    starts = page.locator(".starts").first.locator("button").all_inner_texts()
     assert [each.splitlines()[0] for each in starts] == [
         "Blank", "Two inputs, PD", "Two inputs, PI", "One input", "Controller",
     ]  # fmt: skip

@@ -151,7 +151,7 @@ def test_a_restart_that_cannot_be_marks_its_field_and_the_note_stays(page, serve
     page.get_by_role("tab", name="Run").click()
     form = page.locator(".run-form")
     until(lambda: form.locator("select").nth(1).input_value(), "the plants")
-    field = form.get_by_label("For", exact=True).element_handle()  # its label will say more
+    field = form.get_by_label("Duration", exact=True).element_handle()  # its label will say more
     field.fill("200ms")
     form.get_by_label("Speed").select_option("")
     form.get_by_role("button", name="Start").click()

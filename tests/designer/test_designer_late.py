@@ -4,7 +4,7 @@ import json
 import shutil
 
 import pytest
-from test_designer_page import put, pytestmark, until  # noqa: F401
+from test_designer_page import further, put, pytestmark, until  # noqa: F401
 
 from fuzzyarm.shipped_files import shipped
 
@@ -62,7 +62,7 @@ def button(page, view):
 def test_nothing_is_begun_before_it_is_known_what_may_be_asked(page, slow):
     slow.holds = True
     for view in FORMS:
-        page.get_by_role("tab", name=view, exact=True).click()
+        further(page, view)
         assert button(page, view).is_disabled(), view
         assert page.locator(f"#view-{view.lower()}").get_by_text("working …").is_visible(), view
         for name in ("One pass", "Stop"):
@@ -74,14 +74,14 @@ def test_nothing_is_begun_before_it_is_known_what_may_be_asked(page, slow):
     assert button(page, "Prove").is_disabled()
     slow.release()
     for view in ("Sweep", "Learn", "Tune", "Prove"):
-        page.get_by_role("tab", name=view, exact=True).click()
+        further(page, view)
         until(button(page, view).is_enabled, view)
     assert page.get_by_label("Certificate").is_visible()
 
 
 def test_what_was_asked_for_when_the_line_went_is_asked_again(page, slow):
     slow.holds = True
-    page.get_by_role("tab", name="Sweep").click()
+    further(page, "Sweep")
     slow.wait('"gains"')
     page.evaluate("designer.drop()")
     sweep = page.locator("#view-sweep")
@@ -89,7 +89,7 @@ def test_what_was_asked_for_when_the_line_went_is_asked_again(page, slow):
     slow.held.clear()
     slow.holds = False
     until(button(page, "Sweep").is_enabled, "it is asked again")
-    page.get_by_role("tab", name="Compare").click()
+    further(page, "Compare")
     compare = page.locator("#view-compare")
     compare.get_by_text("Choose the file").wait_for()
 
@@ -110,7 +110,7 @@ def test_of_two_comparisons_the_last_is_shown(page, slow):
     shutil.copy(shipped("roompi.frb"), slow.folder)
     shutil.copy(slow.folder / "pd7.frb", slow.folder / "same.frb")
     page.locator("header select").select_option("pd7.frb")
-    page.get_by_role("tab", name="Compare").click()
+    further(page, "Compare")
     compare = page.locator("#view-compare")
     other = compare.get_by_label("with")
     until(lambda: other.locator("option[value='same.frb']").count(), "the files")

@@ -7,7 +7,7 @@ import pytest
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 from tests.designer.test_designer_learning import SINE, SOC
-from tests.designer.test_designer_page import pytestmark, text_of, until  # noqa: F401
+from tests.designer.test_designer_page import further, pytestmark, text_of, until  # noqa: F401
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def view(browser, served):
         page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
         page.goto(f"{served.address}#file={name}")
         until(lambda: "no findings" in page.locator(".findings").text_content(), "findings")
-        page.get_by_role("tab", name=to).click()
+        further(page, to)
         return page, page.locator(f"#view-{to.lower()}")
 
     yield turn
@@ -37,7 +37,7 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):
     before = shipped("heater.frb").read_text()
     page, tune = view("heater.frb", before, "Tune")
     tune.get_by_text("G_e, G_ce, G_du").wait_for()
-    for name, value in (("Reference", "temperature=step:20"), ("For", "900s"),
+    for name, value in (("Reference", "temperature=step:20"), ("Duration", "900s"),
                         ("Evals", "90000"), ("Unseen", "2")):  # fmt: skip
         tune.get_by_label(name, exact=True).fill(value)
     tune.get_by_role("button", name="Start").click()

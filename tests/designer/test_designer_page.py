@@ -85,6 +85,14 @@ def put(served, name, text=None):
     return path, f"{served.address}#file={name}"
 
 
+def further(page, view):
+    """Turn to a view, which may be behind More."""
+    tab = page.get_by_role("tab", name=view, exact=True)
+    if not tab.count():
+        page.locator("header .more:visible summary").click()
+    tab.click()
+
+
 def text_of(page):
     return page.evaluate("designer.text.view.state.doc.toString()")
 
@@ -163,7 +171,7 @@ def test_the_keyboard_goes_from_pane_to_pane_and_fields_keep_their_steps_back(se
         assert page.evaluate(pane) == f"pane {name}"
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# typed\n")
-    page.get_by_role("tab", name="Tune").click()
+    further(page, "Tune")
     lines = page.locator("#view-tune textarea")
     lines.fill("move e ZE")
     lines.press("Control+z")
@@ -564,6 +572,54 @@ def test_what_is_saved_while_the_server_is_away_is_saved_when_it_is_back(served,
     other.get_by_text("Not saved: another window writes this file").wait_for()
 
 
+def test_what_is_said_moves_nothing_and_tabs_say_what_is_at_work(served, window):
+    _, address = put(served, "still.frb")
+    page, other = window(address), window(address)
+    panes = "[...document.querySelectorAll('.pane')].map((e) => e.getBoundingClientRect().y)"
+    other.get_by_text("this one follows").wait_for()
+    assert other.evaluate(panes) == page.evaluate(panes)
+    page.evaluate("designer.text.link.say('a long sentence '.repeat(30))")
+    assert other.evaluate(panes) == page.evaluate(panes)
+    page.evaluate("designer.store.work('tune', true)")
+    assert page.locator(".more summary").inner_text() == "More …"
+    page.evaluate("designer.store.work('run', true)")
+    page.get_by_role("tab", name="Run …").wait_for()
+    further(page, "Tune …")
+    assert page.locator(".more summary").inner_text() == "More: Tune …"
+    assert not page.get_by_role("tab", name="Prove").is_visible()
+    (served.folder / "still.lut").write_text(shipped("thesis-6.1.lut").read_text())
+    page.goto(f"{served.address}#file=still.lut")
+    until(lambda: page.title().startswith("still.lut"), "the table")
+    page.get_by_role("tab", name="Run").evaluate("tab => tab.click()")
+    page.locator("#status").get_by_text("A table neither runs nor learns by itself").wait_for()
+
+
+def test_sliders_stay_wide_and_a_tap_on_a_tab_shows_its_view(served, window):
+    (served.folder / "pd7.frb").write_text(shipped("pd7.frb").read_text())
+    page = window(put(served, "sliders.frb")[1])
+    width = "[...document.querySelectorAll('input[type=range]')].map((e) => e.clientWidth)"
+    (served.folder / "servo.frb").write_text(shipped("servo.frb").read_text())
+    page.set_viewport_size({"width": 960, "height": 768})
+    assert all(each >= 80 for each in page.evaluate(width) if each)
+    page.goto(f"{served.address}#file=servo.frb")
+    until(lambda: page.title().startswith("servo.frb"), "the controller")
+    page.get_by_role("tab", name="Run").click()
+    start = page.locator(".run-form").get_by_role("button", name="Start")
+    until(start.is_enabled, "the plants")
+    start.click()
+    page.locator(".gain input[type=range]").first.wait_for()
+    for wide in (960, 1024, 1280):
+        page.set_viewport_size({"width": wide, "height": 768})
+        found = page.locator(".gain input[type=range]").first.bounding_box()["width"]
+        assert found >= 80, wide
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_role("tab", name="Design").click()
+    page.get_by_role("tab", name="Run").click()
+    form = page.locator(".run-form")
+    until(lambda: 0 <= form.bounding_box()["y"] < 400, "the view is in sight")
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+
 def test_the_page_outlives_the_server(served, window):
     path, address = put(served, "restart.frb")
     page = window(address)
@@ -642,7 +698,7 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     assert value_at(page, 1.0, 0.0) == fuzzyarm.infer(fuzzyarm.load(dropped), e=1.0, ce=0.0)["u"]
     assert "# mine" not in path.read_text()
 
-    page.get_by_role("tab", name="Compare").click()
+    further(page, "Compare")
     page.locator(".compare .bar select").first.select_option("base.frb")
     page.get_by_text("Largest difference here").wait_for()
     assert page.locator(".differing li.changed").count() >= 1

@@ -13,6 +13,7 @@ from crane import write_crane
 from fuzzyarm.controller import find_controller
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_gain
 from fuzzyarm.loop import Options, Sensor, Signal, simulate
+from fuzzyarm.loop.run import ClosedLoop
 from fuzzyarm.plant import find_plant
 from fuzzyarm.shipped_files import shipped
 
@@ -147,6 +148,24 @@ def open_page(client):
 
 
 FAST = {"plant": "motor", "reference": ["position=step:1"], "duration": "500ms", "speed": None}
+
+
+def test_metrics_follow_a_run_however_long_the_first_took(open_page, monkeypatch):
+    whole, seen = ClosedLoop.answer, []
+
+    def answer(self, run):
+        if not seen:
+            time.sleep(0.3)  # modules are loaded
+        seen.append(run.next)
+        return whole(self, run)
+
+    monkeypatch.setattr(ClosedLoop, "answer", answer)
+    page = open_page("servo.frb")
+    page.start("run", **{**FAST, "duration": "3s", "speed": 1})
+    told = [each["at"] for each in page.until("over") if each.get("news") == "metrics"]
+    assert len([at for at in told if 0.1 < at < 2.9]) > 1
+    assert told[-1] == 3.0
+    assert page.stop()["end"] == "stopped"
 
 
 def test_a_page_runs_what_simulate_runs(open_page, folder):

@@ -167,7 +167,7 @@ def test_a_rule_base_alone_says_what_to_do_and_a_click_does_it(served, browser):
     until(lambda: page.title().startswith("tipper-controller.frb"), "it is shown")
     until(lambda: 'use tipper from "tipper.frb"' in text_of(page), "around the rule base")
     until(lambda: page.locator(".run-form select").nth(1).input_value() == "motor", "the plant")
-    assert page.locator(".run").get_by_label("For", exact=True).input_value() == "2s"
+    assert page.locator(".run").get_by_label("Duration", exact=True).input_value() == "2s"
     context.close()
 
 

@@ -349,6 +349,17 @@ def test_a_long_text_is_merged_at_once():
     assert merged(base, mine, theirs) == f"# mine\n{base}# theirs\n"
 
 
+def test_of_many_findings_the_first_are_told_with_their_number(tmp_path):
+    path = tmp_path / "many.frb"
+    begin = "rulebase many\ninput x 0 .. 1\noutput y 0 .. 1\nterms x, y: triangles A B\n"
+    path.write_text(begin + "rule if x is A then y is Z\n" * 403)
+    shared = SharedText(path)
+    told = shared.findings(shared.session)
+    assert len(told["findings"]) == 200
+    assert told["findings"][0]["range"][0][0] == 4
+    assert told["more"] == 203
+
+
 def test_a_question_that_is_not_understood_is_answered(shared):
     for asked in ({}, {"what": "hover"}, {"what": "shapes", "shapes": [{}]}, {"what": "cell"},
                   {"what": "cell", "cell": [1, 1], "term": "<b>"}, {"what": "complete", "at": "x"},

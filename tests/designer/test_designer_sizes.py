@@ -6,7 +6,7 @@ import subprocess
 import pytest
 from budget import part
 from needs import requires
-from test_designer_page import Served, put, until
+from test_designer_page import Served, further, put, until
 
 from fuzzyarm.designer.assets import asset
 from fuzzyarm.designer.mailed_page import page_of
@@ -82,7 +82,7 @@ def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, w
     for view in VIEWS:
         page = pages[FILES.get(view, "pd7.frb")]
         page.bring_to_front()
-        page.get_by_role("tab", name=view).click()
+        further(page, view)
         page.wait_for_timeout(500)
         assert page.evaluate("document.documentElement.scrollWidth") <= width, view
         assert page.evaluate(CUT) == [], view

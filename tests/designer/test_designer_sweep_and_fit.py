@@ -1,6 +1,7 @@
 """The views Sweep and Fit without a browser: runs and models are those of the commands."""
 
 import csv
+import json
 import random
 import shutil
 
@@ -115,14 +116,32 @@ def test_what_does_not_run_is_not_swept(page, file, words):
     assert words in page.message("sweepable", file)
 
 
-def test_a_sweep_that_is_stopped_tells_no_result(page):
-    heard = page.do("sweep", "servo.frb", lambda _news: "close", random="400", duration="2s")
-    assert heard[-1]["end"] in ("stopped", "done")
-    if heard[-1]["end"] == "stopped":
-        assert not [news for news in heard if "lines" in news]
+def test_a_sweep_that_is_ended_keeps_its_runs(page):
+    ended = []
+
+    def end(news):
+        if "doing" in news and not ended:
+            ended.append(True)
+            return {"enough": True}
+        return None
+
+    heard = page.do("sweep", "servo.frb", end, random="3000", duration="1s")
+    lines = result(heard)["lines"]
+    assert lines[-1].startswith("stopped after ")
+    assert lines[-1].endswith(" of 3,000 runs")
+    assert heard[-1]["end"] == "done"
 
 
 # --- Fit ---
+
+
+def test_a_fit_begins_with_what_is_open_and_names_no_folder(page):
+    facts = page.do("fittable", "tipper.frb")[0]
+    assert facts["models"][0] == "tipper.frb"
+    assert "servo.frb" not in facts["models"]  # a controller is not sampled
+    heard = page.do("fit", "tipper.frb", lambda news: "close" if "name" in news else None,
+                    data="tipper.frb", rules="4")  # fmt: skip
+    assert str(page.folder) not in json.dumps(heard)
 
 
 def test_a_model_is_that_of_the_command_and_is_saved(page, monkeypatch, capsys):

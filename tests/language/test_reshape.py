@@ -1,5 +1,7 @@
 """Edits of the text by hand: terms added, removed and renamed, ranges, rules."""
 
+import re
+
 import pytest
 
 from fuzzyarm.language.queries import (
@@ -10,6 +12,7 @@ from fuzzyarm.language.queries import (
     read,
     remove_term,
     rename_term,
+    set_cell,
     set_rule,
     set_shapes,
     set_variable_range,
@@ -136,3 +139,65 @@ def test_a_sum_and_a_formula_are_written_as_the_text_has_them():
     assert "term u B: linear 3*'c e' - 1\n" in after
     with pytest.raises(ReshapeError, match="a sum of 2 inputs has 3 numbers, not 2"):
         set_shapes(read(SUMS), [("u", "B", Shape("linear", (3.0, -1.0)))])
+
+
+GRID = """\
+rulebase g
+input e 0 .. 1
+input ce 0 .. 1
+output u 0 .. 1
+terms e: triangles N P
+terms ce: triangles A B C
+terms u: triangles LO HI
+rules u
+  e \\ ce  A   B       C   # LO, as it was
+  N       LO  HI*0.5  LO
+  P       HI  .       HI
+"""
+
+
+def columns(text):
+    lines = text[text.index("rules u") :].splitlines()[1:]
+    return [[word.start() for word in re.finditer(r"\S+", line.split("#")[0])] for line in lines]
+
+
+def test_columns_stay_below_each_other_after_a_rename_and_a_choice():
+    for name in ("VERY_LOW", "'dead slow'", "L"):
+        text = apply_edits(GRID, rename_term(read(GRID), "u", "LO", name))
+        header, first, second = columns(text.replace("dead slow", "dead_slow"))
+        assert header[-3:] == first[-3:] == second[-3:], text
+        assert "# LO, as it was" in text
+    text = apply_edits(GRID, set_cell(read(GRID), 10, 11, "HI"))
+    assert columns(text) == columns(GRID)
+    long = GRID.replace("LO HI\n", "LO ENORMOUS\n").replace("HI*0.5", "LO*0.5").replace("HI", "LO")
+    header, first, second = columns(apply_edits(long, set_cell(read(long), 10, 11, "ENORMOUS")))
+    assert header[-3:] == first[-3:] == second[-3:]
+    assert read(apply_edits(long, set_cell(read(long), 10, 11, "ENORMOUS"))).parsed.rulebase
+
+
+SPEED = """\
+rulebase f
+input 'fan speed' 0 .. 1
+output y 0 .. 1
+terms 'fan speed': triangles 'dead slow' low
+terms y: triangles A B
+rule if 'fan speed' is low then y is B
+"""
+
+
+@pytest.mark.parametrize(
+    ("typed", "written"),
+    [
+        ("if fan speed is dead slow then y is A", "if 'fan speed' is 'dead slow' then y is A"),
+        ("if 'fan speed' is dead slow then y is A", "if 'fan speed' is 'dead slow' then y is A"),
+        ("if fan speed is low then y is A", "if 'fan speed' is low then y is A"),
+    ],
+)
+def test_a_rule_is_taken_as_a_page_prints_it(typed, written):
+    assert f"rule {written}\n" in apply_edits(SPEED, set_rule(read(SPEED), None, typed))
+    assert f"rule {written}\n" in apply_edits(SPEED, set_rule(read(SPEED), 6, typed))
+
+
+def test_a_rule_with_a_mistake_says_what_is_wrong_with_what_was_typed():
+    with pytest.raises(ReshapeError, match="'fun'"):
+        set_rule(read(SPEED), None, "if fun is dead slow then y is A")

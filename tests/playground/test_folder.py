@@ -8,6 +8,7 @@ import zipfile
 
 import pytest
 
+from fuzzyarm.cli import playground as command
 from fuzzyarm.cli.main import main
 from fuzzyarm.playground import folder as written
 from fuzzyarm.playground import memory
@@ -90,6 +91,30 @@ def test_files_of_ones_own_are_what_a_visitor_finds(tmp_path, pyodide, capsys, m
     page = (tmp_path / "site/index.html").read_text(encoding="utf-8")
     assert "mine.frb" in page
     assert page.count("</script>") == 2
+
+
+def test_the_compiler_is_asked_for_and_installed(tmp_path, pyodide, capsys, monkeypatch):
+    words = ["playground", "-o", str(tmp_path / "site"), "--pyodide", str(pyodide)]
+    installed, asked = [], []
+    monkeypatch.setattr(written, "wasm_kernels", lambda: b"wasm" if installed else None)
+    monkeypatch.setattr(command, "find_spec", lambda name: None)
+    monkeypatch.setattr(command, "install", lambda extra: installed.append(extra) or "")
+    assert main(words) == 0  # nobody is there to be asked
+    assert "without machine code" in capsys.readouterr().err
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", lambda text: asked.append(text) or "n")
+    assert main(words) == 0
+    assert installed == []
+    monkeypatch.setattr("builtins.input", lambda text: asked.append(text) or "y")
+    assert main(words) == 0
+    assert (len(asked), installed) == (2, ["platforms"])
+    assert '"kernels":true' in (tmp_path / "site/index.html").read_text(encoding="utf-8")
+    assert main([*words, "--install"]) == 0
+    assert (len(asked), len(installed)) == (2, 2)
+    monkeypatch.setattr(command, "install", lambda extra: "no network")
+    assert main([*words, "--install"]) == 1
+    assert "ziglang is not installed: no network" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

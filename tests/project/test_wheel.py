@@ -62,8 +62,8 @@ def test_the_demo_runs_from_the_wheel(installed, tmp_path):
 
 @pytest.mark.slow
 def test_the_wheel_has_the_shipped_files_and_the_type_marker(installed):
-    names = {path.name for path in (installed / "fuzzyarm" / "shipped").iterdir()}
-    assert names == {path.name for path in (ROOT / "rulebases").iterdir()}
+    names = {path.name for path in (installed / "fuzzyarm" / "shipped").rglob("*")}
+    assert names == {path.name for path in (ROOT / "rulebases").rglob("*")}
     assert (installed / "fuzzyarm" / "py.typed").exists()
 
 

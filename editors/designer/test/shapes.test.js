@@ -3,7 +3,9 @@ import test from "node:test";
 import {
   WIDTHS,
   cornersOf,
+  following,
   mirrorOf,
+  moved,
   piecesOf,
   rangeOf,
   sendable,
@@ -58,4 +60,18 @@ test("numbers that JSON does not have are words", () => {
 test("the range of an unbounded variable holds its terms", () => {
   const [low, high] = rangeOf({ low: null, high: null, terms: [{ parameters: [-3, 2, 8] }] });
   assert.ok(low < -3 && high > 8);
+});
+
+test("a neighbour takes the corners that it shares, and its others as somebody would type them", () => {
+  const shape = { handles: [0, 1, 2] };
+  const [left, right] = [
+    [0, 40 / 3, 80 / 3],
+    [40 / 3, 80 / 3, 40],
+  ];
+  assert.deepEqual(following(shape, right, shape, left, [0, 15, 26.6667]), [15, 26.6667, 40]);
+  assert.deepEqual(following(shape, [13.3333, 26.6667, 40], shape, left, [0, 15, 80 / 3])[0], 15); // written before
+  assert.equal(following(shape, [20, 30, 40], shape, left, [0, 15, 80 / 3]), null);
+  assert.deepEqual(moved(shape, left, 1, 15), [0, 15, 26.6667]);
+  assert.deepEqual(moved({ handles: [0] }, [0.1], null, 0, 0.2), [0.3]);
+  assert.deepEqual(moved({ handles: [0] }, [1234567.25], null, 0, 1), [1234568.25]);
 });

@@ -126,6 +126,8 @@ def starting_text(
     kind: str = "pd",
     inputs: Sequence[Wish] | None = None,
     output: Wish | None = None,
+    *,
+    sugeno: bool = False,
 ) -> str:
     """Return a rule base with comments, in canonical form, on one or two inputs.
 
@@ -137,6 +139,8 @@ def starting_text(
         What it is for, one of `STARTS`; or `BLANK`, a heading without anything below it.
     inputs, output : Wish, optional
         The variables; those of the kind by default.
+    sugeno : bool
+        Whether rules conclude values, of which the average is taken (Sugeno), not sets (Mamdani).
 
     Raises
     ------
@@ -169,10 +173,9 @@ def starting_text(
         "",
         "# Evenly spaced over the range, each foot under its neighbour's peak. For a shape of its",
         f"# own write  term {inputs[0].written} {name_text(inputs[0].terms[0])}: triangle …",
-        *_terms([*inputs, output]),
+        *(_terms([*inputs, output]) if not sugeno else [*_terms(inputs), *_values(output)]),
         "",
-        "inference and min, or max, implication min, aggregation max, defuzzifier centroid exact,"
-        " outside clamp, no-rule error",
+        f"inference {_SUGENO if sugeno else _MAMDANI}, outside clamp, no-rule error",
         "",
         *_grid(inputs, output),
         "",
@@ -185,6 +188,11 @@ def starting_text(
     ]
     return _with_allowances(format_text("\n".join(lines)))
 
+
+_MAMDANI = "and min, or max, implication min, aggregation max, defuzzifier centroid exact"
+_SUGENO = (
+    "and product, or probor, implication product, aggregation sum, defuzzifier weighted-average"
+)
 
 _BLANK = """\
 # First inputs and outputs, then their terms, then the rules.
@@ -340,6 +348,14 @@ def _terms(wishes: list[Wish]) -> list[str]:
     return [
         f"terms {', '.join(names)}: triangles {' '.join(map(name_text, terms))}"
         for terms, names in by_terms.items()
+    ]
+
+
+def _values(output: Wish) -> list[str]:
+    names = " ".join(map(name_text, output.terms))
+    return [
+        "# Values, not sets: the output is their average, weighted by how strongly the rules fire.",
+        f"terms {output.written}: singletons {names}",
     ]
 
 

@@ -5,8 +5,9 @@ plants, conversion and code are made in the browser of whoever opens it, by the 
 in Pyodide and by the kernels as WebAssembly. Nothing is loaded from elsewhere. FILEs are what a
 visitor finds there.
 
-Pyodide is fetched by npm, or taken from a folder. The kernels are compiled where the extra
-platforms is installed; without it runs are plain Python, and slow. Node, which comes with npm,
+Pyodide is fetched by npm, or taken from a folder. The kernels are compiled by the C compiler of the
+extra platforms (ziglang, about 90 MB); where it is not installed the command asks whether it may
+be, or --install says so. Without it runs are plain Python, and slow. Node, which comes with npm,
 prepares the memory of Python; without it a page takes longer to start.
 
   fuzzyarm playground -o site
@@ -16,16 +17,23 @@ prepares the memory of Python; without it a page takes longer to start.
 from __future__ import annotations
 
 import argparse
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
-from fuzzyarm.cli.command import argument, command, say
-from fuzzyarm.extras import installing
+from fuzzyarm.cli.command import argument, command, flag, say
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.extras import install, installing
 
 
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.playground.folder import wasm_kernels, write_playground
     from fuzzyarm.playground.memory import python_memory
 
+    if find_spec("ziglang") is None and (arguments.install or _is_wanted()):
+        say("ziglang is being installed")
+        if trouble := install("platforms"):
+            raise NotInstalledError(f"ziglang is not installed: {trouble}")
     pyodide = None if arguments.pyodide is None else Path(arguments.pyodide)
     folder = Path(arguments.out)
     files = [Path(file) for file in arguments.files]
@@ -39,6 +47,18 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+class NotInstalledError(FuzzyarmError, OSError):
+    """What was to be installed is not."""
+
+
+def _is_wanted() -> bool:
+    """Ask whether the compiler is to be installed, where somebody is there to answer."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        return False
+    say("Runs in the page need the kernels as WebAssembly, made by ziglang, a C compiler of 90 MB.")
+    return input("Install it into this Python? [y/N] ").strip().lower() in ("y", "yes")
+
+
 COMMANDS = (
     command(
         "playground",
@@ -46,6 +66,9 @@ COMMANDS = (
         _run,
         argument("files FILE", "a .frb or .lut file that a visitor finds", nargs="*"),
         argument("-o --out DIR", "the folder", required=True),
+        flag(
+            "--install", "install the compiler of the kernels, where it is missing"
+        ),
         argument("--pyodide FOLDER", "a folder with Pyodide's files (default: npm fetches them)"),
     ),
 )

@@ -78,12 +78,14 @@ def _new(arguments: argparse.Namespace) -> int:
 def _rule_base(path: Path, arguments: argparse.Namespace) -> str:
     if arguments.around is not None:
         raise NewFileError("--around names the rules of a controller", hint="--kind controller")
-    return starting_text(path.stem, arguments.kind, arguments.input, arguments.output)
+    return starting_text(
+        path.stem, arguments.kind, arguments.input, arguments.output, sugeno=arguments.sugeno
+    )
 
 
 def _controller(path: Path, arguments: argparse.Namespace) -> str:
     """Return a controller around a rule base; where no such file is there, a shipped one."""
-    if arguments.input or arguments.output:
+    if arguments.input or arguments.output or arguments.sugeno:
         raise NewFileError(
             "a controller has the inputs and outputs of its rule base", hint="--around names it"
         )
@@ -246,6 +248,9 @@ COMMANDS = (
         argument("--kind", "what it is for; pd by default", choices=tuple(PURPOSES), default="pd"),
         argument("--input SPEC", f"an input: {_FORM}", action="append", type=_wish),
         argument("--output SPEC", "the output, likewise", type=_wish),
+        flag(
+            "--sugeno", "rules conclude values, of which the average is taken, not sets (Mamdani)"
+        ),
         argument("--around FILE", "the rule base of a controller; pd7.frb by default"),
         flag("--force", "replace a file that is there"),
     ),

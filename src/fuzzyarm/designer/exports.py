@@ -113,9 +113,11 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
         kind = "table"
     else:
         kind = "rules" if session.reading.parsed.controller is None else "controller"
+    # Small programs have the bits of the rules; a table is what one asks for.
+    direct = {"direct": True} if kind == "rules" else {}
     return {
         suffix: [
-            *export_form(suffix, kind).fields(),
+            *export_form(suffix, kind).fields(**direct),
             *([PART] if suffix in PICTURES and kind == "rules" else []),
         ]
         for suffix in kinds_of(session)
@@ -124,19 +126,19 @@ def forms_of(session: Session) -> dict[str, list[FormField]]:
 
 def export(session: Session, request: ExportWork, job: WindowJob) -> None:
     """Make files and report on them; a page loads them by their addresses."""
-    files, lines = files_of(session, request.suffix, request.options, job.progress)
+    files, lines, is_table = files_of(session, request.suffix, request.options, job.progress)
     job.check()
     offered = [
         {"name": file.name, "bytes": len(file.content), "href": job.offer(file.name, file.content)}
         for file in files
     ]
-    job.tell({"files": offered, "lines": lines})
+    job.tell({"files": offered, "lines": lines, "measured": is_table})
 
 
 def files_of(
     session: Session, suffix: str, options: FormValues, progress: Callable[[str], None]
-) -> tuple[list[Offered], list[str]]:
-    """Return the files of an export and its report.
+) -> tuple[list[Offered], list[str], bool]:
+    """Return the files of an export, its report, and whether that has the errors of new tables.
 
     Parameters
     ----------
@@ -168,7 +170,7 @@ def files_of(
         program, reports = program_of(replace(model, path=str(path)), out, how, progress)
         files = [_offered(path.name, content) for path, content in program.files]
         lines = [line for report in reports for line in report_lines(report, out)]
-        return files, [*lines, *controller_lines(program)]
+        return files, [*lines, *controller_lines(program)], bool(reports)
 
 
 def _content(session: Session) -> bytes:
@@ -197,25 +199,26 @@ def _sheet(
     how: Making,
     options: FormValues,
     progress: Callable[[str], None],
-) -> tuple[list[Offered], list[str]]:
+) -> tuple[list[Offered], list[str], bool]:
     suffix = Path(out).suffix
     if suffix in EXPORTS:
         exported, reports = source_of(model, out, how, progress)
         lines = [line for report in reports for line in report_lines(report, out)]
         files = [_offered(path.name, text) for path, text in exported.files]
-        return files, [*lines, *export_lines(exported)]
+        return files, [*lines, *export_lines(exported)], bool(reports)
     if suffix in PICTURES:
-        return [Offered(out, _picture(model, suffix, how, options))], []
+        return [Offered(out, _picture(model, suffix, how, options))], [], False
     if suffix in WRITTEN_TABLES:
-        return _table(model, out, how, progress)
+        files, lines = _table(model, out, how, progress)
+        return files, lines, isinstance(model, RuleBase)
     assert isinstance(model, RuleBase)
     if suffix == ".mjs":
-        return [_offered(out, _module(model, how.source))], []
+        return [_offered(out, _module(model, how.source))], [], False
     if suffix == ".html":
         from fuzzyarm.designer.mailed_page import page_of_text
 
-        return [_offered(out, page_of_text(session.text, Path(session.path)))], []
-    return _conversion(session, model, out)
+        return [_offered(out, page_of_text(session.text, Path(session.path)))], [], False
+    return *_conversion(session, model, out), False
 
 
 def _table(

@@ -5,6 +5,8 @@ A page says ``enough``, which keeps the best so far, and ``save`` with the name 
 
 from __future__ import annotations
 
+import os
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from fuzzyarm.designer.grounds import FieldError, at_field
 from fuzzyarm.designer.jobs import WindowJob
 from fuzzyarm.designer.requests import BareMessage, FitWord, FitWork
 from fuzzyarm.designer.results import save_beside, tell_result
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.requests.learn import FitRequest
 from fuzzyarm.text.files import write_atomically
@@ -29,9 +32,11 @@ MODELS = (".lut", ".frb")
 
 def fittable(session: Session, request: BareMessage, job: WindowJob) -> None:
     """Tell what the form is, and which files of the folder can be learned from."""
+    models = [name for name in job.folder.listed(*MODELS) if _is_sampled(job, name)]
+    here = Path(session.path).name  # what is open is what is meant, where there are no samples
     job.tell({
         "samples": job.folder.listed(*SAMPLES),
-        "models": job.folder.listed(*MODELS),
+        "models": sorted(models, key=lambda name: name != here),
         "form": FIT.fields(),
     })  # fmt: skip
 
@@ -56,6 +61,14 @@ def fit(session: Session, record: FitWork, job: WindowJob) -> None:
                 job, word.save, ".frb", lambda path: write_atomically(path, model.text),
                 replace=word.replace,
             )  # fmt: skip
+
+
+def _is_sampled(job: WindowJob, name: str) -> bool:
+    """Whether a file of the folder has one output over inputs, and is not a controller."""
+    with suppress(FuzzyarmError, OSError):
+        parsed = job.folder.session(name).reading.parsed
+        return getattr(parsed, "rulebase", None) is not None or name.lower().endswith(".lut")
+    return False
 
 
 def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -> str:
@@ -85,6 +98,8 @@ def _learned(request: FitRequest, job: WindowJob) -> Fit:
     lines = [*samples.notes, *report_lines(samples, model, report, options)]
     if model.limits:
         lines.append(broken_off(model.limits))
+    # Their paths are those of this machine.
+    lines = [line.replace(f"{Path(request.data).parent}{os.sep}", "") for line in lines]
     tell_result(job, lines, [_chart(model, test or samples, on_test=test is not None)])
     return model
 

@@ -11,6 +11,7 @@ import os
 import re
 import tempfile
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,7 @@ from fuzzyarm.formats import read as read_foreign
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.language import load_rulebase, read_text
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.shipped_files import shipped, what_it_is
+from fuzzyarm.shipped_files import EXAMPLES, shipped, what_it_is
 from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
@@ -66,6 +67,9 @@ FOREIGN = tuple(suffix for suffix in READABLE if suffix not in SUFFIXES)
 
 RULE_BASE, TABLE = "rule base", "table"
 """Kinds of files beside `CONTROLLER`, as a page says them."""
+
+FIRST = "pd7.frb"
+"""The rule base to begin with, where it is among them: that of the pages and the tutorial."""
 
 MOST_TRIED = 8
 """Rule bases that are read until one without mistakes is found to begin with."""
@@ -130,7 +134,8 @@ class Workspace:
         kinds: dict[str, list[str]] = {}
         for name in names:
             kinds.setdefault(self._row(name)["kind"], []).append(name)
-        for name in kinds.get(RULE_BASE, [])[:MOST_TRIED]:
+        tried = sorted(kinds.get(RULE_BASE, []), key=lambda name: name != FIRST)
+        for name in tried[:MOST_TRIED]:
             with contextlib.suppress(OSError, FuzzyarmError):
                 if self.session(name).reading.parsed.rulebase is not None:
                     return name
@@ -234,6 +239,7 @@ class Workspace:
         return {
             "only": self.only is not None,
             "starts": PURPOSES,
+            "examples": _examples(),
             "foreign": self.foreign(),
             "trouble": self.trouble,
             "files": [self._row(name) for name in self.files()],
@@ -273,10 +279,13 @@ class Workspace:
 
     def _new(self, request: requests.NewFile) -> dict[str, Any]:
         name, kind = with_suffix(request.name, ".frb"), request.kind
+        if kind in EXAMPLES:
+            return self._copied(kind, name)
         if kind not in PURPOSES:
-            raise MessageError(f"must be one of {', '.join(PURPOSES)}", "kind")
+            raise MessageError(f"must be one of {', '.join((*PURPOSES, *EXAMPLES))}", "kind")
         if kind != CONTROLLER:
-            return self._written(name, starting_text(Path(name).stem, kind))
+            sugeno = request.method == "sugeno"
+            return self._written(name, starting_text(Path(name).stem, kind, sugeno=sugeno))
         return self._written(name, self._around(name, request.around))
 
     def _around(self, name: str, file: str) -> str:
@@ -292,8 +301,16 @@ class Workspace:
 
     def _adopt(self, request: requests.OfFile) -> dict[str, Any]:
         """Copy a file that comes with fuzzyarm into the folder, to be changed there."""
-        name = demand_name(request.file)
-        return self._written(name, shipped(name).read_text(encoding="utf-8"))
+        return self._copied(demand_name(request.file), request.file)
+
+    def _copied(self, file: str, name: str) -> dict[str, Any]:
+        """Write a shipped file under a name, and those that it uses, where none are there yet."""
+        text = shipped(file).read_text(encoding="utf-8")
+        made = self._written(name, text)
+        for used in _used(text):
+            if used.casefold() not in self._taken():
+                self._written(used, shipped(used).read_text(encoding="utf-8"))
+        return made
 
     def _duplicate(self, request: requests.Naming) -> dict[str, Any]:
         name = with_suffix(request.name, Path(request.file).suffix)
@@ -398,6 +415,12 @@ _ACTS: Mapping[str, Callable[[Workspace, Any], dict[str, Any]]] = {
     "carried": Workspace._carried,
 }
 """What a page may ask of the folder → who answers."""
+
+
+@cache
+def _examples() -> dict[str, str]:
+    """Return what the examples say of themselves, by the names of their files."""
+    return {name: what_it_is(shipped(name).read_text(encoding="utf-8"))[1] for name in EXAMPLES}
 
 
 def _used(text: str) -> list[str]:

@@ -290,6 +290,7 @@ Findings = TypedDict(
         "version": int | None,
         "summary": str,
         "findings": list[Finding],
+        "more": int,
         "colours": list[list[Any]],
     },
 )

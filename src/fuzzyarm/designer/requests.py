@@ -351,11 +351,12 @@ TEXT_QUESTIONS: Mapping[str, type] = {
 
 @dataclass(frozen=True)
 class NewFile:
-    """A new file of a kind; a controller around a rule base."""
+    """A new file of a kind, or of an example; a controller around a rule base."""
 
     name: str
     kind: str
     around: str = ""
+    method: Literal["mamdani", "sugeno"] = "mamdani"
 
 
 @dataclass(frozen=True)
@@ -632,6 +633,13 @@ class FitWord:
     replace: bool = False
 
 
+@dataclass(frozen=True)
+class SweepWord:
+    """What the user does to a sweep: end it, with the runs that are made."""
+
+    enough: bool = False
+
+
 WORDS: Mapping[str, type] = {
-    "run": RunWord, "learn": LearnWord, "tune": TuneWord, "fit": FitWord,
+    "run": RunWord, "learn": LearnWord, "tune": TuneWord, "fit": FitWord, "sweep": SweepWord,
 }  # fmt: skip

@@ -62,6 +62,9 @@ CALM = 4.0
 BUDGET = 0.02
 """Of a picture's time so much may go into the loop, s."""
 
+MEASURED_EVERY, LONGEST_WAIT = 0.25, 2.0
+"""Metrics are told so often at most, and at least, s; between them as often as they cost little."""
+
 OPEN_ENDED = 600_000
 """Set points of a run without a duration."""
 
@@ -208,7 +211,7 @@ class LiveRun:
         self.has_drawing = is_drawn(self.plant)
         self.sent = 0
         self.told_over = self.reached = self.told_reached = False
-        self.measured, self.measuring = -math.inf, 0.0
+        self.measured, self.measuring, self.measured_at = -math.inf, 0.0, -1
         # Samples in a second of the loop: what is probable, until it is known.
         self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
         self.behind = -math.inf
@@ -529,18 +532,22 @@ class LiveRun:
         """Tell the metrics so far, now and then: they are those of the whole run."""
         now = time.perf_counter()
         done = self.run.over or self.paused
-        if now - self.measured < max(0.25, 20.0 * self.measuring) and not done:
+        wait = min(max(MEASURED_EVERY, 20.0 * self.measuring), LONGEST_WAIT)
+        if now - self.measured < wait and not done:
             return
-        if self.run.next == getattr(self, "_measured_at", None):
+        if self.run.next == self.measured_at:
             return
         metrics_now = self.loop.answer(self.run).metrics
-        self.measured, self._measured_at = now, self.run.next
-        self.measuring = time.perf_counter() - now
+        is_first, self.measured_at = self.measured_at < 0, self.run.next
+        self.measured = time.perf_counter()
+        # The first time brings its modules along, which says nothing about the next one.
+        self.measuring = 0.0 if is_first else self.measured - now
         metrics = {
             name: {k: None if v is None else short(v, 5) for k, v in value.as_dict().items()}
             for name, value in metrics_now.items()
         }
-        self.job.tell({"news": "metrics", "metrics": metrics})
+        at = short(self._time(self.run.next), 9)
+        self.job.tell({"news": "metrics", "metrics": metrics, "at": at})
 
     def _end(self) -> dict[str, Any]:
         """Return how the run ended, in words for the page."""

@@ -59,13 +59,16 @@ from fuzzyarm.language.queries import (
 )
 from fuzzyarm.lsp.session import UTF16, Session, to_place
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.files import Stamp, stamp_of, write_atomically
 
 __all__ = ["ConflictError", "SharedText"]
 
 LONGEST_HISTORY = 2_000
 """Changes that are kept for windows that fell behind; an older window gets the whole text."""
+
+MOST_FINDINGS = 200
+"""Findings that a page shows; repairs are looked for of each."""
 
 DISK = "disk"
 """Who made a change that came from the file."""
@@ -319,6 +322,7 @@ class SharedText:
         """Return the findings and the colours of a session's text."""
         review = session.review()
         positions = Positions(session.lines)
+        shown = _most_telling(review.diagnostics)
         return {
             "is": "findings",
             "version": session.version,
@@ -334,8 +338,9 @@ class SharedText:
                         fix.preferred for fix in session.kind.fixes(session.reading, diagnostic)
                     ],
                 }
-                for diagnostic in review.diagnostics
+                for diagnostic in shown
             ],
+            "more": len(review.diagnostics) - len(shown),
             "colours": [
                 [*positions.of(_span(word))[0], positions.of(_span(word))[1][1], word.colour]
                 for word in session.kind.coloured(session.reading)
@@ -601,6 +606,12 @@ _QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
     "judge": SharedText._judge,
 }
 """What a page may ask → who answers."""
+
+
+def _most_telling(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return as many findings as a page shows, errors before others, in the order of the text."""
+    errors_first = sorted(range(len(diagnostics)), key=lambda k: not diagnostics[k].is_error)
+    return [diagnostics[k] for k in sorted(errors_first[:MOST_FINDINGS])]
 
 
 def _is_begun(reading: Reading) -> bool:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.designer.faults import TextRefusedError
 from fuzzyarm.designer.forms import SWEEP
 from fuzzyarm.designer.grounds import FieldError, at_field, plant_named, plants_for, request_on
-from fuzzyarm.designer.jobs import WindowJob
-from fuzzyarm.designer.requests import BareMessage, SweepWork
+from fuzzyarm.designer.jobs import StoppedError, WindowJob
+from fuzzyarm.designer.requests import BareMessage, SweepWord, SweepWork
 from fuzzyarm.designer.results import tell_result
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.requests.runs import SweepRequest
@@ -65,15 +65,21 @@ def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
     request, plan = _plan(session, record, job)
 
     def moved(done: int) -> None:
+        if any(word.enough for word in job.heard(SweepWord)):
+            raise KeyboardInterrupt  # as a hand ends the command, with the runs before
         job.paced_progress(f"{done:,} of {plan.count:,} runs")
 
     with tempfile.TemporaryDirectory() as folder:
         file = plan.file(str(Path(folder) / f"{Path(session.path).stem}-sweep.csv"))
         answer = answered(plan, file, request, None, moved)
         job.check()  # stopping it is not a fault of a run
+        if not len(answer.rows):
+            raise StoppedError("stopped")
         many = many_of(plan.bench, plan.changes, answer.rows)
         charts = _charts(plan, request, many) if len(many) == plan.count else []
         lines = [*sweep_lines(many, request.metric), *answer.faults]
+        if answer.interrupted:
+            lines.append(f"stopped after {len(many):,} of {plan.count:,} runs")
         tell_result(job, lines, charts, files={file.path.name: file.path.read_bytes()})
 
 

@@ -132,4 +132,4 @@ class ComparePane extends Pane {
   };
 }
 
-export const COMPARE = { name: "compare", title: S.compare, drawn: false, panes: [ComparePane] };
+export const COMPARE = { name: "compare", title: S.compare, drawn: false, further: true, panes: [ComparePane] };

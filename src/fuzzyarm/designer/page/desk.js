@@ -91,6 +91,7 @@ export class Desk {
       setGain: (name, values) => this.text.edit("gain", { name, values }),
       text: () => this.text.state().text,
       goTo: (at) => this.text.goTo(at),
+      say: (words) => this.link.say(words),
       save: () => this.saveNow(),
       saveFile: this.connection.save,
       unsaved: this.page.unsaved,
@@ -119,10 +120,7 @@ export class Desk {
     this.banner = el("div", { class: "banner", role: "alert", hidden: true });
     const chooser = this.page.only ? el("strong", { textContent: this.file }) : this.files;
     // Where there is no file there is nothing to be typed and saved.
-    const controls = [
-      ...(this.file ? [chooser, this.saving, ...(this.page.buttons?.(this.hand) ?? []), this.status] : [this.status]),
-      space(),
-    ];
+    const controls = [...(this.file ? [chooser, this.saving, ...(this.page.buttons?.(this.hand) ?? [])] : []), space()];
     const { root, turnTo } = new Frame(
       this.store,
       this.hand,
@@ -132,7 +130,7 @@ export class Desk {
     );
     this.root = root;
     this.turn = turnTo;
-    this.root.querySelector("main").before(this.banner);
+    this.root.append(el("footer", {}, this.status, this.banner)); // what is said moves nothing
   }
 
   listen() {

@@ -70,7 +70,7 @@ export async function fill(title, fields, words, act, note = "") {
   const dim = () =>
     fields.forEach(({ when = {} }, i) => {
       labels[i].hidden = controls[i].disabled = Object.entries(when).some(
-        ([name, value]) => (form.elements[name]?.value ?? value) !== value,
+        ([name, values]) => form.elements[name] && ![values].flat().includes(form.elements[name].value),
       );
     });
   form.addEventListener("change", dim);

@@ -88,6 +88,7 @@ function exportDialog(store, hand, suffix, fields) {
     el("div", { class: "row" }, close, go),
   );
   const task = new Task(hand, "export");
+  let isMeasured = false; // whether the lines have the error of a table
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     if (go.disabled) return;
@@ -108,17 +109,18 @@ function exportDialog(store, hand, suffix, fields) {
     if (news.end === "failed") {
       state.textContent = asked.mark(news.field ?? "", news.message) ? "" : clean(news.message);
       state.classList.add("error");
-    } else if (news.end === "done") state.textContent = S.exported;
+    } else if (news.end === "done") state.textContent = isMeasured ? S.exportedTable : S.exported;
   }
 
-  function show({ files, lines: said }) {
+  function show({ files, lines: said, measured }) {
+    isMeasured = measured;
     const loads = files.map(({ name, bytes, href }) =>
       el("a", { href, download: name, textContent: S.download(clean(name), bytes) }),
     );
     links.replaceChildren(...loads.map((link) => el("li", {}, link)));
     lines.textContent = clean(said.join("\n"));
     lines.hidden = !said.length;
-    if (loads.length === 1) loads[0].click();
+    if (loads.length === 1 && !measured) loads[0].click(); // the error of a table is read first
   }
 
   const { dialog, closed } = showDialog(S.exports, {}, form);

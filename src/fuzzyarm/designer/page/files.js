@@ -8,6 +8,8 @@ import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { isTable } from "./table.js";
 
+const WITH_RULES = ["pd", "pi", "single"]; // kinds of new files that have rules
+
 /** The pane of the folder; `hand` asks the server, and turns to another file. */
 class FolderPane extends Pane {
   constructor(store, hand) {
@@ -27,6 +29,7 @@ class FolderPane extends Pane {
     });
     this.files = [];
     this.starts = {};
+    this.examples = {};
     this.standing = ""; // what is said where there is nothing else
     this.round = 0; // of asking for findings
     // Until the folder is known there is nothing to choose from.
@@ -65,7 +68,7 @@ class FolderPane extends Pane {
   };
 
   show = (answer) => {
-    ({ files: this.files, starts: this.starts } = answer);
+    ({ files: this.files, starts: this.starts, examples: this.examples } = answer);
     this.hand.listed(this.files.map((each) => each.name));
     this.create.disabled = answer.only;
     const refocus = keepFocus(this.list);
@@ -132,6 +135,13 @@ class FolderPane extends Pane {
   begin = async (kind = "") => {
     const ruleBases = pairsOf(this.files.filter((each) => each.kind === "rule base").map((each) => each.name));
     const kinds = Object.entries(this.starts).map(([name, words]) => [name, `${S.startTitles[name]}: ${words}`]);
+    const shown = Object.entries(this.examples).map(([name, words]) => [name, S.exampleOf(name, words)]);
+    const method = {
+      name: "method",
+      label: S.conclusions,
+      options: Object.entries(S.methodsOfRules),
+      value: "mamdani",
+    };
     const around = {
       name: "around",
       label: S.around,
@@ -139,18 +149,22 @@ class FolderPane extends Pane {
       when: { kind: "controller" },
     };
     const made = await fill(
-      kind ? S.startTitles[kind] : S.newFile,
+      kind ? (S.startTitles[kind] ?? S.exampleOf(kind, "")) : S.newFile,
       [
-        { name: "name", label: S.name, value: S.startNames[kind] ?? S.unnamed },
-        ...(kind ? [] : [{ name: "kind", label: S.template, options: kinds, value: "pd" }]),
+        { name: "name", label: S.name, value: S.startNames[kind] ?? (kind || S.unnamed) },
+        ...(kind ? [] : [{ name: "kind", label: S.template, options: [...kinds, ...shown], value: "pd" }]),
+        ...(kind && !WITH_RULES.includes(kind) ? [] : [{ ...method, when: { kind: WITH_RULES } }]),
         ...(kind && kind !== "controller" ? [] : [around]),
       ],
       S.create,
-      (values) => this.ask({ what: "new", kind, ...values }),
-      kind ? this.starts[kind] : "",
+      ({ name, ...values }) => this.ask({ what: "new", kind, ...values, name: this.named(name, values.kind) }),
+      this.starts[kind] ?? this.examples[kind] ?? "",
     );
     if (made?.open) this.hand.turnTo(made.open);
   };
+
+  /** A name that nobody has changed is that of the example. */
+  named = (name, kind = "") => (name === S.unnamed && kind in this.examples ? kind : name);
 
   /** Bring a file of the folder, which another program wrote, into the language. */
   convert = async (name) => {

@@ -40,4 +40,4 @@ class FitWork extends ResultWork {
   }
 }
 
-export const FIT = { name: "fit", title: S.fit, drawn: false, panes: [FitWork] };
+export const FIT = { name: "fit", title: S.fit, drawn: false, further: true, panes: [FitWork] };

@@ -54,7 +54,8 @@ export class Form {
     input.title = field.description ?? "";
     input.dataset.key = `${this.id}-${field.name}`;
     input.addEventListener(JUDGED[kind], () => this.touched(field.name));
-    const words = field.unit ? `${field.title}, ${field.unit}` : field.title;
+    const [title = field.title] = S.fields[field.name] ?? [];
+    const words = field.unit ? `${title}, ${field.unit}` : title;
     const label = kind === "check" ? el("label", { class: "check" }, input, words) : labelled(words, input);
     label.title = input.title;
     this.rows.set(field.name, { field, input, label });
@@ -67,7 +68,8 @@ export class Form {
     if (kind === "choice") return select(choicesOf(field, { usual: S.usual, yes: S.yes, no: S.no }), shown);
     const plain = { value: shown, spellcheck: false, autocomplete: "off" };
     const isNumber = ["integer", "number"].includes(typeOf(field));
-    const placeholder = isNumber || !field.placeholder ? (isOptional(field) ? S.usual : "") : field.placeholder;
+    const [, example = ""] = S.fields[field.name] ?? [];
+    const placeholder = example || (isOptional(field) ? S.usual : "");
     if (kind === "lines") return el("textarea", { ...plain, rows: 2, cols: 30, placeholder: S.oneALine });
     return el("input", {
       ...plain,

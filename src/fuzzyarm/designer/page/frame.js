@@ -34,6 +34,7 @@ export class Frame {
    */
   constructor(store, hand, text, controls, shownViews = [DESIGN]) {
     this.store = store;
+    this.hand = hand;
     this.shownViews = shownViews;
 
     this.note = el("p", { class: "note" });
@@ -62,10 +63,10 @@ export class Frame {
       el("span", { class: "last" }, help, themeButton(this.store)),
     );
     this.shown = 0;
-    this.tabs = this.shownViews.map(({ name, title }, i) =>
-      el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => this.turn(i) }),
+    this.tabs = this.shownViews.map(({ name }, i) =>
+      el("button", { role: "tab", "aria-controls": `view-${name}`, onclick: () => this.press(i) }),
     );
-    if (this.tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...this.tabs));
+    if (this.tabs.length > 1) header.lastChild.before(...this.tabLists());
     this.root = el("div", { class: "desk" }, header, main);
 
     this.turn(0);
@@ -86,6 +87,51 @@ export class Frame {
     });
   }
 
+  /** Tabs of the views that everybody wants, and behind one word those that take their time. */
+  tabLists() {
+    const of = (isFurther) => this.tabs.filter((_, i) => Boolean(this.shownViews[i].further) === isFurther);
+    const tabs = (name, list) => el("div", { role: "tablist", class: "tabs", "aria-label": name }, ...list);
+    this.further = el("summary", {});
+    const more = el("details", { class: "more" }, this.further, tabs(S.furtherViews, of(true)));
+    more.addEventListener("focusout", ({ relatedTarget }) => {
+      if (!more.contains(/** @type {Node} */ (relatedTarget))) more.open = false;
+    });
+    more.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape") return;
+      more.open = false;
+      this.further.focus();
+    });
+    this.more = more;
+    this.store.on("works", this.mark);
+    return [tabs(S.views, of(false)), ...(of(true).length ? [more] : [])];
+  }
+
+  /** Say on the tabs which view is shown, which are at work, and which have nothing to do with this file. */
+  mark = () => {
+    const words = this.shownViews.map(({ name, title }) => (this.store.works.has(name) ? S.atWork(title) : title));
+    this.tabs.forEach((tab, i) => {
+      const why = this.shownViews[i].why?.(this.hand.file()) ?? "";
+      tab.textContent = words[i];
+      tab.setAttribute("aria-selected", String(i === this.shown));
+      tab.setAttribute("aria-disabled", String(Boolean(why)));
+      tab.title = why;
+    });
+    if (!this.further) return;
+    const shown = this.shownViews[this.shown].further ? words[this.shown] : "";
+    const busy = this.shownViews.some(({ name, further }) => further && this.store.works.has(name));
+    this.further.textContent = shown ? S.moreOf(shown) : busy ? S.atWork(S.moreViews) : S.moreViews;
+    this.further.classList.toggle("chosen", Boolean(shown));
+  };
+
+  /** A hand has chosen a view: where panes are below each other, it is brought into sight. */
+  press = (to) => {
+    const why = this.shownViews[to].why?.(this.hand.file());
+    if (why) return void this.hand.say(why);
+    this.turn(to);
+    if (this.more) this.more.open = false;
+    if (matchMedia("(max-width: 950px)").matches) this.area.scrollIntoView();
+  };
+
   /** Turn to a view by its name. */
   turnTo = (name) => this.turn(this.shownViews.findIndex((view) => view.name === name));
 
@@ -101,7 +147,7 @@ export class Frame {
     this.views.forEach((view, i) => {
       view.hidden = i !== this.shown || !this.note.hidden;
     });
-    this.tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === this.shown)));
+    if (this.tabs.length > 1) this.mark();
     if (this.store.view === this.shownViews[this.shown].name) return;
     this.store.view = this.shownViews[this.shown].name;
     this.store.emit("view");

@@ -10,20 +10,18 @@ function showHelp(views) {
   const close = el("button", { value: "", textContent: S.close, type: "submit" });
   const key = (each) => (/^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each }));
   const words = (keys) => keys.split(" ").flatMap((each, i) => [...(i ? [" "] : []), key(each)]);
-  const keys = (rows) =>
-    tableOf({
-      class: "keys",
-      rows: rows.map(([pressed, does]) => [el("th", { scope: "row" }, ...words(pressed)), does]),
-    });
+  const code = (line) => [el("code", { textContent: line })];
+  const keys = (rows, shown) =>
+    tableOf({ class: "keys", rows: rows.map(([first, does]) => [el("th", { scope: "row" }, ...shown(first)), does]) });
   const parts = S.help
     .filter(({ view }) => !view || views.includes(view))
-    .map(({ title, words, rows }) =>
+    .map(({ title, words: lines, rows, isCode }) =>
       el(
         "section",
         {},
         el("h3", { textContent: title }),
-        ...words.map((line) => el("p", { textContent: line })),
-        ...(rows.length ? [keys(rows)] : []),
+        ...lines.map((line) => el("p", { textContent: line })),
+        ...(rows.length ? [keys(rows, isCode ? code : words)] : []),
       ),
     );
   const body = el("div", { class: "parts", tabIndex: 0, role: "group", "aria-label": S.helpTitle }, ...parts);

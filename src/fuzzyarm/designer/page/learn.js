@@ -19,6 +19,7 @@ import {
 import { cellAt, cellsPanel, gridOf, outlineOf } from "./geometry/panel.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
+import { noTables } from "./table.js";
 import { showGrounds, Work } from "./work.js";
 
 /** @type {import("./work.js").Kind} */
@@ -249,6 +250,8 @@ export const LEARN = {
   name: "learn",
   title: S.learn,
   drawn: false,
+  further: true,
+  why: noTables,
   panes: [LearnWork],
   splits: [
     { key: "learn-columns", vertical: true, at: 1, usual: 0.5 },

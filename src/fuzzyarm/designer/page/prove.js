@@ -45,4 +45,4 @@ class ProveWork extends ResultWork {
   }
 }
 
-export const PROVE = { name: "prove", title: S.prove, drawn: false, panes: [ProveWork] };
+export const PROVE = { name: "prove", title: S.prove, drawn: false, further: true, panes: [ProveWork] };

@@ -89,7 +89,7 @@ export class RulesPane extends Pane {
       this.body.append(
         el("p", {
           class: "note",
-          textContent: grids.length || !this.store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet,
+          textContent: this.store.scene.missing.includes("no-rules") ? S.noRulesYet : S.tooManyRules,
         }),
       );
     if (this.attempt && isReady) this.body.append(this.composing());

@@ -2,13 +2,14 @@
 
 import { aroundLine, unsavedLine } from "./around.js";
 import { CurvePane } from "./curves.js";
-import { el, pane, select, shortNumber, tableOf } from "./draw.js";
+import { el, pane, select, shortNumber, space, tableOf } from "./draw.js";
 import { quoted } from "./fields.js";
 import { Form } from "./form.js";
 import { PicturePane } from "./plant.js";
 import { splitter } from "./split.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
+import { noTables } from "./table.js";
 import { Task } from "./task.js";
 import { showGrounds } from "./work.js";
 
@@ -100,7 +101,7 @@ class RunView {
         }
         this.form.running(this.state);
       },
-      metrics: (news) => this.metrics.show(news.metrics),
+      metrics: (news) => this.metrics.show(news.metrics, news.at),
       reached: (news) => {
         this.state.over = true; // what is changed now is seen from the start
         this.state.reached = S.runReached(news);
@@ -197,6 +198,7 @@ class RunView {
   };
 
   hear = (news) => {
+    this.store.work(RUN.name, !news.end && !this.state.paused && !this.state.over);
     if (news.end) {
       Object.assign(this.state, { job: null, ready: null, paused: false });
       this.picture.close();
@@ -219,7 +221,7 @@ class RunView {
   };
 }
 
-export const RUN = { name: "run", title: S.run, drawn: false, panes: [RunView] };
+export const RUN = { name: "run", title: S.run, drawn: false, panes: [RunView], why: noTables };
 
 // --- What is to be run, and the buttons ---
 
@@ -472,7 +474,9 @@ function gainPane(hand, move) {
 // --- Metrics ---
 
 function metricPane() {
-  const { section, body } = pane("run-metrics", S.runMetrics);
+  const { section, bar, body } = pane("run-metrics", S.runMetrics);
+  const until = el("span", { class: "readout" });
+  bar.append(space(), until);
   const table = el("table", { class: "metrics" });
   let units = {}; // by output and metric
   body.tabIndex = 0; // it scrolls
@@ -483,7 +487,8 @@ function metricPane() {
     table.replaceChildren();
   }
 
-  function show(metrics) {
+  function show(metrics, at) {
+    until.textContent = S.runUntil(shortNumber(at, 5));
     const outputs = Object.keys(metrics);
     if (!outputs.length) return;
     const names = Object.keys(metrics[outputs[0]]);

@@ -4,19 +4,26 @@ import { clean, el } from "./draw.js";
 import { S } from "./strings.js";
 
 /** A card for each kind of a new file, and what else one may do in a folder that has none. */
-export function invitation({ starts, foreign, trouble }, { begin, convert, choose }) {
-  const cards = Object.entries(starts).map(([kind, words]) =>
+export function invitation({ starts, examples, foreign, trouble }, { begin, convert, choose }) {
+  const cards = (title, files) =>
     el(
-      "button",
-      { disabled: Boolean(trouble), onclick: () => begin(kind) },
-      el("strong", { textContent: S.startTitles[kind] ?? kind }),
-      el("span", { textContent: words }),
-    ),
-  );
+      "div",
+      { class: "starts", role: "group", "aria-label": title },
+      ...Object.entries(files).map(([kind, words]) =>
+        el(
+          "button",
+          { disabled: Boolean(trouble), onclick: () => begin(kind) },
+          el("strong", { textContent: S.startTitles[kind] ?? kind }),
+          el("span", { textContent: words }),
+        ),
+      ),
+    );
   return [
     el("h3", { textContent: S.emptyFolder }),
     el("p", { textContent: S.emptyHint }),
-    el("div", { class: "starts", role: "group", "aria-label": S.emptyFolder }, ...cards),
+    cards(S.emptyFolder, starts),
+    el("h3", { textContent: S.examples }),
+    cards(S.examples, examples),
     ...offers(foreign, { convert }),
     el(
       "p",

@@ -33,6 +33,7 @@ export class Store {
     this.coarse = null; // whether the page computes fewer points than it draws
     /** @type {number | null} */
     this.cost = null; // of a point, ms
+    this.works = new Set(); // views that are at work
     this.asDiagram = true; // whether it is shown where there are rules as well
   }
 
@@ -94,6 +95,14 @@ export class Store {
     this.diagram = diagram;
     if (diagram) this.stale = false;
     this.emit("diagram");
+  }
+
+  /** Take whether a view is at work. */
+  work(view, isAtWork) {
+    if (this.works.has(view) === isAtWork) return;
+    if (isAtWork) this.works.add(view);
+    else this.works.delete(view);
+    this.emit("works");
   }
 
   /** Show the block diagram or the rules, of a file that has both. */

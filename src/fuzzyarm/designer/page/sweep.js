@@ -1,12 +1,22 @@
 // Sweep: what `fuzzyarm sweep` says of the text that is open, over ranges of its gains and of the plant, with a map.
 
 import { S } from "./strings.js";
+import { noTables } from "./table.js";
 import { ResultWork, showGrounds } from "./work.js";
 
 const WIDE = 40; // letters of several ranges
 
 /** @type {import("./work.js").Kind} */
-const KIND = { name: "sweep", title: S.sweep, go: S.start, facts: "sweepable", form: () => "sweep", ends: S.sweepEnds };
+const KIND = {
+  name: "sweep",
+  title: S.sweep,
+  go: S.start,
+  stop: S.stopRuns,
+  facts: "sweepable",
+  form: () => "sweep",
+  ends: S.sweepEnds,
+  isEnough: true,
+};
 
 class SweepWork extends ResultWork {
   constructor(store, hand) {
@@ -36,4 +46,4 @@ class SweepWork extends ResultWork {
   }
 }
 
-export const SWEEP = { name: "sweep", title: S.sweep, drawn: false, panes: [SweepWork] };
+export const SWEEP = { name: "sweep", title: S.sweep, drawn: false, further: true, why: noTables, panes: [SweepWork] };

@@ -22,6 +22,9 @@ import { Task } from "./task.js";
 /** Whether a file, by its name, is a table. */
 export const isTable = (name) => /\.lut$/i.test(name);
 
+/** Why a view has nothing to do with a file; empty where it has. */
+export const noTables = (file) => (isTable(file) ? S.noTables : "");
+
 /** The cells of a table, page by page; a cell leads to its number in the text. */
 class CellsPane extends Pane {
   constructor(store, hand) {
@@ -313,6 +316,7 @@ export const TABLE = {
   name: "table",
   title: S.tables,
   drawn: false,
+  further: true,
   panes: [CellsPane, ErrorPane],
   splits: [{ key: "table-rows", vertical: false, at: 1, usual: 0.4 }],
 };

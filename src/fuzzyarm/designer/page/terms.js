@@ -5,12 +5,23 @@ import { evenly, ticks } from "./geometry/chart.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
-import { rangeOf, cornersOf, sendable, sidesOf, shapeKey, WIDTHS, moved, mirrorOf, TURNED } from "./geometry/shapes.js";
+import {
+  rangeOf,
+  cornersOf,
+  sendable,
+  sidesOf,
+  shapeKey,
+  WIDTHS,
+  following,
+  moved,
+  mirrorOf,
+  TURNED,
+} from "./geometry/shapes.js";
 
 const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 18, 15];
 const HEAD = 20; // of the line above a plot
 const DETAILS = 52; // below all, for the term that is chosen: two lines in a narrow pane
-const [LEAST, MOST] = [60, 240]; // height of a plot; three fit into a window of 1280 × 720
+const [LEAST, MOST] = [54, 240]; // height of a plot; three fit into a window of 1280 × 720
 const SMOOTH = 161;
 const LEAST_HEIGHT = 0.05;
 const DIAMOND = 5.5;
@@ -554,13 +565,8 @@ export class TermsPane extends Pane {
     for (const other of variable.terms.flatMap(sidesOf)) {
       if (changed.has(other) || (other.side ?? 0) !== (shape.side ?? 0) || other.kind === "points") continue;
       const from = this.drag.from.get(other);
-      const to = from.parameters.map((x, i) => {
-        const shared = other.handles.includes(i) ? shape.handles.findIndex((k) => old[k] === x) : -1;
-        return shared < 0 ? x : next[shape.handles[shared]];
-      });
-      const sorted = other.handles.every((i, k) => !k || to[other.handles[k - 1]] <= to[i]);
-      if (sorted && to.some((x, i) => x !== from.parameters[i]))
-        changed.set(other, { ...this.plain(from), parameters: to });
+      const parameters = following(other, from.parameters, shape, old, next);
+      if (parameters) changed.set(other, { ...this.plain(from), parameters });
     }
   };
 

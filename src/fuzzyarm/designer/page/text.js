@@ -35,6 +35,7 @@ import { choose, rename } from "./dialogs.js";
 import { S } from "./strings.js";
 
 const FROZEN = [EditorState.readOnly.of(true), EditorView.editable.of(false)];
+const PATIENCE = 700; // ms until it is said that a text is being checked
 const WAIT = 15; // ms after a key stroke before changes are sent
 const [TRIES, BETWEEN] = [300, 20]; // how often, and every how many ms, it is looked whether they have come
 
@@ -156,7 +157,10 @@ export class TextPane {
     });
   }
 
-  close = () => this.view.destroy();
+  close = () => {
+    clearTimeout(this.late);
+    this.view.destroy();
+  };
 
   revertible = (changed) => {
     this.revert.disabled = !changed;
@@ -204,10 +208,19 @@ export class TextPane {
     if (this.sending || !this.epoch || !this.link.sends()) return;
     const updates = sendableUpdates(this.view.state);
     if (!updates.length) return;
+    this.check();
     this.sending = this.link.push(
       this.version(),
       updates.map((update) => ({ clientID: update.clientID, changes: update.changes.toJSON() })),
     );
+  };
+
+  /** Say that the text is being checked, where that takes its time. */
+  check = () => {
+    clearTimeout(this.late);
+    this.late = setTimeout(() => {
+      this.list.prepend(el("li", { class: "none", textContent: S.checking }));
+    }, PATIENCE);
   };
 
   /** Take the changes of all windows from a version on; our own are confirmed by it. */
@@ -238,6 +251,7 @@ export class TextPane {
     const changes = ChangeSet.of(change, this.view.state.doc.length);
     this.view.dispatch(receiveUpdates(this.view.state, [{ clientID: this.epoch, changes }]));
     this.link.edited(message.text);
+    this.check();
   };
 
   /** Write here, or only show what another window writes. */
@@ -377,9 +391,11 @@ export class TextPane {
         })),
       ),
     );
+    clearTimeout(this.late);
+    const further = message.more ? [el("li", { class: "none", textContent: S.more(message.more) })] : [];
     this.list.replaceChildren(
       ...(this.findings.length
-        ? this.findings.map(this.item)
+        ? [...this.findings.map(this.item), ...further]
         : [el("li", { class: "none", textContent: S.noFindings })]),
     );
   };

@@ -4,6 +4,7 @@ import { stage } from "./charts.js";
 import { clean, el, pairsOf, pane, shortNumber, tableOf, space } from "./draw.js";
 import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
+import { noTables } from "./table.js";
 import { showGrounds, Work } from "./work.js";
 
 const MOST_ROWS = 120; // of numbers that move
@@ -28,7 +29,6 @@ class TuneWork extends Work {
   constructor(store, hand) {
     super(store, hand, KIND);
     this.forget();
-    this.heard = 0; // when the line was read out, ms
     this.rows = [];
     this.drawn = null; // the report that is drawn
     this.insert = el("button", {
@@ -107,7 +107,7 @@ class TuneWork extends Work {
     this.counts = { search: 0, linear: 0 }; // of trials
     this.panel = null; // the picture of their costs
     this.state = null; // the last word of the search
-    this.phase = "search";
+    this.phase = "";
     this.report = null;
   }
 
@@ -122,6 +122,7 @@ class TuneWork extends Work {
     if (news.phase) this.progress(news);
     if (news.report) {
       this.report = news.report;
+      this.counts.search = this.report.trials;
       this.isOver = true; // it waits until its change has been taken
       this.say(this.report.interrupted ? S.stopped(this.report) : S.tuned(this.report));
     }
@@ -134,10 +135,8 @@ class TuneWork extends Work {
     if (news.phase === "search") this.state = news;
     const turned = this.phase !== news.phase;
     this.phase = news.phase;
-    // The line is read out: every five seconds is enough.
-    if (this.isEnding || (!turned && performance.now() - this.heard < 5000)) return;
-    this.heard = performance.now();
-    this.say(S.searching(this.phase, this.counts[this.phase], news.best, Number(this.form.shown("evals"))));
+    if (this.isEnding || !turned) return; // the count stands above the picture
+    this.say(S.searching[this.phase](this.form.shown("evals")));
   }
 
   keeping() {
@@ -269,6 +268,8 @@ export const TUNE = {
   name: "tune",
   title: S.tune,
   drawn: false,
+  further: true,
+  why: noTables,
   panes: [TuneWork],
   splits: [
     { key: "tune-columns", vertical: true, at: 1, usual: 0.5 },

@@ -166,6 +166,7 @@ export class Work extends Pane {
   show() {
     this.start.disabled = !this.canStart();
     this.stop.disabled = this.isOver || this.isEnding;
+    this.store.work(this.kind.name, !this.isOver);
     if (this.keep) this.keep.disabled = !(this.isOver && this.task.job);
     this.form.lock(!this.isOver);
   }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from fuzzyarm.errors import FuzzyarmError
@@ -111,17 +112,72 @@ def without_word(reading: Reading, span: Span) -> Edit:
     return Edit(Span(span.line, start, span.line, span.end_column), "")
 
 
-def aligned_word(text: str, span: Span, new: str) -> Edit:
-    """Replace a word by another; blanks after it give way, or are added."""
-    end = span.end_column
-    longer = len(new) - (end - span.column)
-    rest = text[end - 1 :]
-    blanks = len(rest) - len(rest.lstrip(" "))
-    if not rest.strip() or rest[:1] != " ":
-        return Edit(span, new)
-    if longer > 0:
-        end += min(longer, blanks - 1)
-    return Edit(Span(span.line, span.column, span.line, end), new + " " * max(0, -longer))
+_GRID_WORD = re.compile(r"(?:'[^']*'|[^\s'#])+")
+"""A word of a line of a grid: a cell with its weight is one."""
+
+
+def realigned(reading: Reading, edits: Sequence[Edit]) -> list[Edit]:
+    """Return edits with the blanks that keep the columns of the grids they touch aligned."""
+    found = list(edits)
+    touched = {edit.span.line for edit in edits}
+    for node in nodes_of(reading):
+        if isinstance(node, GridNode):
+            lines = [node.header_span.line, *(row.label.span.line for row in node.rows)]
+            if touched.intersection(lines):
+                found += _blanks(reading, lines, len(node.columns), edits)
+    return found
+
+
+def _blanks(
+    reading: Reading, lines: Sequence[int], count: int, edits: Sequence[Edit]
+) -> Iterator[Edit]:
+    """Yield the changes of blanks in the lines of a grid, for the words that edits put there."""
+    rows = [_columns_of(reading.raw_line(line), count) for line in lines]
+    if not all(rows):
+        return  # a line has not as many words as the grid has columns
+    places = [row[0][0] for row in rows]  # where the word before begins, after the edits
+    for column in range(1, count + 1):
+        ends = [row[column - 1][1] for row in rows]
+        starts = [row[column][0] for row in rows]
+        gaps = [start - end for start, end in zip(starts, ends, strict=True)]
+        behind = [
+            place + _width(line, row[column - 1], edits)
+            for place, line, row in zip(places, lines, rows, strict=True)
+        ]
+        if len(set(starts)) == 1:
+            place = max(starts[0], *(end + min(gaps) for end in behind))
+            places = [place] * len(rows)
+        else:
+            places = [end + gap for end, gap in zip(behind, gaps, strict=True)]
+        for line, old, start, end, place in zip(lines, ends, starts, behind, places, strict=True):
+            if place - end != start - old:
+                yield Edit(Span(line, old, line, start), " " * (place - end))
+
+
+def _columns_of(text: str, count: int) -> list[tuple[int, int]]:
+    """Return where the head of a line and its last words stand, from 1; nothing if too few do."""
+    words = [(word.start() + 1, word.end() + 1) for word in _GRID_WORD.finditer(_uncommented(text))]
+    if len(words) <= count:
+        return []
+    head = words[0][0], words[-count - 1][1]
+    return [head, *words[-count:]]
+
+
+def _uncommented(text: str) -> str:
+    found = re.match(r"(?:'[^']*'|[^'#])*", text)
+    return found[0] if found else ""
+
+
+def _width(line: int, word: tuple[int, int], edits: Sequence[Edit]) -> int:
+    """Return how long a word is after the edits within it."""
+    start, end = word
+    within = [
+        edit
+        for edit in edits
+        if edit.span.line == line and start <= edit.span.column and edit.span.end_column <= end
+    ]
+    change = sum(len(edit.text) - edit.span.end_column + edit.span.column for edit in within)
+    return end - start + change
 
 
 def demand_sound(reading: Reading, edits: Sequence[Edit], what: str = "") -> list[Edit]:

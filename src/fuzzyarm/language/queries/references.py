@@ -5,6 +5,7 @@ from __future__ import annotations
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.queries.fixes import Edit
+from fuzzyarm.language.queries.lines import realigned
 from fuzzyarm.language.queries.reading import Reading, contains
 from fuzzyarm.language.tokens import name_text
 
@@ -80,7 +81,8 @@ def rename(reading: Reading, line: int, column: int, new_name: str) -> list[Edit
         raise RenameError("the new name is empty")
     occurrences = family(reading, occurrence)
     _refuse_taken(reading, occurrence, occurrences, name)
-    return [Edit(mention.span, _written(mention, name, reading)) for mention in occurrences]
+    edits = [Edit(mention.span, _written(mention, name, reading)) for mention in occurrences]
+    return realigned(reading, edits)
 
 
 def _bare(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -10,7 +11,6 @@ from fuzzyarm.language.phrases import NameKind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.lines import (
     ReshapeError,
-    aligned_word,
     declaration_of,
     demand_sound,
     last_line,
@@ -19,6 +19,7 @@ from fuzzyarm.language.queries.lines import (
     lines_behind,
     names_term,
     nodes_of,
+    realigned,
     without_lines,
     without_statement,
     without_word,
@@ -305,7 +306,8 @@ def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -
             elif (i in columns or concluded) and node.joined:
                 raise ReshapeError(f"a cell of several outputs, on line {cell.span.line}, names it")
             elif concluded:
-                edits.append(aligned_word(reading.raw_line(cell.span.line), cell.span, "."))
+                wide = cell.span.end_column - cell.span.column if cell is not row.cells[-1] else 0
+                edits.append(Edit(cell.span, ".".ljust(wide)))
     return edits
 
 
@@ -374,7 +376,7 @@ def set_cell(reading: Reading, line: int, column: int, term: str | None) -> list
             f"*{number_text(cell.weight)}" if cell.weight is not None and term is not None else ""
         )
         new = "." if term is None else f"{name_text(term)}{weight}"
-        return [aligned_word(reading.raw_line(line), cell.span, new)]
+        return realigned(reading, [Edit(cell.span, new)])
     raise ReshapeError("no cell of a grid begins here")
 
 
@@ -408,6 +410,30 @@ def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
         If no sentence begins there, or the new one is not understood; it says why.
     """
     words = " ".join(sentence.split()).removeprefix("rule ")
+    with_quotes = _quoted(reading, words)
+    try:
+        return _with_rule(reading, line, words)
+    except ReshapeError:
+        if with_quotes == words:
+            raise
+        return _with_rule(reading, line, with_quotes)  # as a page prints a name of several words
+
+
+def _quoted(reading: Reading, sentence: str) -> str:
+    """Return a sentence with quotes around the names of the text that need them."""
+    names = {mention.name for mention in reading.occurrences}
+    bare = sorted((name for name in names if name_text(name) != name), key=len, reverse=True)
+    if not bare:
+        return sentence
+    choices = "|".join(map(re.escape, bare))
+    return re.sub(
+        rf"'[^']*'|(?<!\w)(?:{choices})(?!\w)",
+        lambda word: word[0] if word[0].startswith("'") else name_text(word[0]),
+        sentence,
+    )
+
+
+def _with_rule(reading: Reading, line: int | None, words: str) -> list[Edit]:
     if line is None:
         if not words:
             raise ReshapeError("a rule reads: if … then …")

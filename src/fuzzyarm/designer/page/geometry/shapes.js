@@ -91,11 +91,33 @@ export function shareAlong(variable, value) {
   return (value - low) / (high - low);
 }
 
+const TYPED = 12; // digits of a number that somebody may have typed; with more it was computed
+
+/** A number as it may stand in the text: a computed one, such as 13.333333333333334, by six digits. */
+const written = (x) => (String(x).replace(/^-|\.|e.*$/g, "").length > TYPED ? Number(x.toPrecision(6)) : x);
+
+/**
+ * Parameters of a neighbour whose corners coincide with those of a shape that has moved from `old` to `next`; null where
+ * it has none of them, or they would no longer ascend.
+ */
+export function following(neighbour, parameters, shape, old, next) {
+  const near = (a, b) => a === b || Math.abs(a - b) < 1e-5 * (Math.abs(a) + Math.abs(b)); // one may have been written
+  let isShared = false;
+  const to = parameters.map((x, i) => {
+    const place = neighbour.handles.includes(i) ? shape.handles.findIndex((k) => near(old[k], x)) : -1;
+    if (place < 0) return written(x);
+    isShared ||= !near(next[shape.handles[place]], old[shape.handles[place]]);
+    return next[shape.handles[place]];
+  });
+  const isSorted = neighbour.handles.every((i, k) => !k || to[neighbour.handles[k - 1]] <= to[i]);
+  return isShared && isSorted ? to : null;
+}
+
 /** Parameters of a shape after one of them (null: all positions) has moved to or by a number. */
 export function moved(shape, parameters, index, to, by) {
   const next = [...parameters];
   if (index === null) {
-    for (const i of shape.handles) next[i] = parameters[i] + by;
+    for (const i of shape.handles) next[i] = written(parameters[i] + by);
     return next;
   }
   const place = shape.handles.indexOf(index);
@@ -105,7 +127,7 @@ export function moved(shape, parameters, index, to, by) {
     to = Math.min(behind, Math.max(before, to));
   }
   next[index] = to;
-  return next;
+  return next.map(written);
 }
 
 const SYMMETRIC = new Set(["triangle", "trapezoid", "rectangle", "pi", "semi-ellipse", "s", "z", "singleton"]);
