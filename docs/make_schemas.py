@@ -527,6 +527,7 @@ TUNED = record(
     method=text("of the search"),
     seed=whole("of all random draws"),
     trials=whole("of the search: how many"),
+    noise=number("standard deviation of the noise of `noisy`, as a share of each range; 0 without"),
     linear_trials=whole("of the linear opponent", null="without one"),
     refused=whole("candidates that broke a line `expect` or `prove`"),
     seconds=number("how long it took"),

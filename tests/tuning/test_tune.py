@@ -34,7 +34,7 @@ from fuzzyarm.tuning.cost import (
 from fuzzyarm.tuning.design import Design
 from fuzzyarm.tuning.linear import cut_off, nearest_plane, straightened
 from fuzzyarm.tuning.optimisers import OPTIMISERS
-from fuzzyarm.tuning.scenarios import Stage, train_scenarios, unseen_scenarios
+from fuzzyarm.tuning.scenarios import train_scenarios, unseen_scenarios
 from fuzzyarm.tuning.tune import read_tuning, stage_of
 
 HEATER = shipped("heater.frb")
@@ -346,8 +346,19 @@ def test_references_are_scaled_from_where_the_plant_rests():
     goals = [each.on.references[-1, 0] for each in drawn]
     assert all(17.5 <= goal <= 22.5 for goal in goals)  # half of the way from 15 to half more
     assert len(set(goals)) == 20
-    noisy = Stage.noisy(stage)
+    noisy = stage.noisy()
+    louder = stage.noisy(1e-3).options.sensors["temperature"].noise
+    assert louder == pytest.approx(80.0 * 1e-3)
     assert noisy.options.sensors["temperature"].noise == pytest.approx(80.0 * 1e-5)
+
+
+def test_the_noise_of_the_judgement_shows_and_its_size_is_said():
+    found = tune(shipped("servo.frb"), plant="motor", evals=3, unseen=3, linear=False)
+    row = found.row("as in the file")
+    assert found.noise in (1e-5, 1e-4, 1e-3, 1e-2)
+    assert row.scores["noisy"].cost != pytest.approx(row.scores["unseen"].cost, rel=1e-3)
+    assert f"noisy: with noise of {100 * found.noise:g} % of each range" in list(found.remarks())
+    assert found.as_data()["noise"] == found.noise
 
 
 def test_noise_leaves_what_a_sensor_has_beside_it():

@@ -66,9 +66,7 @@ COMMANDS = (
         _run,
         argument("files FILE", "a .frb or .lut file that a visitor finds", nargs="*"),
         argument("-o --out DIR", "the folder", required=True),
-        flag(
-            "--install", "install the compiler of the kernels, where it is missing"
-        ),
+        flag("--install", "install the compiler of the kernels, where it is missing"),
         argument("--pyodide FOLDER", "a folder with Pyodide's files (default: npm fetches them)"),
     ),
 )

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError, sentence_of
+from fuzzyarm.loop.course import Options
 from fuzzyarm.requests.bounds import MOST_TUNED_DIGITS
 from fuzzyarm.tuning.cost import Cost
 from fuzzyarm.tuning.design import Candidate
@@ -27,6 +28,10 @@ from fuzzyarm.tuning.search import Found, Journal, Search, Watch
 
 WORSE = 0.01
 """Relative growth of the cost by rounding, above which one more digit is kept."""
+
+
+SHOWS, LISTENED = 0.01, 3
+"""Relative change of the cost on so many scenarios by which noise shows."""
 
 
 class TuningJob(NamedTuple):
@@ -48,6 +53,11 @@ class TuningJob(NamedTuple):
         Errors of linear regression on samples.
     alone : str
         Why there is no opponent although one was requested.
+    noises : tuple of (float, Options)
+        Sizes of the noise with the options of the noisy problems, from the smallest: the first that
+        shows is taken.
+    noise : float
+        The size of the noise of ``noisy``, as a share of each range; 0 without one.
     """
 
     problem: TuningProblem
@@ -57,6 +67,8 @@ class TuningJob(NamedTuple):
     names: dict[str, tuple[str, ...]]
     regression: dict[str, dict[str, float]]
     alone: str = ""
+    noises: tuple[tuple[float, Options], ...] = ()
+    noise: float = 0.0
 
 
 class Means(NamedTuple):
@@ -125,6 +137,8 @@ def with_judgement(
     linear, line = None, None
     job = _in_time(job, plan, search)
     try:
+        with _told(faults, "the size of the noise"):
+            job = _audible(job, which[0])
         for row, candidate in zip(rows, which, strict=True):
             _judge(row, job.judged, candidate, means, faults)
         if job.linear and not search.interrupted and not search.fault:
@@ -151,7 +165,30 @@ def with_judgement(
         alone=job.alone,
         line=line,
         faults=tuple(faults),
+        noise=job.noise if "noisy" in job.judged else 0.0,
     )
+
+
+def _audible(job: TuningJob, candidate: Candidate) -> TuningJob:
+    """Return a job with the smallest noise that shows in the cost of a candidate."""
+    if not job.noises or "noisy" not in job.judged:
+        return job
+
+    def cost(problem: TuningProblem) -> float:
+        few = replace(problem, scenarios=problem.scenarios[:LISTENED])
+        with panel(few, 1) as examining:
+            return _rescored(examining, candidate).cost
+
+    quiet, noisy = cost(job.judged["unseen"]), job.judged["noisy"]
+    chosen = job.noise
+    for chosen, options in job.noises:  # noqa: B007
+        noisy = replace(noisy, options=options)
+        if not abs(cost(noisy) - quiet) < SHOWS * abs(quiet):
+            break
+    linear = dict(job.linear)
+    if "noisy" in linear:
+        linear["noisy"] = replace(linear["noisy"], options=noisy.options)
+    return job._replace(judged={**job.judged, "noisy": noisy}, linear=linear, noise=chosen)
 
 
 def _in_time(job: TuningJob, plan: TuningPlan, result: Found) -> TuningJob:

@@ -127,6 +127,8 @@ class Tuned:
         Sentences about what failed after the search; the numbers are valid all the same.
     alone : str
         Why there is no linear opponent although one was requested.
+    noise : float
+        Standard deviation of the noise of ``noisy``, as a share of each range; 0 without one.
     line : Candidate or None
         The numbers of the linear opponent.
     """
@@ -150,6 +152,7 @@ class Tuned:
     faults: tuple[str, ...] = ()
     alone: str = ""
     line: Candidate | None = None
+    noise: float = 0.0
 
     def __repr__(self) -> str:
         name = self.model.name if isinstance(self.model, RuleBase) else self.model.model.name
@@ -334,8 +337,14 @@ def _claim(tuned: Tuned) -> str:
     return "; ".join(sentences)
 
 
+def _noise_words(tuned: Tuned) -> Iterator[str]:
+    if tuned.noise and any("noisy" in row.scores for row in tuned.rows):
+        yield f"noisy: with noise of {100.0 * tuned.noise:g} % of each range"
+
+
 def _remarks(tuned: Tuned) -> Iterator[str]:
     search, plan = tuned.found, tuned.plan
+    yield from _noise_words(tuned)
     if tuned.on_a_bound:
         yield f"on a bound of its range: {', '.join(tuned.on_a_bound)}"
     outside = [
@@ -397,6 +406,7 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
         "method": tuned.plan.method,
         "seed": tuned.plan.seed,
         "trials": len(search.trials),
+        "noise": tuned.noise,
         "linear_trials": None if tuned.linear is None else len(tuned.linear.trials),
         "refused": search.refused,
         "seconds": round(search.seconds, 3),

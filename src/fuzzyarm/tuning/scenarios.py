@@ -35,8 +35,8 @@ TRAIN, UNSEEN = 0, 1
 HEAVIEST = 1.3
 """Largest load that is drawn, as a share of the plant's."""
 
-NOISE = 1e-5
-"""Standard deviation of the noise by which is judged, as a share of the range of each sensor."""
+NOISES = (1e-5, 1e-4, 1e-3, 1e-2)
+"""Standard deviations of the noise by which is judged, as shares of the range of each sensor."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,14 @@ class Stage:
         ways = [scenario.way for scenario in self.first]
         return bool(ways) and all(isinstance(way, FollowedPlant) and way.trajectory for way in ways)
 
-    def noisy(self) -> Stage:
-        """Return it with noise on every sensor that has none, as far as its range is known."""
+    def noisy(self, share: float = NOISES[0]) -> Stage:
+        """Return it with noise on every sensor that has none, as far as its range is known.
+
+        Parameters
+        ----------
+        share : float
+            The standard deviation, by the range of the sensor.
+        """
         given = self.options.sensors
         interface = interface_of(self.plant)
         # A sensor that goes by the name of its port alone is that of every axis.
@@ -116,7 +122,7 @@ class Stage:
             label, width = interface.label(port), output.high - output.low
             sensor = given.get(label, given.get(port[1]))
             if math.isfinite(width) and (sensor is None or sensor.noise == 0.0):
-                sensors[label] = replace(sensor or Sensor(), noise=NOISE * width)
+                sensors[label] = replace(sensor or Sensor(), noise=share * width)
             elif sensor is not None:
                 sensors[label] = sensor
         return replace(self, options=replace(self.options, sensors=sensors))

@@ -45,6 +45,7 @@ from fuzzyarm.tuning.orders import Order, columns_for, longest, order_of
 from fuzzyarm.tuning.promises import Promises
 from fuzzyarm.tuning.result import ComparedRow, Method, Tuned, TuningPlan, notes_of
 from fuzzyarm.tuning.scenarios import (
+    NOISES,
     Scenario,
     Stage,
     plant_scenarios,
@@ -399,14 +400,15 @@ def _in_loop(
         options=stage.options,
         connect=stage.connect,
     )
-    judged = {}
+    judged: dict[str, TuningProblem] = {}
+    noises: tuple[tuple[float, Options], ...] = ()
     if plan.unseen:
         unseen = unseen_scenarios(stage, plan.unseen, controller)
         judged["unseen"] = replace(problem, scenarios=unseen)
         # A stage with noise of its own has been judged with noise already.
         if not stage.has_noise:
-            noisy = stage.noisy()
-            judged["noisy"] = replace(problem, scenarios=unseen, options=noisy.options)
+            noises = tuple((share, stage.noisy(share).options) for share in NOISES)
+            judged["noisy"] = replace(problem, scenarios=unseen, options=noises[0][1])
     linear, alone = {}, ""
     if plan.linear:
         try:
@@ -419,7 +421,7 @@ def _in_loop(
             linear = {key: replace(p, subject=other, tuning=moving) for key, p in sets.items()}
     unseen_names = tuple(scenario.name for scenario in judged["unseen"].scenarios) if judged else ()
     names = {"train": tuple(scenario.name for scenario in train), "unseen": unseen_names}
-    return TuningJob(problem, judged, linear, _cost_name(wish), names, {}, alone)
+    return TuningJob(problem, judged, linear, _cost_name(wish), names, {}, alone, noises, NOISES[0])
 
 
 def _cost_name(cost: str | OwnCost) -> str:
@@ -473,7 +475,7 @@ def _on_samples(
     shown: dict[str, tuple[str, ...]] = {
         key: (f"{len(samples)} samples",) for key, samples in sets.items()
     }
-    return TuningJob(problem, judged, {}, name, shown, regression)
+    return TuningJob(problem, judged, {}, name, shown, regression, noise=NOISE_SHARE)
 
 
 def _samples(
