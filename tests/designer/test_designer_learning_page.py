@@ -38,7 +38,7 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):
     page, tune = view("heater.frb", before, "Tune")
     tune.get_by_text("G_e, G_ce, G_du").wait_for()
     for name, value in (("Reference", "temperature=step:20"), ("Duration", "900s"),
-                        ("Evals", "90000"), ("Unseen", "2")):  # fmt: skip
+                        ("Trials at most", "90000"), ("Unseen scenarios", "2")):  # fmt: skip
         tune.get_by_label(name, exact=True).fill(value)
     tune.get_by_role("button", name="Start").click()
     curve = tune.get_by_role("img", name="the best so far costs")
