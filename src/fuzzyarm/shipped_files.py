@@ -44,7 +44,8 @@ EXAMPLES = ("fan.frb", "tipper.frb", "heater.frb", "servo.frb", "pd7.frb", "pd-m
 
 def _shipped_files() -> dict[str, Path]:
     folder = shipped_folder()
-    paths = [*folder.iterdir(), *(folder / OF_THE_STUDY).iterdir()]
+    # A page's Python has no files of the study.
+    paths = [*folder.iterdir(), *(folder / OF_THE_STUDY).glob("*")]
     return {path.name: path for path in paths if path.suffix in (".frb", ".lut")}
 
 
