@@ -19,7 +19,7 @@ DOMAINS = {"sqrt": (0.01, 9.0), "log": (0.01, 9.0), "asin": (-0.99, 0.99), "acos
            "tan": (-1.5, 1.5)}  # fmt: skip
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("name", sorted(FUNCTIONS))
 def test_a_function_and_its_slope_hold_those_of_points(name):
     generator = np.random.default_rng(7)
     low, high = DOMAINS.get(name, (-4.0, 4.0))
@@ -42,7 +42,7 @@ def test_a_function_and_its_slope_hold_those_of_points(name):
         assert point.along["x"].high - point.along["x"].low < Fraction(1, 2**100)
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("name", sorted(FUNCTIONS))
 def test_a_function_of_a_point_is_narrow(name):
     found = function(name, exactly(0.375))
     assert found.high - found.low < Fraction(1, 2**140)
