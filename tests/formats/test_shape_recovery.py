@@ -23,9 +23,12 @@ from fuzzyarm.formats.recovery import (
     shape_of,
     straight_shape,
 )
+from fuzzyarm.inference import infer
+from fuzzyarm.language import parse
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.model.rulebase import Shape
 from fuzzyarm.model.shapes import membership, membership_function
+from fuzzyarm.show.terms import shape_words
 
 XS = np.linspace(-2.0, 3.0, 101)
 
@@ -203,3 +206,26 @@ def test_straight_sets_make_straight_sets(norm: str) -> None:
         off = max(abs(membership_function(shape)(x) - degree(x)) for x in xs)
         assert off <= (1e-7 if is_exact else 0.05), parts
     assert exact >= 0.8 * cases(12, 200)
+
+
+@pytest.mark.parametrize("count", [11, 21])
+def test_the_far_tail_of_a_gaussian_is_not_straight(count: int) -> None:
+    """At 2 nothing but the tail of the second one fires, to 2e-22: 7.5 of 0 .. 10 is right."""
+    xs = np.linspace(0.0, 10.0, count)
+    shapes = []
+    for mean in (0.0, 1.0):
+        degrees = skfuzzy.gaussmf(xs, mean, 0.1)
+        shape = recovered(xs.tolist(), degrees.tolist()) or joined(xs.tolist(), degrees.tolist())
+        shapes.append(shape)
+        for x, y in zip(xs, degrees, strict=True):
+            assert membership(shape, x) == pytest.approx(y, rel=1e-9, abs=0.0)
+    text = (
+        "rulebase tails\n\ninput  x  0 .. 10\noutput y  0 .. 10\n\n"
+        + "".join(
+            f"term x {name}:  {shape_words(shape)}\n"
+            for name, shape in zip("ab", shapes, strict=True)
+        )
+        + "term y l: trapezoid 0 0 2 5\nterm y h: trapezoid 5 8 10 10\n\n"
+        "rule if x is a then y is l\nrule if x is b then y is h\n"
+    )
+    assert infer(parse(text).rulebase, {"x": 2.0})["y"] == pytest.approx(7.5, abs=0.01)

@@ -170,7 +170,7 @@ def test_a_rule_base_of_gaussians_is_short() -> None:
     long = from_skfuzzy(made, points=True).rulebase
     assert long is not None
     assert short.count("\n") == 43
-    assert round(len(write(in_tables(long))) / 1000) == 101
+    assert round(len(write(in_tables(long))) / 1000) == 114
 
 
 def test_a_norm_of_ones_own_is_an_error() -> None:

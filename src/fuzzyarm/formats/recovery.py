@@ -4,7 +4,8 @@ Other programs keep a term as degrees at points of its universe. On a flank of e
 some function of the degree is a straight line in x (the degree itself for a triangle, the square
 root of −2 ln y for a gaussian), so that a line through the flank has the numbers of the shape.
 They are rounded to few digits where that is what they were; a shape counts only where it has
-every degree to :data:`TOLERANCE`.
+every degree to :data:`TOLERANCE`, and a small degree to :data:`_SHARE` of itself: where one rule
+fires alone, its degree decides, and be it 1e-87.
 """
 
 from __future__ import annotations
@@ -42,6 +43,9 @@ NEAR_LINES = 0.01
 
 _STRAIGHT = 1e-13
 """Greatest distance of a sample from the line that replaces it."""
+
+_SHARE = 1e-9
+"""Greatest difference of a degree, as a share of it."""
 
 _DIGITS = 10
 """Most digits of a number that somebody wrote; others are left as they are found."""
@@ -92,7 +96,8 @@ def joined(xs: Sequence[float], ys: Sequence[float]) -> Shape:
             corners.append(i - 1)
             low, high, width = -math.inf, math.inf, xs[i] - xs[i - 1]
             slope = (ys[i] - ys[i - 1]) / width
-        low, high = max(low, slope - _STRAIGHT / width), min(high, slope + _STRAIGHT / width)
+        near = min(_STRAIGHT, _SHARE * ys[i]) / width
+        low, high = max(low, slope - near), min(high, slope + near)
     corners.append(len(xs) - 1)
     return Shape(
         "points", tuple(chain.from_iterable((xs[i], ys[i]) for i in dict.fromkeys(corners)))
@@ -252,8 +257,8 @@ def even_family(
 
 
 def _agree(one: Shape, other: Shape, xs: Sequence[float]) -> bool:
-    first, second = membership_function(one), membership_function(other)
-    return all(abs(first(x) - second(x)) <= TOLERANCE for x in xs)
+    degree = membership_function(other)
+    return _has(one, xs, [degree(x) for x in xs])
 
 
 # --- Lines through a flank ---
@@ -512,4 +517,17 @@ def _nearest(xs: Sequence[float], x: float) -> float:
 
 def _has(shape: Shape, xs: Sequence[float], ys: Sequence[float]) -> bool:
     degree = membership_function(shape)
-    return all(abs(degree(x) - y) <= TOLERANCE for x, y in zip(xs, ys, strict=True))
+    # At the foot of a flank a degree is rounding: it counts as that of a position beside it.
+    # The foot of a cosine is so flat that it takes more.
+    size = max(abs(xs[0]), abs(xs[-1]), xs[-1] - xs[0])
+    beside = (1e-7 if shape.kind == "cosine" else 1e-12) * size
+    return all(
+        abs(degree(x) - y) <= min(TOLERANCE, _SHARE * y)
+        or (abs(degree(x) - y) <= TOLERANCE and _between(degree, x - beside, x + beside, y))
+        for x, y in zip(xs, ys, strict=True)
+    )
+
+
+def _between(degree: Callable[[float], float], a: float, b: float, y: float) -> bool:
+    low, high = sorted((degree(a), degree(b)))
+    return low <= y <= high
