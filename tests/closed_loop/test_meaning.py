@@ -252,6 +252,23 @@ def test_a_start_made_of_a_parameter_follows_it():
     assert "makes its start" not in other.reason
 
 
+@pytest.mark.parametrize(
+    "read",
+    ["self.parameters", "{**self.parameters}", "dict(self.parameters)", "self.parameters.copy()",
+     "(self.parameters | {})", "({} | self.parameters)", "dict(self.parameters.items())"],
+)  # fmt: skip
+def test_a_start_made_of_a_copy_of_the_parameters_follows_them(folder, read):
+    name, text = (
+        plant_file(start=f"[getattr({read}['b'], 'value', 1.0)]", parameters="{'b': 1.0}"),
+        law(),
+    )
+    verdict = prove_loop(
+        text, read_claim(f"on '{name}' with b in 1 .. 2: y in -1.1 .. 1.1 during 0 .. 100 ms")
+    )
+    assert verdict.verdict == "undecided"
+    assert "makes its start of 'b'" in verdict.reason
+
+
 def test_a_verdict_says_where_states_begin_that_a_claim_leaves_out(folder):
     name = plant_file(
         states='{"y": "m", "v": "m/s"}', start="[0.5, 0.25]", rates="[x[1], u[0] - x[1]]"

@@ -9,7 +9,7 @@ kind of number (an :class:`Algebra`): affine forms for certificates, zonotopes f
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -232,28 +232,31 @@ def loop_problem(
     )
 
 
-class _Watched(dict[str, Any]):
-    """Parameters of a plant that note which of them are read."""
+class _Watched(Mapping[str, Any]):
+    """Parameters of a plant that note which are read; no dict, whose copies note nothing."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
-        super().__init__(values)
+        self._values = dict(values)
         self.read: set[str] = set()
 
     def __getitem__(self, name: str) -> Any:
         self.read.add(name)
-        return super().__getitem__(name)
+        return self._values[name]
 
-    def get(self, name: str, default: Any = None) -> Any:
-        self.read.add(name)
-        return super().get(name, default)
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
 
-    def values(self) -> Any:
-        self.read |= set(self)
-        return super().values()
+    def __len__(self) -> int:
+        return len(self._values)
 
-    def items(self) -> Any:
-        self.read |= set(self)
-        return super().items()
+    def copy(self) -> dict[str, Any]:
+        return dict(self)
+
+    def __or__(self, other: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(self) | dict(other)
+
+    def __ror__(self, other: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(other) | dict(self)
 
 
 def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
