@@ -26,8 +26,8 @@ help:
 	@echo "            with BEFORE=TREE/.venv/bin/python beside another tree, in turns"
 	@echo "make mutants  change the source in 300 ways and see which a test notices; goes on in"
 	@echo "            build/mutants where it was interrupted"
-	@echo "make fuzz   all random cases of the tests; then texts, tables, rule bases and proofs, 20,000 each,"
-	@echo "            and 12,000 commands: five hours"
+	@echo "make fuzz   all random cases of the tests; then texts, tables, rule bases and proofs, 20,000 each, 5,000 loops"
+	@echo "            and 12,000 commands: seven hours"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
 	@echo "make designer  build what the designer's page needs of other packages (needs node)"
 	@echo "make types  print the messages of the designer as types for its page"
@@ -86,6 +86,7 @@ fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz/damaged_tables.py --count 20000
 	$(BIN)/python tests/fuzz/random_rule_bases.py --count 20000
 	$(BIN)/python tests/fuzz/random_proofs.py --count 20000
+	$(BIN)/python tests/fuzz/random_loops.py --count 5000
 	$(BIN)/python tests/fuzz/random_commands.py --count 12000
 	$(BIN)/python tests/fuzz/patience.py --count 100
 

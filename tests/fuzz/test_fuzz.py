@@ -9,6 +9,7 @@ import damaged_texts
 import patience
 import pytest
 import random_commands
+import random_loops
 import random_rule_bases
 from budget import cases
 from drawn_commands import OFTEN
@@ -25,8 +26,8 @@ LONG = {"plot", "sweep", "tune", "demo", "compare", "reproduce", "watch", "learn
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("fuzzer", "count"), [(damaged_texts, cases(150, 300)), (damaged_tables, cases(150, 300)),
-                        (random_rule_bases, cases(15, 30))],
-    ids=["damaged texts", "damaged tables", "random rule bases"],
+                        (random_rule_bases, cases(15, 30)), (random_loops, cases(4, 200))],
+    ids=["damaged texts", "damaged tables", "random rule bases", "random loops"],
 )  # fmt: skip
 def test_nothing_is_found(fuzzer, count):
     found = search(fuzzer.case, seed=0, count=count)
