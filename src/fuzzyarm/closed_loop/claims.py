@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from fuzzyarm.closed_loop.claimed_time import ClaimedPeriods, claimed_periods
-from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem, loop_problem
+from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.document import parse_document
 from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
@@ -257,9 +257,31 @@ def problem_of(
     )
     if claim.output:
         claimed_port(problem, claim)
+    _require_one_meaning(problem, claim)
     if claim.output or claim.start:
         problem.require_known_start()
     return problem
+
+
+def _require_one_meaning(problem: LoopProblem, claim: LoopClaim) -> None:
+    """Refuse a name of a claim that is a state of the plant and an output of another value."""
+    used = {name for name, _, _ in claim.start} | {claim.output.rpartition(".")[2]}
+    named = {port for _, port in problem.site.interface.outputs} & set(problem.states) & used
+    if not named:
+        return
+    try:
+        equations = problem.equations
+    except LoopProofError:  # nothing is known of its outputs, nor proved
+        return
+    for (_, port), root in zip(problem.site.interface.outputs, equations.outputs, strict=True):
+        if port in named:
+            state = equations.states[problem.states.index(port)]
+            if getattr(root, "name", "") != state:
+                name = problem.plant.name
+                raise ClaimError(
+                    f"'{port}' is a state of {name}, and an output of {name} of another value",
+                    hint="rename one of both in the plant",
+                )
 
 
 def claimed_in(problem: LoopProblem, claim: LoopClaim) -> ClaimedPeriods:

@@ -22,7 +22,7 @@ from fuzzyarm.controller.program import AXIS, SourceError, of_axis
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.evaluation import specialise
-from fuzzyarm.expression.nodes import Node, constant, substituted, symbol
+from fuzzyarm.expression.nodes import Node, constant, substituted, symbol, symbols
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.expression.sources import SourceKind, unseen
 from fuzzyarm.loop.course import Sensor, periods_of
@@ -148,11 +148,14 @@ class LoopProblem:
         rates, outputs = roots
         states = tuple(f"x{k}" for k in range(len(plant.states)))
         measured = tuple(symbol(name) for name in states[: len(plant.outputs)])
+        inputs = tuple(f"u{k}" for k in range(len(plant.inputs)))
+        if any(set(symbols(root)) & set(inputs) for root in outputs or ()):
+            raise LoopProofError(f"an output of {plant.name} depends on an input at once")
         return PlantEquations(
             tuple(rates),
             measured if outputs is None else tuple(outputs),
             states,
-            tuple(f"u{k}" for k in range(len(plant.inputs))),
+            inputs,
             tuple(f"p{k}" for k in range(len(plant.parameters))),
         )
 

@@ -19,6 +19,7 @@ from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.text.numbers import number_text
 
 __all__ = ["Breach", "refuting_run", "run_of", "sampled_runs"]
@@ -32,7 +33,10 @@ class Breach(NamedTuple):
 
 
 def refuting_run(
-    problem: LoopProblem, claim: LoopClaim, rest: Mapping[str, float] | None = None
+    problem: LoopProblem,
+    claim: LoopClaim,
+    rest: Mapping[str, float] | None = None,
+    stop: Stop | None = None,
 ) -> Breach | None:
     """Return a run that breaks a claim, if one of some runs does.
 
@@ -45,23 +49,73 @@ def refuting_run(
     rest : mapping of str to float, optional
         Where the plant rests, if the controller is at rest as it starts. That a loop is stable,
         with no word of where from, is refuted by runs from next to there only.
+    stop : Stop, optional
+        When to give up; the first run is made in any case.
     """
     at_rest = not claim.start and not claim.output
     if at_rest and rest is None:
         return None
-    for start, values in _starts(problem, claim, rest if at_rest else None):
+    for number, (start, values) in enumerate(_starts(problem, claim, rest if at_rest else None)):
+        if number and stop is not None and stop.now:
+            return None
         run = run_of(problem, start, values, claim)
         if run is None:
             return None
-        against = _breach(problem, claim, run, rest)
-        # A breach counts only if it survives a finer integration: it might be one of the
-        # integrator.
-        finer = against and run_of(problem, start, values, claim, steps=4)
-        if finer and _breach(problem, claim, finer, rest):
-            free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
-            words = ", ".join(f"{name} = {number_text(x)}" for name, x in {**start, **free}.items())
-            return Breach(run, (f"from {words}", against))
+        if not _breach(problem, claim, run, rest):
+            continue
+        # It might be a breach of the integrator only.
+        sure = _converged(problem, claim, start, values)
+        against = "" if sure is None else _breach(problem, claim, sure, rest)
+        if sure is None or not against:
+            continue
+        free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
+        words = ", ".join(f"{name} = {number_text(x)}" for name, x in {**start, **free}.items())
+        return Breach(sure, (f"from {words}", against))
     return None
+
+
+FINER = (1, 4, 16, 64, 256)
+"""Into how many steps a period is cut, one after another, until two runs agree."""
+
+AGREED = 1e-3
+"""By what share of how far a run has been two runs of different steps may differ."""
+
+
+def _converged(
+    problem: LoopProblem,
+    claim: LoopClaim,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+) -> Run | None:
+    """Return a run whose integrator is right, as far as two of different steps can tell."""
+    coarse: Run | None = None
+    for steps in FINER:
+        fine = run_of(problem, start, values, claim, steps=steps)
+        if fine is None:
+            return None
+        if coarse is not None and _agree(coarse, fine):
+            return fine
+        coarse = fine
+    return None
+
+
+def _agree(one: Run, other: Run) -> bool:
+    """Tell whether two runs are the same except for what a finer integration changes."""
+    count = min(len(one.time), len(other.time))
+    is_lost = one.diverged is not None
+    # One that diverges may leave a sample earlier or later.
+    if is_lost != (other.diverged is not None) or abs(len(one.time) - len(other.time)) > 1:
+        return False
+    for name, values in one.outputs.items():
+        first, second = (np.asarray(x, float)[:count] for x in (values, other.outputs[name]))
+        finite = np.isfinite(first) & np.isfinite(second)
+        if is_lost and count > 3:  # beyond all numbers the last sample may be anything
+            finite[-1] = True
+            first, second = (np.where(np.isfinite(x), x, 0.0)[:-1] for x in (first, second))
+        size = np.maximum.accumulate(np.abs(second)) + 1e-12
+        if not (finite.all() and (np.abs(first - second) <= AGREED * size).all()):
+            return False
+    return True
 
 
 RUNS = 24

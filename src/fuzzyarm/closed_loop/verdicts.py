@@ -14,6 +14,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,
@@ -28,7 +30,7 @@ from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem
 from fuzzyarm.closed_loop.runs import refuting_run
-from fuzzyarm.closed_loop.search import Proposal, proposals, rate_of
+from fuzzyarm.closed_loop.search import Proposal, leaves_rest, proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.tube_certificate import TubeCertificate, read_certificate
@@ -230,6 +232,7 @@ class _Case:
         self.stop = Stop(budget, watch)
         self.attempts = 0
         self.rest: dict[str, float] | None = None
+        self.maker: FormMaker | None = None
         self.pieces = PiecesOfRules()
         self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
 
@@ -258,7 +261,7 @@ class _Case:
         """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
         try:
             maker = FormMaker(problem, self.stop)
-            self.rest = _begun_at_rest(maker)
+            self.rest, self.maker = _begun_at_rest(maker), maker
             starts = bool(self.claim.output or self.claim.start) and not self.continuous
             verdict = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
             if verdict.verdict == UNDECIDED and starts:
@@ -344,6 +347,8 @@ class _Case:
         if not claim.output:
             # The search has seen its own form of the loop; the largest that the checker accepts.
             for proposal in sorted(good, key=lambda candidate: -candidate.size)[:MOST_CHECKED]:
+                if self.stop.now:
+                    break
                 verdict, against = self._judged(maker, claim, proposal)
                 reason = against or reason
                 if verdict is not None:
@@ -382,10 +387,21 @@ class _Case:
         self.loop = loop
         return self._said(PROVED, certificate=certificate, **facts), ""
 
+    def _is_unstable(self) -> bool:
+        """Tell whether the loop is unstable next to rest, where that can be told."""
+        try:
+            return self.maker is not None and leaves_rest(self.maker)
+        except (FuzzyarmError, EnclosureError, np.linalg.LinAlgError):
+            return False
+
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run, if one of some runs is one."""
-        breach = refuting_run(problem, self.claim, self.rest)
+        if self.continuous:  # runs are those of the sampled loop
+            return None
+        breach = refuting_run(problem, self.claim, self.rest, self.stop)
         if breach is None:
+            return None
+        if not (self.claim.output or self.claim.start or self._is_unstable()):
             return None
         return self._said(REFUTED, evidence=breach.words, run=breach.run)
 

@@ -1,0 +1,172 @@
+"""Loops of which something false was refuted, or that ended in a traceback."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzzyarm import load_controller, shipped
+from fuzzyarm.closed_loop import LoopVerdict, prove_loop, read_claim
+from fuzzyarm.controller.text import ControllerText
+
+HEAD = "from fuzzyarm.plant import Plant, Port\n"
+LAG = """
+class Lag(Plant):
+    inputs = {"u": Port("V", -5000.0, 5000.0)}
+    outputs = {"y": Port("m", -10.0, 10.0)}
+    states = {"y": "m"}
+    duration = 1.0
+    def derivative(self, t, x, u, p):
+        return [RATE]
+"""
+OSCILLATOR = """
+class Oscillator(Plant):
+    inputs = {"u": Port("V", -50.0, 50.0)}
+    outputs = {"y": Port("m", -1.0, 1.0)}
+    states = {"y": "m", "v": "m/s"}
+    duration = 60.0
+    def derivative(self, t, x, u, p):
+        return [x[1], -25.0*x[0] + 0.2*x[1] + 10.0*u[0]]
+"""
+
+
+def plant_file(folder: Path, body: str, name: str = "plant.py") -> str:
+    path = folder / name
+    path.write_text(HEAD + body)
+    return str(path)
+
+
+def lag(folder: Path, rate: str) -> str:
+    return plant_file(folder, LAG.replace("RATE", rate))
+
+
+def controller(folder: Path, lines: str, period: str = "10 ms", name: str = "c") -> ControllerText:
+    path = folder / f"{name}.frb"
+    path.write_text(f"controller {name}\nperiod {period}\naxis a\n{lines}")
+    return load_controller(str(path))
+
+
+def proportional(folder: Path, gain: float) -> ControllerText:
+    return controller(
+        folder, f"  e = error of y\n  drive u = {'-' * (gain < 0)}e * {abs(gain)!r}\n"
+    )
+
+
+def proved(text: ControllerText, claim: str, plant: str, **words: object) -> LoopVerdict:
+    return prove_loop(text, read_claim(claim, plant), budget=20.0, **words)  # type: ignore[arg-type]
+
+
+def exponential(matrix: np.ndarray) -> np.ndarray:
+    total = term = np.eye(len(matrix))
+    for k in range(1, 40):
+        term = term @ matrix / k
+        total = total + term
+    return total
+
+
+# ── a false refutation ───────────────────────────────────────────────────────────────
+
+
+def test_a_stiff_plant_is_not_refuted_by_an_integrator_that_diverges(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "-2000.0*x[0] + 2000.0*u[0]")  # next y = -0.5 y
+    assert proved(proportional(tmp_path, 0.5), "stable", plant).verdict != "refuted"
+    from_here = proved(
+        proportional(tmp_path, 0.5), "from y in 1 .. 1: y in -2 .. 2 during 0 .. 1 s", plant
+    )
+    assert from_here.verdict != "refuted"
+
+
+def test_a_loop_that_is_unstable_stays_refuted(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "u[0]")  # next y = (1 - 0.01 k) y
+    assert proved(proportional(tmp_path, 210.0), "stable", plant).verdict == "refuted"
+    assert proved(proportional(tmp_path, 190.0), "stable", plant).verdict == "proved"
+
+
+@pytest.mark.slow
+def test_a_stable_straight_loop_is_never_refuted(tmp_path: Path) -> None:
+    generator = np.random.default_rng(11)
+    seen = 0
+    for number in range(200):
+        if seen == 12:
+            break
+        a = generator.normal(size=(2, 2)) * 10.0 ** generator.uniform(-1, 1.5)
+        b = generator.normal(size=2) * 10.0 ** generator.uniform(-1, 1)
+        gain = float(generator.normal() * 10.0 ** generator.uniform(-1, 1))
+        block = np.zeros((3, 3))
+        block[:2, :2], block[:2, 2] = a, b
+        step = exponential(block * 0.01 / 64)
+        for _ in range(6):
+            step = step @ step
+        closed = step[:2, :2] + np.outer(step[:2, 2], [-gain, 0.0])
+        if not max(abs(np.linalg.eigvals(closed))) < 0.999:
+            continue
+        seen += 1
+        size = float(10.0 ** generator.uniform(0, 3))
+        rows = [f"{r[0]!r}*x[0] + {r[1]!r}*x[1] + {c!r}*u[0]" for r, c in
+                zip(a.tolist(), b.tolist(), strict=True)]  # fmt: skip
+        body = OSCILLATOR.replace("-1.0, 1.0", f"{-size!r}, {size!r}").replace(
+            "[x[1], -25.0*x[0] + 0.2*x[1] + 10.0*u[0]]", f"[{', '.join(rows)}]"
+        ).replace("duration = 60.0", "duration = 2.0")  # fmt: skip
+        plant = plant_file(tmp_path, body, f"p{number}.py")
+        verdict = proved(proportional(tmp_path, gain), "stable", plant)
+        assert verdict.verdict != "refuted", (a, b, gain)
+    assert seen == 12
+
+
+# ── tracebacks, and claims that contradict themselves ────────────────────────────────
+
+
+def test_a_rate_without_a_filter_has_a_verdict_and_no_warning(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "u[0] - x[0]")
+    lines = "  e = error of y\n  r = rate of e\n  drive u = e + r * 0.01\n"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        verdict = proved(controller(tmp_path, lines, "50 ms"), "stable", plant)
+    # y+ = a y + b u, u = -y - 0.01 (y - y-) / 0.05, exactly.
+    a, b = np.exp(-0.05), 1.0 - np.exp(-0.05)
+    assert max(abs(np.linalg.eigvals([[a - 1.2 * b, 0.2 * b], [1.0, 0.0]]))) < 1.0
+    assert verdict.verdict == "proved"
+
+
+def test_a_name_of_a_state_and_of_another_output_is_refused(tmp_path: Path) -> None:
+    body = OSCILLATOR.replace(
+        "    def derivative", "    def measure(self, t, x, u, p):\n        return [x[1]]\n"
+        "    def derivative"
+    )  # fmt: skip
+    plant = plant_file(tmp_path, body)
+    text = proportional(tmp_path, 0.1)
+    with pytest.raises(ValueError, match="of another value"):
+        proved(text, "from y in 1 .. 1: y in 0 .. 1 during 0 .. 1 s", plant)
+
+
+def test_an_output_that_reads_a_drive_has_a_verdict(tmp_path: Path) -> None:
+    body = LAG.replace('"y": Port("m", -10.0, 10.0)', '"y": Port("m"), "z": Port("m")').replace(
+        "[RATE]",
+        "[u[0] - x[0]]\n    def measure(self, t, x, u, p):\n        return [x[0], x[0] + u[0]]",
+    )
+    plant, text = plant_file(tmp_path, body), proportional(tmp_path, 2.0)
+    for claim in ("from y in 0.5 .. 1: u in -2 .. 0 during 0 .. 0.1 s", "stable", "y in -1 .. 1"):
+        verdict = proved(text, claim, plant)
+        assert verdict.verdict == "undecided"
+        assert verdict.reason.endswith("depends on an input at once")
+
+
+def test_a_run_beyond_a_bound_of_the_plant_still_refutes(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "x[0]")  # y = 0.5 e^t, whatever the drive: 1.006876 at 0.7 s
+    claim = "from y in 0.5 .. 0.5: y in -1 .. 1 during 0 .. 1 s"  # ln 2 = 0.693 s
+    verdict = proved(proportional(tmp_path, 1.0), claim, plant)
+    assert verdict.verdict == "refuted"
+    assert verdict.evidence[1] == "y = 1.00688 after 0.7 s"
+
+
+@pytest.mark.slow
+def test_a_budget_holds_within_half_of_it() -> None:
+    servo = load_controller(shipped("servo.frb"))
+    begun = time.monotonic()
+    verdict = prove_loop(servo, read_claim("stable from position in -6 .. 6", "motor"), budget=4.0)
+    assert verdict.verdict == "undecided"
+    assert time.monotonic() - begun < 6.0
