@@ -21,7 +21,7 @@ from fuzzyarm.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
-from fuzzyarm.text.protected import SourceFileError
+from fuzzyarm.text.protected import ForeignFileError, SourceFileError
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -234,7 +234,7 @@ def saved(path: str, write: Callable[[str], object]) -> Saved:
     """Write the result of long work; where that fails, into a folder for temporary files."""
     try:
         write(path)
-    except (OSError, SourceFileError) as error:
+    except (OSError, SourceFileError, ForeignFileError) as error:
         from tempfile import mkdtemp
 
         what = errors.sentence_of(error)
@@ -336,7 +336,20 @@ def print_os_error(error: OSError, path: str | None = None) -> None:
     if isinstance(error, FileNotFoundError) and folder and not os.path.isdir(folder):
         print_error(f"no such folder: '{folder}'")
         return
-    print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}")
+    near = _nearest_file(str(path)) if isinstance(error, FileNotFoundError) and path else ""
+    print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}{near}")
+
+
+def _nearest_file(path: str) -> str:
+    """Return the question whether a file that is there was meant; empty where none is like it."""
+    from fuzzyarm.text.names import did_you_mean, nearest
+
+    folder, name = os.path.split(path)
+    with suppress(OSError):
+        found = nearest(name, sorted(os.listdir(folder or ".")))
+        if found:
+            return f" ({did_you_mean(os.path.join(folder, found))})"
+    return ""
 
 
 def print_findings(findings: Sequence[Diagnostic], text: str, stream: TextIO) -> None:

@@ -59,6 +59,7 @@ from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.text.files import same_file, write_atomically
 from fuzzyarm.text.numbers import counted
+from fuzzyarm.text.protected import ForeignFileError
 
 if TYPE_CHECKING:
     from fuzzyarm.live import System
@@ -331,11 +332,11 @@ def _write_system(arguments: argparse.Namespace, system: System, target: Path) -
     """Write a system; not over another text, unless its file was named or --force is given."""
     if system.rulebase is None:
         return False
-    old = target.read_text(encoding="utf-8", errors="replace") if target.is_file() else None
-    if old is not None and old != system.text and not (arguments.force or arguments.target):
-        print_error(f"{target} already exists; --force replaces it")
+    try:
+        write_atomically(target, system.text)
+    except ForeignFileError as error:  # the other systems of the script have files of their own
+        print_error(error)
         return False
-    write_atomically(target, system.text)
     return True
 
 

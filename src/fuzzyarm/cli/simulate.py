@@ -150,6 +150,11 @@ def _sweep(request: SimulateWords) -> int:
 
 def _require_pictures(request: SimulateWords) -> None:
     """Tell a mistake in the name of a picture before the run."""
+    if request.out or request.resume:
+        option = "-o" if request.out else "--resume"
+        raise UsageError(
+            f"{option} is for a --sweep", hint="--csv FILE writes the samples of a run"
+        )
     demand_figure(request.plot)
     demand_places(request.csv, request.animate)
     if request.animate:

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.protected import demand_no_source, note_result
+from fuzzyarm.text.made import marked
+from fuzzyarm.text.protected import demand_made, demand_no_source, is_in_command, note_result
 
 _roots: list[Path] = []
 """Folders whose files this process may use; all files, if this is empty."""
@@ -78,9 +79,13 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
         then untouched.
     SourceFileError
         If the command that writes has read the file.
+    ForeignFileError
+        If a command without ``--force`` would replace a file that fuzzyarm did not write.
     """
     _demand_leave(path)
     data = content.encode() if isinstance(content, str) else content
+    if is_in_command():
+        data = marked(path, data)
     with _named(path):
         if _stays(path):
             with open(path, "wb") as file:
@@ -161,6 +166,7 @@ def _lock(file: BinaryIO) -> None:
 
 def _demand_leave(path: str | Path) -> None:
     demand_no_source(path)
+    demand_made(path)
     # Replacing a file does not need permission to write it, so that is checked here.
     if os.path.isdir(path):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))

@@ -7,10 +7,14 @@ import os
 from collections.abc import Iterator
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.made import is_made_file
 
 __all__ = [
+    "ForeignFileError",
     "SourceFileError",
+    "demand_made",
     "demand_no_source",
+    "is_in_command",
     "let_rewrite",
     "note_result",
     "note_source",
@@ -22,9 +26,13 @@ _Identity = str | tuple[int, int]
 
 
 class _Notes:
-    """The files that a command has read, and those that it is going to write."""
+    """The files that a command has read, and those that it is going to write.
 
-    def __init__(self) -> None:
+    `force`: whether it may replace files that fuzzyarm did not write.
+    """
+
+    def __init__(self, *, force: bool) -> None:
+        self.force = force
         self.sources: set[_Identity] = set()
         self.results: set[_Identity] = set()
 
@@ -47,10 +55,29 @@ class SourceFileError(FuzzyarmError, ValueError):
         self.path = path
 
 
+class ForeignFileError(FuzzyarmError, ValueError):
+    """A command would replace a file that fuzzyarm did not write.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    """
+
+    def __init__(self, path: str) -> None:
+        super().__init__(
+            f"{path} is not replaced: fuzzyarm did not write it", hint="--force replaces it"
+        )
+        self.path = path
+
+
 @contextlib.contextmanager
-def sources_kept() -> Iterator[None]:
-    """Refuse to overwrite any file that is read within this context."""
-    _notes.append(_Notes())
+def sources_kept(*, force: bool = True) -> Iterator[None]:
+    """Refuse to overwrite files that are read within this context; without `force` others, too.
+
+    Without `force` only files that fuzzyarm wrote are replaced.
+    """
+    _notes.append(_Notes(force=force))
     try:
         yield
     finally:
@@ -86,6 +113,22 @@ def demand_no_source(path: str | os.PathLike[str]) -> None:
         if notes.sources & identities:
             raise SourceFileError(os.fspath(path))
         notes.results -= identities  # it is a result from now on, and may be read
+
+
+def demand_made(path: str | os.PathLike[str]) -> None:
+    """Raise ForeignFileError where a command would replace a file that fuzzyarm did not write."""
+    if keeps_foreign() and os.path.isfile(path) and not is_made_file(path):
+        raise ForeignFileError(os.fspath(path))
+
+
+def keeps_foreign() -> bool:
+    """Whether a command runs that replaces only files that fuzzyarm wrote."""
+    return bool(_notes) and (_notes[-1] is not None and not _notes[-1].force)
+
+
+def is_in_command() -> bool:
+    """Whether what is written now is the result of a command, apart from what it reads."""
+    return bool(_notes) and _notes[-1] is not None
 
 
 def _identities(path: str | os.PathLike[str]) -> set[_Identity]:
