@@ -42,6 +42,10 @@ out of range among it), 3 a run diverged, 4 a proof stayed undecided, 130 interr
 it is not 0, a sentence on the standard error says why; what takes longer than 1.5 s says there
 what it does (`FUZZYARM_PROGRESS=0`: it does not).
 
+No command replaces a file that fuzzyarm did not write, unless `--force`, an option of every
+command, is given. What fuzzyarm writes is marked: by a line `Written by fuzzyarm` where the format
+has comments. Remove the line to keep the file.
+
 `fuzzyarm --version` prints the version, `fuzzyarm --print-completion bash` (or `zsh`, `tcsh`) a
 script for [completion](install.md#completion).
 """

@@ -199,7 +199,7 @@ def test_files_that_are_there_are_left_alone(
     name = script(folder, ONE)
     (folder / "engine.frb").write_text("mine")
     assert main(["convert", name, "--run"]) == 1
-    assert "engine.frb already exists; --force replaces it" in capsys.readouterr().err
+    assert "engine.frb is not replaced: fuzzyarm did not write it" in capsys.readouterr().err
     assert (folder / "engine.frb").read_text() == "mine"
     assert main(["convert", name, "--run", "--force", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)

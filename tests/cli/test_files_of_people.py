@@ -11,7 +11,7 @@ from fuzzyarm.cli.main import COMMANDS, find_command, main
 from fuzzyarm.table import read_table
 
 ROOT = Path(__file__).parents[2]
-FILES = ("pd7.frb", "servo.frb", "tipper.frb", "soc-zero.frb", "pd-motor.frb", "thesis-6.1.lut")
+FILES = ("pd7.frb", "servo.frb", "tipper.frb", "soc-zero.frb", "thesis-6.1.lut")
 
 FILE_LIKE = ("FILE", "OUT", "FIG", "DIR", "PAGE", "FILE.csv", "FILE.frb")
 """What the value of an option is called on the help page where it is a file."""
@@ -54,7 +54,7 @@ WRITTEN = {
     ("simulate", "--plot"): [f"simulate servo.frb {RUN} --plot o.png"],
     ("eval", "--plot"): ["eval pd7.frb e=1 ce=1 --plot o.png"],
     ("sweep", "--plot"): [f"sweep servo.frb {RUN} --sweep J=0.01..0.02:3 --plot o.png"],
-    ("compare", "--plot"): [f"compare servo.frb pd-motor.frb {RUN} --plot o.png"],
+    ("compare", "--plot"): [f"compare servo.frb other.frb {RUN} --plot o.png"],
     ("learn", "--plot"): [
         "learn soc-zero.frb --passes 1 --segment 0.05 --hold 0.02 --plot o.png"
     ],
@@ -98,6 +98,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in FILES:
         shutil.copy(ROOT / "rulebases" / name, name)
+    shutil.copy("servo.frb", "other.frb")
     Path("samples.csv").write_text(f"x,y,z\n{SAMPLES}\n")
     assert main(["convert", "tipper.frb", "tipper.fis"]) == 0
     assert main(["fit", "samples.csv", "--terms", "2,2", "-o", "model.frb"]) == 0

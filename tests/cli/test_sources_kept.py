@@ -43,7 +43,7 @@ def test_a_tuned_controller_is_not_written_over_rules_that_it_uses(folder, capsy
     for name in ("fuzzy-direct.frb", "pd7-study.frb"):  # the rules stay as they are
         shutil.copy(ROOT / "rulebases" / name, name)
     before = Path("pd7-study.frb").read_bytes()
-    words = ["tune", "fuzzy-direct.frb", "--evals", "3", "--journal", "trials", "-o"]
+    words = ["tune", "fuzzy-direct.frb", "--evals", "3", "--journal", "trials", "--force", "-o"]
     assert main([*words, "pd7-study.frb"]) == 1
     assert "pd7-study.frb is not written" in capsys.readouterr().err
     assert Path("pd7-study.frb").read_bytes() == before

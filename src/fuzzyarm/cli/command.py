@@ -38,6 +38,11 @@ EXIT_INTERRUPTED = 130
 
 # --- The record of a command ---
 
+FORCE = "--force"
+"""With any command: replace a file that fuzzyarm did not write (`text/made.py`)."""
+
+FORCE_HELP = "replace files that fuzzyarm did not write"
+
 
 class Argument(NamedTuple):
     """One argument: its names and options as `add_argument` takes them, and where it stands.

@@ -18,6 +18,7 @@ from fuzzyarm import interrupts
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     EXIT_USAGE,
+    FORCE,
     Command,
     UsageError,
     announced,
@@ -67,9 +68,6 @@ A module is imported when one of its commands is called; its `COMMANDS` are the 
 REWRITING = frozenset({"fmt", "lsp", "new", "shipped"})
 """Commands that write over what they read, or files for people, and see to those themselves; `tune`
 and `designer` write over what they read where they are asked to."""
-
-FORCE = "--force"
-"""With any command: replace a file that fuzzyarm did not write (`text/made.py`)."""
 
 HEADINGS = {
     "new": "Start",

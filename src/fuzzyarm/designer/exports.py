@@ -35,6 +35,7 @@ from fuzzyarm.table import LookupTable
 from fuzzyarm.table.files import LATEX, table_as
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS, FOREIGN
+from fuzzyarm.text.made import marked
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -262,4 +263,4 @@ def _conversion(session: Session, model: RuleBase, out: str) -> tuple[list[Offer
 
 
 def _offered(name: str, content: str | bytes) -> Offered:
-    return Offered(name, content.encode() if isinstance(content, str) else content)
+    return Offered(name, marked(name, content.encode() if isinstance(content, str) else content))
