@@ -226,7 +226,7 @@ above.register(
         "infer": "fuzzyarm.inference",
         "rulebase_figure": "fuzzyarm.show.figures",
         "table_of_request": "fuzzyarm.api",
-        "text_in": "fuzzyarm.formats",
+        "text_in": "fuzzyarm.live.conversion",
         "text_of": "fuzzyarm.notebook",
         "write": "fuzzyarm.language",
     }

@@ -6,7 +6,9 @@
 Everything that does not come across is said, with its position in the file. Where numbers
 change a little (another sampling of the defuzzifier, another manner outside a range, fuzzylite's
 threshold of 1e-6), the file is written with a warning, and refused with --strict; what would
-change numbers beyond that is an error, and nothing is written, unless --lossy. From .frb to .frb
+change numbers beyond that is an error, and nothing is written, unless --lossy. Where anything is
+warned about, what was written is read back and compared at 100 points: the warning has the greatest
+difference, and beyond 1 % of the range of an output it is an error. From .frb to .frb
 the text is formatted and its comments stay; other files have no place for them.
 
     fuzzyarm convert learned.lut learned.frb
@@ -51,9 +53,9 @@ from fuzzyarm.cli.command import (
     print_json,
     say,
 )
-from fuzzyarm.formats import MEANINGS, PRODUCERS, Exported, Imported, read, suffix_of, write
-from fuzzyarm.formats.conversion import converted, findings_of
+from fuzzyarm.formats import MEANINGS, PRODUCERS, Exported, Imported, read, suffix_of
 from fuzzyarm.language.reading import read_text, text_to_show
+from fuzzyarm.live.conversion import converted, findings_of, written
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
@@ -162,7 +164,7 @@ def _convert_tree(arguments: argparse.Namespace, sources: Sequence[str], target:
     joint = tree(rulebases, arguments.connect, name, lossy=arguments.lossy, strict=arguments.strict)
     exported = None
     if joint.rulebase is not None:
-        exported = write(
+        exported = written(
             joint.rulebase,
             target,
             producer=arguments.consumer,
@@ -211,7 +213,7 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
     table = read_table(arguments.source)
     name = Path(arguments.target).stem
     fitted = rules_of_table(table, name, terms=arguments.terms or TERMS)
-    exported = write(
+    exported = written(
         fitted.rulebase,
         target,
         producer=arguments.consumer,

@@ -20,10 +20,10 @@ from fuzzyarm.designer.messages import FormField
 from fuzzyarm.designer.names import clean_name, in_words
 from fuzzyarm.designer.requests import ExportWork, FormValues
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.findings import Imported
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.language.queries import Reading
+from fuzzyarm.live.conversion import converted, findings_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.compiled import Making, compiled, making_of, program_of, source_of

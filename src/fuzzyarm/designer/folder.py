@@ -36,8 +36,8 @@ from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import read as read_foreign
-from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.language import load_rulebase, read_text
+from fuzzyarm.live.conversion import converted, findings_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import EXAMPLES, shipped, what_it_is
 from fuzzyarm.table import SUFFIXES as TABLES

@@ -22,7 +22,6 @@ from fuzzyarm.formats.registry import (
     read,
     same_model,
     suffix_of,
-    text_in,
     write,
 )
 from fuzzyarm.formats.trees import tree
@@ -46,7 +45,6 @@ __all__ = [
     "read",
     "same_model",
     "suffix_of",
-    "text_in",
     "tree",
     "write",
     "write_fcl",

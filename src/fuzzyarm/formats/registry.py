@@ -28,7 +28,7 @@ from fuzzyarm.formats.not_texts import called, started
 from fuzzyarm.formats.system_writer import note_threshold
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
+from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
 from fuzzyarm.text.protected import note_source
 
@@ -232,31 +232,6 @@ def write(
         case ".frb":
             return _write_own(rulebase, lossy=lossy, strict=strict)
     raise FormatError(f"no format has the suffix '{suffix}'")
-
-
-def text_in(rulebase: RuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
-    """Return `rulebase` in the format that the suffix of `path` names.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        What to write.
-    path : path-like
-        Its suffix is the format.
-    lossy : bool
-        Whether to go on where numbers would change.
-
-    Raises
-    ------
-    FormatError
-        If the suffix is not that of a format of rule bases.
-    RuleBaseError
-        If the format cannot express the rule base, with every finding.
-    """
-    exported = write(rulebase, suffix_of(path), lossy=lossy)
-    if exported.text is None:
-        raise RuleBaseError(exported.diagnostics)
-    return exported.text
 
 
 def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:

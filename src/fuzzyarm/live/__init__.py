@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 from fuzzyarm.lazy import lazily
 
 if TYPE_CHECKING:
+    from fuzzyarm.live.comparison import compare
     from fuzzyarm.live.skfuzzy import from_skfuzzy, to_skfuzzy
-    from fuzzyarm.live.systems import ScriptError, System, compare, from_live, read_script
+    from fuzzyarm.live.systems import ScriptError, System, from_live, read_script
 
 __all__ = [
     "ScriptError",
@@ -30,8 +31,9 @@ if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(
         __name__,
         {
+            "comparison": ("compare",),
             "skfuzzy": ("from_skfuzzy", "to_skfuzzy"),
-            "systems": ("ScriptError", "System", "compare", "from_live", "read_script"),
+            "systems": ("ScriptError", "System", "from_live", "read_script"),
         },
         __all__,
     )

@@ -11,23 +11,22 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from itertools import islice, product
 from typing import Any
 
 from fuzzyarm.formats.findings import Imported, UnreadableError
 from fuzzyarm.formats.fll import parse_fll
+from fuzzyarm.live.comparison import comparison_points
 from fuzzyarm.live.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
 from fuzzyarm.live.pyit2fls import KINDS, from_pyit2fls, pyit2fls_numbers
 from fuzzyarm.live.simpful import from_simpful, simpful_numbers
 from fuzzyarm.live.skfuzzy import from_skfuzzy, skfuzzy_numbers
-from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.text.keywords import ArgumentError
 
 __all__ = [
     "LIBRARIES",
     "Library",
-    "comparison_points",
     "library_of",
     "measured",
     "read_object",
@@ -181,47 +180,8 @@ def read_object(
 
 # --- Its numbers at points that stand for all ---
 
-POINTS = 100
-"""Points at which numbers are compared."""
-
 _SECONDS = 15.0
 """Time for the numbers of one object; fewer points are compared where it is slow."""
-
-_BEYOND = 0.1
-"""How far beyond its range an input is tried, of the width."""
-
-
-def comparison_points(rulebase: RuleBase) -> list[dict[str, float]]:
-    """Return points of the inputs: corners, the centre, then all over the ranges and beside.
-
-    Evenly and in no order, so that the first of them are a fair choice too. They follow the
-    additive recurrence of the generalised golden ratio (M. Roberts, *The Unreasonable
-    Effectiveness of Quasirandom Sequences*, 2018).
-    """
-    inputs = rulebase.inputs
-    count = len(inputs)
-    shares = [tuple(map(float, corner)) for corner in islice(product((0, 1), repeat=count), 16)]
-    shares.append((0.5,) * count)
-    ratio = 2.0
-    for _ in range(50):
-        ratio = (1.0 + ratio) ** (1.0 / (count + 1))
-    while len(shares) < POINTS:
-        number = len(shares)
-        beyond = 2 * _BEYOND * (number % 8 == 0)
-        row = ((0.5 + number * ratio ** -(k + 1)) % 1.0 for k in range(count))
-        shares.append(tuple(share * (1.0 + beyond) - 0.5 * beyond for share in row))
-    return [
-        {v.name: _between(v, share) for v, share in zip(inputs, row, strict=True)}
-        for row in shares
-    ]  # fmt: skip
-
-
-def _between(variable: Input, share: float) -> float:
-    if variable.outside == "error":
-        share = min(1.0, max(0.0, share))
-    if share in (0.0, 1.0):
-        return variable.high if share else variable.low
-    return variable.low + share * (variable.high - variable.low)
 
 
 def measured(

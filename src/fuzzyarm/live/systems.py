@@ -7,7 +7,6 @@ library's own object is asked for its numbers at a hundred points and the rule b
 from __future__ import annotations
 
 import json
-import math
 import os
 import signal
 import subprocess
@@ -27,21 +26,12 @@ from fuzzyarm.formats.findings import Findings
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.language import parse
 from fuzzyarm.live import gather
+from fuzzyarm.live.comparison import compare
 from fuzzyarm.live.objects import library_of, measured, read_object
-from fuzzyarm.model.rulebase import Output, RuleBase
+from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity, Span
 
-__all__ = ["ScriptError", "System", "compare", "from_live", "read_script"]
-
-SAME = 1e-9
-"""Numbers that are nearer than this, of the range of their output, are the same."""
-
-SLIGHT = 1e-2
-"""A difference up to this, of the range, is a warning; beyond it is an error."""
-
-Measured = Sequence[tuple[Mapping[str, float], Mapping[str, float] | None]]
-"""Points, and the numbers of the library there; None where it raised."""
-
+__all__ = ["ScriptError", "System", "from_live", "read_script"]
 
 # --- One object ---
 
@@ -99,114 +89,6 @@ def from_live(
         if diagnostic.severity is Severity.WARNING:
             warnings.warn(FileWarning(diagnostic), stacklevel=2)
     return rulebase
-
-
-# --- Its numbers beside ours ---
-
-
-def compare(
-    rulebase: RuleBase,
-    results: Measured,
-    library: str,
-    *,
-    lossy: bool = False,
-    strict: bool = False,
-) -> tuple[Diagnostic, ...]:
-    """Return a finding for each output: that its numbers are the same, or by how much they differ.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Ours.
-    results : sequence of (mapping, mapping or None)
-        Points, and the outputs of the library's object there; None where it raised.
-    library : str
-        Whose they are.
-    lossy, strict : bool
-        Whether a difference beyond 1 % of the range is allowed, and whether a smaller one is
-        refused.
-    """
-    findings = Findings(lossy=lossy, strict=strict)
-    answered = [(point, numbers) for point, numbers in results if numbers is not None]
-    if len(answered) < len(results):
-        message = (
-            f"{library} raises an error at {len(results) - len(answered)} of {len(results)} points"
-        )
-        findings.info("not-compared", message)
-    if not answered:
-        findings.warn("not-compared", f"the numbers were not compared with those of {library}")
-        return findings.all()
-    try:
-        ours = _our_numbers(rulebase, [point for point, _ in answered])
-    except FuzzyarmError as error:
-        findings.warn("not-compared", f"the numbers were not compared: {error}")
-        return findings.all()
-    for output in rulebase.outputs:
-        theirs = [numbers.get(output.name, math.nan) for _, numbers in answered]
-        _compare_output(
-            output, [p for p, _ in answered], theirs, ours[output.name], library, findings
-        )
-    return findings.all()
-
-
-def _our_numbers(
-    rulebase: RuleBase, points: Sequence[Mapping[str, float]]
-) -> dict[str, list[float]]:
-    """Return our outputs at points; nan where there is no value."""
-    import numpy as np
-
-    from fuzzyarm.inference import infer
-
-    # An error or a held value would end the whole comparison; NaN is compared with what the
-    # library leaves out.
-    outputs = tuple(
-        replace(output, no_rule=math.nan) if isinstance(output.no_rule, str) else output
-        for output in rulebase.outputs
-    )
-    part = replace(rulebase, outputs=outputs, expectations=(), properties=())
-    columns = {
-        variable.name: np.array([p[variable.name] for p in points]) for variable in rulebase.inputs
-    }
-    results = infer(part, columns)
-    return {name: np.broadcast_to(values, len(points)).tolist() for name, values in results.items()}
-
-
-def _compare_output(
-    output: Output,
-    points: Sequence[Mapping[str, float]],
-    theirs: Sequence[float],
-    ours: Sequence[float],
-    library: str,
-    findings: Findings,
-) -> None:
-    gaps = [abs(a - b) for a, b in zip(theirs, ours, strict=True)]
-    alone = [i for i, (a, b) in enumerate(zip(theirs, ours, strict=True))
-             if math.isnan(a) != math.isnan(b)]  # fmt: skip
-    where = max(range(len(gaps)), key=lambda i: -1.0 if math.isnan(gaps[i]) else gaps[i])
-    width = output.high - output.low
-    width = width if math.isfinite(width) else max(1.0, abs(theirs[where]))
-    share = 0.0 if math.isnan(gaps[where]) else gaps[where] / width
-    if alone:
-        at = _at(points[alone[0]])
-        mine = "here" if math.isnan(theirs[alone[0]]) else f"in {library}"
-        message = (
-            f"'{output.name}' has a value only {mine} at {len(alone)} of {len(points)} points, "
-            f"as at {at}"
-        )
-        findings.loss("numbers-differ", message, slight=len(alone) <= SLIGHT * len(points))
-    if share <= SAME:
-        message = f"'{output.name}' is that of {library} at {len(points)} points"
-        findings.info("same-numbers", f"{message}, within {SAME:g} of its range")
-        return
-    message = (
-        f"'{output.name}' differs by up to {share:.2g} of its range at {len(points)} points: "
-        f"{theirs[where]:.6g} in {library}, {ours[where]:.6g} here, at {_at(points[where])}"
-    )
-    findings.loss("numbers-differ", message, slight=share <= SLIGHT)
-
-
-def _at(point: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
 
 
 # --- A script ---

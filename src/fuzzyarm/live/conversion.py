@@ -2,18 +2,42 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
 from fuzzyarm.formats.findings import Exported, Imported
-from fuzzyarm.formats.registry import write
+from fuzzyarm.formats.registry import suffix_of, write
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.language.reading import format_text
 from fuzzyarm.language.tokens import tokenize
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from fuzzyarm.live.comparison import measure
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
-__all__ = ["converted", "findings_of"]
+__all__ = ["converted", "findings_of", "text_in", "written"]
+
+
+def written(
+    rulebase: AnyRuleBase,
+    suffix: str,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
+    """Return a rule base in the format of `suffix`; what is only warned about is measured.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any.
+    suffix, producer, lossy, strict
+        As for :func:`fuzzyarm.formats.write`.
+    """
+    model = model_of(rulebase)
+    exported = write(model, suffix, producer=producer, lossy=lossy, strict=strict)
+    return measure(model, exported, suffix, producer=producer, lossy=lossy, strict=strict)
 
 
 def converted(
@@ -46,7 +70,7 @@ def converted(
     if is_own and target == ".frb":
         return Exported(format_text(own_text, source))
     titled = rulebase if rulebase.name.strip() else replace(rulebase, name=Path(source).stem)
-    exported = write(
+    exported = written(
         in_tables(titled) if target == ".frb" else titled,
         target,
         producer=producer,
@@ -68,3 +92,28 @@ def findings_of(imported: Imported, exported: Exported | None, source: str) -> l
         *imported.diagnostics,
         *(replace(diagnostic, path=source) for diagnostic in diagnostics),
     ]
+
+
+def text_in(rulebase: AnyRuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
+    """Return `rulebase` in the format that the suffix of `path` names.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to write.
+    path : path-like
+        Its suffix is the format.
+    lossy : bool
+        Whether to go on where numbers would change.
+
+    Raises
+    ------
+    FormatError
+        If the suffix is not that of a format of rule bases.
+    RuleBaseError
+        If the format cannot express the rule base, with every finding.
+    """
+    exported = written(rulebase, suffix_of(path), lossy=lossy)
+    if exported.text is None:
+        raise RuleBaseError(exported.diagnostics)
+    return exported.text
