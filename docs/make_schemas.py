@@ -1030,7 +1030,7 @@ OUTPUTS = (
         "what differs between two rule bases",
         record(
             "a difference",
-            same=truth("whether nothing differs"),
+            same=truth("whether both mean the same, however their rules are written down"),
             **{
                 word: rows(_CHANGE, f"changes of {word}") for word in ("rules", "terms", "settings")
             },

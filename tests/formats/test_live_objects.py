@@ -26,7 +26,8 @@ from skfuzzy import control
 import fuzzyarm
 from fuzzyarm.language import write
 from fuzzyarm.live import compare
-from fuzzyarm.live.objects import comparison_points, read_object
+from fuzzyarm.live.comparison import comparison_points
+from fuzzyarm.live.objects import read_object
 from fuzzyarm.live.simpful import from_simpful
 from fuzzyarm.model.rulebase import Defuzzifier, Shape
 from fuzzyarm.model.shapes import membership

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import pytest
 
 from fuzzyarm.live import ScriptError, System, read_script
-from fuzzyarm.live.systems import SLIGHT
+from fuzzyarm.live.comparison import SLIGHT
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 from tests.formats.forked_python import forked_python
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.language.queries.hover import rule_sentence
@@ -53,7 +53,10 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class RuleBaseDiff:
-    """Everything that differs in meaning; the order of rules and comments do not count."""
+    """Everything that differs in meaning.
+
+    The order of rules, comments, and whether conclusions share a rule or a grid do not count.
+    """
 
     rules: tuple[Change, ...]
     terms: tuple[Change, ...]
@@ -130,7 +133,7 @@ def changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
 
 
 def _rules(rulebase: RuleBase) -> dict[str, str]:
-    """Return antecedent → what follows; the order of ``and`` and of the rules does not count."""
+    """Return antecedent → what follows, one conclusion a rule; no order counts."""
     rules: dict[str, list[str]] = {}
     for block in rulebase.blocks:
         for rule in block.rules:
@@ -138,7 +141,10 @@ def _rules(rulebase: RuleBase) -> dict[str, str]:
             key = f"{home}if {expression_words(_sorted(rule.antecedent, rulebase))}"
             # Not what stands behind the last `then`: a name may have one in it.
             head = f"if {expression_words(rule.antecedent)} then "
-            rules.setdefault(key, []).append(rule_sentence(rule).removeprefix(head))
+            # A rule of several conclusions is as many rules of one.
+            for consequent in rule.consequents:
+                alone = replace(rule, consequents=(consequent,))
+                rules.setdefault(key, []).append(rule_sentence(alone).removeprefix(head))
     return {key: ", ".join(sorted(results)) for key, results in rules.items()}
 
 
