@@ -217,9 +217,9 @@ _DIFF = """Compare two tables cell by cell, two rule bases rule by rule, or two 
 
 Tables are compared by the names of their inputs: one with rows and columns swapped is
 turned round first, and that is said. Rule bases are compared by meaning: the order of rules,
-comments, layout and whether conclusions share a rule do not count. Controllers are compared gain by gain and line by line, with
-the rule bases and tables that they look up. The exit status is 0 whether or not they differ; with
---json the answer has a field `same`.
+comments, layout and whether conclusions share a rule do not count. Controllers are compared gain
+by gain and line by line, with the rule bases and tables that they look up. The exit status is 0
+whether or not they differ; with --json the answer has a field `same`.
 """
 
 
