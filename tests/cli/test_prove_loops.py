@@ -145,3 +145,64 @@ def test_what_cannot_be_followed_is_said_by_name(capsys, tmp_path):
     assert main(words) == 1
     said = capsys.readouterr().err
     assert "the equations of own cannot be traced" in said
+    assert "--sensor-delay" not in said
+
+
+@pytest.mark.parametrize(
+    ("start", "verdict"), [("", "proved: "), (", start=4", "refuted: "), (", start=0", "proved: ")]
+)
+def test_a_proof_begins_at_the_start_of_a_slewed_actuator(capsys, tmp_path, start, verdict):
+    plant = tmp_path / "own.py"
+    plant.write_text(
+        "from fuzzyarm.plant import Plant, Port\n\n\n"
+        "class Own(Plant):\n"
+        "    name = 'own'\n"
+        f"    inputs = {{'power': Port('W', 0, 5, slew=1{start})}}\n"
+        "    outputs = {'level': Port('m')}\n"
+        "    states = {'level': 'm'}\n"
+        "    axis = 'tank'\n\n"
+        "    def derivative(self, t, x, u, p):\n"
+        "        return [u[0]]\n",
+        encoding="utf-8",
+    )
+    file = tmp_path / "c.frb"
+    claim = "from level in 0 .. 0: level in -0.001 .. 0.02 during 0 .. 30 ms"
+    file.write_text(
+        "controller c\nperiod 10 ms\naxis tank\n  e = error of level\n  u = e * 0\n"
+        f"  drive power = u\n\nprove on '{plant}' {claim}\n",
+        encoding="utf-8",
+    )
+    assert main(["prove", str(file), "--plant", str(plant)]) == (verdict[0] == "r")
+    out = capsys.readouterr().out
+    assert verdict in out
+    assert ("level = 0.0399 after 0.01 s" in out) is (verdict[0] == "r")
+
+
+@pytest.mark.parametrize("at_start", [False, True])
+def test_a_queue_of_a_plant_is_a_delay_of_its_sensor(capsys, tmp_path, at_start):
+    made = "    def start(self, rng):" if at_start else "    def __init__(self):"
+    (tmp_path / "own.py").write_text(
+        "from collections import deque\n\n"
+        "from fuzzyarm.plant import Plant, Port\n\n\n"
+        "class Own(Plant):\n"
+        "    name = 'own'\n"
+        "    inputs = {'voltage': Port('V')}\n"
+        "    outputs = {'position': Port('rad'), 'velocity': Port('rad/s', rate_of='position')}\n"
+        "    states = {'position': 'rad', 'velocity': 'rad/s'}\n"
+        "    axis = 'shaft'\n\n"
+        f"{made}\n"
+        "        self.late = deque([0.0] * 5)\n"
+        f"{'        return [0.0, 0.0]' if at_start else ''}\n\n"
+        "    def step(self, t, x, u, p, dt):\n"
+        "        self.late.append(x[0])\n"
+        "        return [x[0] + dt * x[1], x[1] + dt * u[0]]\n\n"
+        "    def measure(self, t, x, u, p):\n"
+        "        return [self.late.popleft() if len(self.late) > 5 else self.late[0], x[1]]\n",
+        encoding="utf-8",
+    )
+    plant = str(tmp_path / "own.py")
+    words = ["prove", SERVO, "--plant", plant, "--connect", "shaft=plant", "--for", "3ms"]
+    assert main(words) == 1
+    said = capsys.readouterr().err
+    assert "the equations of own cannot be traced" in said
+    assert "--sensor-delay PORT=TIME" in said

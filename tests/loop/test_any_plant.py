@@ -16,12 +16,15 @@ from fuzzyarm import shipped
 from fuzzyarm.controller import controller
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import with_files
+from fuzzyarm.errors import UsageError
 from fuzzyarm.language import parse
 from fuzzyarm.loop import Options, Sensor, Signal, read_signal, simulate
 from fuzzyarm.loop.analysis import phase_portrait
 from fuzzyarm.loop.run import ClosedLoop, as_controller, plant_motion
+from fuzzyarm.loop.words import driven
 from fuzzyarm.plant import PLANTS, Plant, PlantError, Port, find_plant, reach
 from fuzzyarm.plant.plant import interface_of, is_traced, with_actuators, with_parameters
+from fuzzyarm.requests.runs import SimulateRequest
 
 
 def text(*lines, axis="shaft", period="1 ms", every=1, head=()):
@@ -236,6 +239,62 @@ def test_an_actuator_holds_range_and_slew():
     assert drives.max() == 5.0
     assert run.limits["voltage"] == (-3, 5)
     assert 0 < run.metrics["shaft"].saturated < 1
+
+
+def test_a_slew_begins_at_the_start_of_the_actuator():
+    motor = find_plant("motor")
+    for start, slew, first in ((4.0, 1000, 5.0), (4.0, 100, 4.1), (None, 1000, 1.0)):
+        port = Port(low=-3, high=5, slew=slew, start=start)
+        run = simulate(SERVO, with_actuators(motor, {"voltage": port}), duration=0.01)
+        assert run.drives["voltage"][0] == pytest.approx(first)
+    # The start of a plant stays with other limits, brought into them.
+    plant = with_actuators(motor, {"voltage": Port(start=4.0)})
+    later = with_actuators(plant, {"voltage": Port(low=-3, high=3)})
+    assert later.inputs["voltage"].start == 3.0
+
+
+class Blind(Plant):
+    """A lag whose sensor gives no number at first."""
+
+    name = "blind"
+    inputs = {"power": Port(low=0, high=50, slew=100, start=20.0)}
+    outputs = {"level": Port()}
+    states = {"level": "1"}
+    axis = "shaft"
+
+    def step(self, t, x, u, p, dt):
+        return [x[0] + dt * (u[0] - x[0])]
+
+    def measure(self, t, x, u, p):
+        return [math.nan if t < 0.0025 else x[0]]
+
+
+def test_before_a_first_value_a_drive_is_the_start_of_its_actuator():
+    law = text("e = error of level", "u = e * 0", "drive power = u")
+    run = simulate(law, Blind(), duration=0.006)
+    assert run.drives["power"][0] == 20.0  # not 19.9, on the way to 0
+
+
+def test_the_start_of_an_actuator_is_a_word_of_its_option():
+    request = SimulateRequest(actuator=("voltage=-3..5,slew=100,start=4",))
+    port = driven(request, find_plant("motor")).inputs["voltage"]
+    assert (port.slew, port.start) == (100.0, 4.0)
+    old = SimulateRequest(actuator=("voltage=-3..5,100",))
+    port = driven(old, find_plant("motor")).inputs["voltage"]
+    assert (port.slew, port.start) == (100.0, None)
+    for words in ("1,slew=2", "lag=1", "start=1,start=2", "start=9"):
+        wrong = SimulateRequest(actuator=(f"voltage=-3..5,{words}",))
+        with pytest.raises(UsageError, match=r"start=VALUE|a start of 9"):
+            driven(wrong, find_plant("motor"))
+
+
+@pytest.mark.parametrize(
+    ("start", "said"),
+    [(7.0, "a start of 7 is outside -3 .. 5"), (math.nan, "a start of nan"), ("1", "start of a port is")],
+)
+def test_a_start_is_a_number_within_the_limits(start, said):
+    with pytest.raises(PlantError, match=said):
+        Port(low=-3, high=5, start=start)
 
 
 def test_a_load_acts_behind_the_actuator():

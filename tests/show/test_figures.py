@@ -13,6 +13,9 @@ from fuzzyarm.show.figures import (
     surface_figure,
     table_figure,
 )
+from fuzzyarm.language import parse
+from fuzzyarm.show.figures.style import new_figure, tidy
+from fuzzyarm.show.figures.surface import without_noise
 from fuzzyarm.table import Axis, LookupTable, compile_table
 
 ASYMMETRIC = LookupTable(
@@ -143,3 +146,58 @@ def test_a_surface_is_blank_where_no_rule_fires(tmp_path):
     assert np.ma.getmaskarray(values)[60:].all()
     assert not np.ma.getmaskarray(values)[:60, :120].any()
     save_figure(figure, tmp_path / "gaps.png")
+
+
+PLATEAU = """rulebase p
+input a 0 .. 1
+input b 0 .. 1
+output {name} 0 .. 1
+term a low: trapezoid 0 0 0.4 0.5
+term a high: trapezoid 0.4 0.5 1 1
+term b all: trapezoid 0 0 1 1
+term {name} little: triangle 0 0.1 0.2
+term {name} much: triangle 0.8 0.9 1
+inference defuzzifier centroid exact
+rule if a is low and b is all then {name} is little
+rule if a is high and b is all then {name} is much
+"""
+
+
+@pytest.mark.parametrize("name", ["u", "out", "duty", "power", "heating"])
+def test_the_vertical_label_of_a_surface_is_within_the_figure(tmp_path, name):
+    figure = surface_figure(parse(PLATEAU.format(name=name)).rulebase)
+    save_figure(figure, str(tmp_path / "f.png"))
+    box = figure.axes[0].zaxis.label.get_window_extent()
+    assert figure.axes[0].get_zlabel() == name
+    assert box.x0 >= 0 and box.x1 <= figure.bbox.x1
+
+
+def test_noise_of_rounding_draws_no_contour_line():
+    level = 0.1
+    values = np.where(np.arange(21)[:, None] < 10, level, 0.9) + np.zeros((21, 21))
+    noisy = values + 1e-15 * np.random.default_rng(1).standard_normal(values.shape)
+    assert set(np.unique(without_noise(noisy))) == {0.1, 0.9}
+    # Of a constant nothing but noise is left.
+    assert np.unique(without_noise(2.5 + (noisy - values))).size == 1
+    assert not without_noise(np.zeros((3, 3))).any()
+    # What a picture resolves stays.
+    slope = np.linspace(-3.0, 7.0, 1001)
+    assert np.abs(without_noise(slope) - slope).max() <= 1e-5
+
+
+def test_no_label_stands_on_a_cliff_where_contour_lines_meet():
+    def written(width):
+        text = PLATEAU.format(name="u").replace("0.5", str(0.4 + width))
+        return labels(surface_figure(parse(text).rulebase).axes[1])
+
+    assert written(0.001) == []
+    assert written(0.5)
+
+
+def test_milliseconds_are_written_as_they_are():
+    axes = new_figure(4, 3).subplots()
+    axes.plot([0.0, 0.0005], [0, 1])
+    tidy(axes)
+    axes.figure.canvas.draw()
+    assert axes.xaxis.get_offset_text().get_text() == ""
+    assert "0.0002" in [label.get_text() for label in axes.get_xticklabels()]

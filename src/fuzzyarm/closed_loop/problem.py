@@ -28,7 +28,7 @@ from fuzzyarm.expression.sources import SourceKind, unseen
 from fuzzyarm.loop.course import Sensor, periods_of
 from fuzzyarm.model.controller import Axes, Drive, Factor, Learn, Product, SignalLine, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.equations import expressions_of
+from fuzzyarm.plant.equations import expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Plant, Port, parameter, with_parameters
 from fuzzyarm.table import LookupTable
@@ -143,7 +143,11 @@ class LoopProblem:
         plant = self.plant
         roots = expressions_of(plant)
         if roots is None:
-            hint = "arithmetic and functions of math in `derivative`, without `if` on a state"
+            hint = (
+                "leave the queue out of the plant and delay its sensor, --sensor-delay PORT=TIME"
+                if has_queue(plant)
+                else "arithmetic and functions of math in `derivative`, without `if` on a state"
+            )
             raise LoopProofError(f"the equations of {plant.name} cannot be traced", hint=hint)
         rates, outputs = roots
         states = tuple(f"x{k}" for k in range(len(plant.states)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -67,6 +67,8 @@ class Wiring:
         Where a partner leaves its torque, one cell for each axis.
     size : int
         Number of cells, the clock included.
+    starts : dict
+        Of drives whose actuators have a start: the value before the first period.
     """
 
     references: Mapping[tuple[str, str], int]
@@ -74,6 +76,7 @@ class Wiring:
     drives: Mapping[tuple[str, str], int]
     partners: tuple[int, ...]
     size: int
+    starts: Mapping[tuple[str, str], float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -335,7 +338,9 @@ class _Writer:
         for line in axes.lines:
             if isinstance(line, Drive):
                 cell = self.drives[self.axis, line.port]
-                self.cells[cell] = self.arithmetic.hold(self.cells[cell] + line.idle)
+                start = self.wiring.starts.get((self.axis, line.port))
+                before = self.cells[cell] + line.idle if start is None else start
+                self.cells[cell] = self.arithmetic.hold(before)
                 sent = drives.setdefault(cell, None)
                 if line.on_nan is not None:
                     drives[cell] = self.arithmetic.hold((sent or 0.0) + line.on_nan)

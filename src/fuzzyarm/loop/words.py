@@ -184,13 +184,22 @@ def read_number(option: str) -> Callable[[str], float]:
 
 
 def _actuator(text: str) -> Port:
-    limits, _, slew = text.partition(",")
+    limits, *words = text.split(",")
     low, dots, high = limits.partition("..")
     reader = read_number("--actuator")
+    behind: dict[str, float] = {}
+    for word in words:
+        name, _, number = (word if "=" in word else f"slew={word}").partition("=")
+        name = name.strip()
+        if name not in ("slew", "start") or name in behind:
+            dots = ""
+            break
+        behind[name] = reader(number)
     if not dots:
-        raise UsageError(f"--actuator takes INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW, not '{text}'")
+        message = f"--actuator takes INPUT=LOW..HIGH, with ,slew=VALUE and ,start=VALUE, not '{text}'"
+        raise UsageError(message)
     with of_the_command_line(PlantError):
-        return Port(low=reader(low), high=reader(high), slew=reader(slew) if slew else math.inf)
+        return Port(low=reader(low), high=reader(high), **behind)
 
 
 MOST_BITS = 32

@@ -16,10 +16,12 @@ import importlib.util
 import math
 import pickle
 from array import array
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy, deepcopy
 from itertools import chain
 from operator import is_
+from queue import Queue
 from types import FunctionType, MethodType
 from typing import Any, NamedTuple, cast
 from weakref import WeakKeyDictionary
@@ -159,6 +161,14 @@ def expressions_of(plant: Any) -> Roots | None:
     if first is None or any(first != other for other in again):  # its start draws what they read
         return None
     return first if _agrees(plant, first) else None
+
+
+def has_queue(plant: Any) -> bool:
+    """Return whether a plant keeps a queue, as a delay of its own does."""
+    plant = apart(plant)
+    plant.start(np.random.default_rng(0))  # many make it there
+    kept = [*vars(plant).values(), *vars(type(plant)).values()]
+    return any(isinstance(value, deque | Queue) for value in kept)
 
 
 def _traced(plant: Any) -> Equations | None:

@@ -55,6 +55,9 @@ class Port:
         which its bits are spread and from which a check judges gains.
     slew : float, optional
         Of an input: the largest change, units for each second.
+    start : float, optional
+        Of an input: its value before the first control period, from which a slew begins. By
+        default 0, or the limit next to 0.
     rate_of : str, optional
         Of an output: the port of the same axis whose rate it is. The reference of that rate
         follows from the reference of the port.
@@ -71,14 +74,17 @@ class Port:
     rate_of: str = ""
     bound: float = 1e9
     error_bound: float = math.inf
+    start: float | None = None
 
     def __post_init__(self) -> None:
         unit: object = self.unit
         if not isinstance(unit, str):
             hint = f'the unit comes first:  Port("1", {unit}, {self.low})'
             raise PlantError(f"the unit of a port must be text, not {unit!r}", hint=hint)
-        for name in ("low", "high", "slew", "bound", "error_bound"):
+        for name in ("low", "high", "slew", "bound", "error_bound", "start"):
             value = getattr(self, name)
+            if name == "start" and value is None:
+                continue
             if isinstance(value, bool) or not isinstance(value, int | float | np.number):
                 raise PlantError(f"{name} of a port is {value!r}, not a number", name=name)
         if not self.low < self.high:
@@ -86,11 +92,18 @@ class Port:
             raise PlantError(message)
         if not self.slew > 0:
             raise PlantError(f"a slew of {self.slew:g} is out of range", hint="a positive number")
+        if self.start is not None and not self.low <= self.start <= self.high:
+            message = f"a start of {self.start:g} is outside {self.low:g} .. {self.high:g}"
+            raise PlantError(message, name="start", hint="a value within the limits of the port")
 
     @property
     def idle(self) -> float:
-        """Of an input: its value while nothing drives it, 0 or the limit next to 0."""
-        return min(max(0.0, self.low), self.high)
+        """Of an input: its value before anything drives it, `start`, else 0 or the limit next to 0."""
+        return self.within(0.0 if self.start is None else self.start)
+
+    def within(self, value: float) -> float:
+        """Return a value brought into the limits."""
+        return min(max(value, self.low), self.high)
 
 
 @dataclass(frozen=True)
@@ -669,7 +682,11 @@ def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
         for address in interface.every_port(name):
             if address not in names:
                 raise PlantError(f"'{name}' is an output, not an input", name=name)
-            changed[names[address]] = replace(port, unit=interface.inputs[address].unit)
+            old = interface.inputs[address]
+            start = port.start
+            if start is None and old.start is not None:
+                start = port.within(old.start)
+            changed[names[address]] = replace(port, unit=old.unit, start=start)
     other = copy(plant)
     other.inputs = changed
     return other

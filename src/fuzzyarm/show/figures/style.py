@@ -104,7 +104,8 @@ def short_numbers(axis: Any) -> None:
     from matplotlib.ticker import ScalarFormatter
 
     if isinstance(axis.get_major_formatter(), ScalarFormatter):
-        axis.get_major_formatter().set_powerlimits((-3, 5))
+        # Plain down to 0.0001, so that milliseconds of a time axis are read as they are.
+        axis.get_major_formatter().set_powerlimits((-5, 5))
 
 
 def colour_bar(part: Any, image: Any, axes: Axes, label: str, *, shrink: float) -> Any:

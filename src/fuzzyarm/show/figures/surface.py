@@ -287,7 +287,7 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     import numpy as np
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-    values = cells.values
+    values = without_noise(cells.values)
     least, most = _ends(values)
     scale = scale_of([least, most])
     limits = {"cmap": colour_map(scale), "vmin": scale.low, "vmax": scale.high}
@@ -307,7 +307,7 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     label_axes(space, names[0], names[1])
     space.set_zlabel(names[2], fontsize=LABEL)
     space.zaxis.set_rotate_label(False)  # matplotlib would write it from the top down
-    space.zaxis.label.set_rotation(90 if len(names[2]) > 4 else 0)
+    space.zaxis.label.set_rotation(90)  # across, all but one letter would leave the figure
     for axis, name in zip((space.xaxis, space.yaxis), names, strict=False):
         axis.labelpad = 4.0 + 12.0 * text_width(name, LABEL)  # long names stand clear of numbers
     space.tick_params(labelsize=7, pad=0)
@@ -324,7 +324,7 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
         rasterized=True,
         **limits,
     )
-    if most - least > 1e-12:
+    if most > least:
         lines = flat.contour(columns, rows, values, levels=9, colors="#222222", linewidths=0.6)
         _name_lines(flat, lines)
     for mark in _marks(panel):
@@ -360,6 +360,18 @@ def _ends(values: Any) -> tuple[float, float]:
 
     sound = values[np.isfinite(values)]
     return (float(sound.min()), float(sound.max())) if sound.size else (0.0, 0.0)
+
+
+def without_noise(values: Any) -> Any:
+    """Round values to a millionth of their range, which no picture resolves.
+
+    Without the noise of rounding a plateau has one value, and no contour line runs across it.
+    """
+    import numpy as np
+
+    least, most = _ends(values)
+    size = max(most - least, 1e-6 * max(abs(least), abs(most)))
+    return np.round(values, 6 - math.floor(math.log10(size))) if size else values
 
 
 def _cells(
@@ -407,21 +419,54 @@ def _meshes(points: Any, axis: Axis) -> Any:
 
 
 def _name_lines(axes: Axes, lines: Any) -> None:
-    """Write the values on contour lines; of those that would touch each other only the first."""
+    """Write the values on contour lines; none on a cliff, where lines of several levels meet.
+
+    Of labels that would touch each other only the first is written.
+    """
     from matplotlib.patheffects import withStroke
 
     circles: list[tuple[float, float, float]] = []
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
+    # Inches of axes that are about this large.
+    scale = 3.0 / (right - left), 3.3 / (top - bottom)
+    levels = [_segments(path, scale) for path in lines.get_paths()]
     for text in axes.clabel(lines, fontsize=7, inline=False, fmt=_short):
-        # Round each text lies a circle, in inches of axes that are about this large.
         across, up = text.get_position()
-        x, y = 3.0 * (across - left) / (right - left), 3.3 * (up - bottom) / (top - bottom)
         reach = 0.5 * text_width(text.get_text(), 7) + 0.03
-        inside = reach <= x <= 3.0 - reach and reach <= y <= 3.3 - reach
+        x, y = scale[0] * across, scale[1] * up
+        inside = (
+            scale[0] * left + reach <= x <= scale[0] * right - reach
+            and scale[1] * bottom + reach <= y <= scale[1] * top - reach
+        )
         free = all(math.hypot(x - a, y - b) >= reach + other for a, b, other in circles)
-        if not (inside and free):
+        alone = sum(_comes_near(segments, (x, y)) for segments in levels) <= 1
+        if not (inside and free and alone):
             text.remove()
             continue
         circles.append((x, y, reach))
         text.set_path_effects([withStroke(linewidth=1.5, foreground="#ffffffaa")])
+
+
+_CLIFF = 0.06
+"""Lines of two levels nearer than this leave no room for a label on one of them, inches."""
+
+
+def _segments(path: Any, scale: tuple[float, float]) -> Any:
+    """Return beginnings and ends of the segments of a contour line, inches."""
+    import numpy as np
+
+    parts = [np.multiply(line, scale) for line in path.to_polygons(closed_only=False)]
+    pairs = [np.stack([line[:-1], line[1:]]) for line in parts]
+    return np.concatenate(pairs, axis=1) if pairs else np.empty((2, 0, 2))
+
+
+def _comes_near(segments: Any, point: tuple[float, float]) -> bool:
+    """Return whether a segment comes nearer to a point than the lines of a cliff do."""
+    import numpy as np
+
+    begin, step = segments[0], segments[1] - segments[0]
+    length = np.maximum((step * step).sum(axis=1), 1e-300)
+    share = np.clip(((point - begin) * step).sum(axis=1) / length, 0.0, 1.0)
+    gap = begin + share[:, None] * step - point
+    return bool((np.hypot(gap[:, 0], gap[:, 1]) < _CLIFF).any())
