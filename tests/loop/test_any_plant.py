@@ -290,7 +290,11 @@ def test_the_start_of_an_actuator_is_a_word_of_its_option():
 
 @pytest.mark.parametrize(
     ("start", "said"),
-    [(7.0, "a start of 7 is outside -3 .. 5"), (math.nan, "a start of nan"), ("1", "start of a port is")],
+    [
+        (7.0, "a start of 7 is outside -3 .. 5"),
+        (math.nan, "a start of nan"),
+        ("1", "start of a port is"),
+    ],
 )
 def test_a_start_is_a_number_within_the_limits(start, said):
     with pytest.raises(PlantError, match=said):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm.inference import explain, infer
+from fuzzyarm.language import parse
 from fuzzyarm.show.figures import (
     FigureFileError,
     inference_figure,
@@ -13,7 +14,6 @@ from fuzzyarm.show.figures import (
     surface_figure,
     table_figure,
 )
-from fuzzyarm.language import parse
 from fuzzyarm.show.figures.style import new_figure, tidy
 from fuzzyarm.show.figures.surface import without_noise
 from fuzzyarm.table import Axis, LookupTable, compile_table
@@ -169,7 +169,8 @@ def test_the_vertical_label_of_a_surface_is_within_the_figure(tmp_path, name):
     save_figure(figure, str(tmp_path / "f.png"))
     box = figure.axes[0].zaxis.label.get_window_extent()
     assert figure.axes[0].get_zlabel() == name
-    assert box.x0 >= 0 and box.x1 <= figure.bbox.x1
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.x1
 
 
 def test_noise_of_rounding_draws_no_contour_line():

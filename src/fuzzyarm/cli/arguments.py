@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from fuzzyarm.cli.command import Argument, Command, UsageError
-from fuzzyarm.requests.experiment import ARM
+from fuzzyarm.requests.experiment import LAST
 from fuzzyarm.requests.fields import Request, RequestError, RequestField, fields_of
 
 AnyRequest = TypeVar("AnyRequest", bound=Request)
@@ -45,7 +45,7 @@ def request_command(
 
     arguments = [argument_of(field) for field in fields_of(kind)]
     groups = list(dict.fromkeys(argument.group for argument in arguments))
-    arguments.sort(key=lambda argument: (argument.group == ARM, groups.index(argument.group)))
+    arguments.sort(key=lambda argument: (argument.group == LAST, groups.index(argument.group)))
     return Command(name, description, run_words, tuple(arguments))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,7 +76,7 @@ class Wiring:
     drives: Mapping[tuple[str, str], int]
     partners: tuple[int, ...]
     size: int
-    starts: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    starts: Mapping[tuple[str, str], float]
 
 
 @dataclass(frozen=True)

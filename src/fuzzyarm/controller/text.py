@@ -447,7 +447,7 @@ def wiring_of(model: ControllerModel) -> Wiring:
         at += len(ports)
     # In one row behind the clock: references, measured values, drives.
     references, measured, drives = cells
-    return Wiring(references, measured, drives, (), at)
+    return Wiring(references, measured, drives, (), at, {})
 
 
 class ControllerRun:

@@ -196,10 +196,13 @@ def _actuator(text: str) -> Port:
             break
         behind[name] = reader(number)
     if not dots:
-        message = f"--actuator takes INPUT=LOW..HIGH, with ,slew=VALUE and ,start=VALUE, not '{text}'"
+        message = (
+            f"--actuator takes INPUT=LOW..HIGH, with ,slew=VALUE and ,start=VALUE, not '{text}'"
+        )
         raise UsageError(message)
     with of_the_command_line(PlantError):
-        return Port(low=reader(low), high=reader(high), **behind)
+        slew, start = behind.get("slew", math.inf), behind.get("start")
+        return Port(low=reader(low), high=reader(high), slew=slew, start=start)
 
 
 MOST_BITS = 32

@@ -98,7 +98,7 @@ class Port:
 
     @property
     def idle(self) -> float:
-        """Of an input: its value before anything drives it, `start`, else 0 or the limit next to 0."""
+        """Of an input: its value while nothing drives it; by default 0 or the limit next to 0."""
         return self.within(0.0 if self.start is None else self.start)
 
     def within(self, value: float) -> float:

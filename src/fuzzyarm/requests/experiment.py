@@ -16,7 +16,7 @@ __all__ = ["ExperimentRequest"]
 TRAJECTORY, LOAD, PLANT = "trajectory", "load", "plant"
 AROUND = "sensors, actuators and disturbances"
 RUN = "run"
-ARM = "the arm and its study"
+LAST = "the arm and its study"
 """Behind all others on a help page."""
 
 
@@ -39,18 +39,18 @@ class ExperimentRequest(Request):
         group=TRAJECTORY,
     )
     angles: tuple[float, float] | None = option(
-        "--angles A1 A2", "where to turn to, degrees", None, unit="degrees", group=ARM,
+        "--angles A1 A2", "where to turn to, degrees", None, unit="degrees", group=LAST,
         either="where",
     )  # fmt: skip
     segment: float | None = option(
         "--segment SECONDS", "duration of each segment but the hold", None, unit="s",
-        group=ARM,
+        group=LAST,
     )  # fmt: skip
     hold: float | None = option(
-        "--hold SECONDS", "duration of the hold, 5 by default", None, unit="s", group=ARM
+        "--hold SECONDS", "duration of the hold, 5 by default", None, unit="s", group=LAST
     )
     way_points: tuple[str, ...] = option(
-        "--way-points A1,A2", "move through these, degrees, instead", (), group=ARM,
+        "--way-points A1,A2", "move through these, degrees, instead", (), group=LAST,
         either="where",
     )  # fmt: skip
     payload: bool | None = option("--payload", "carry the load", False, group=LOAD, negatable=True)
@@ -93,7 +93,8 @@ class ExperimentRequest(Request):
         group=AROUND, repeated=True,
     )  # fmt: skip
     actuator: tuple[str, ...] = option(
-        "--actuator INPUT=LOW..HIGH", "limits of a drive; slew and start behind: 0..5,slew=2,start=1", (),
+        "--actuator INPUT=LOW..HIGH",
+        "limits of a drive; slew and start behind: 0..5,slew=2,start=1", (),
         group=AROUND, repeated=True,
     )  # fmt: skip
     disturb: tuple[str, ...] = option(
@@ -106,35 +107,39 @@ class ExperimentRequest(Request):
     )  # fmt: skip
     seed: int = option("--seed N", "seed of noise and disturbance", 1, Limits(0), group=AROUND)
 
-    rulebase: str | None = option("--rulebase FILE", "rules of the control, for the shipped ones", None, group=ARM)
+    rulebase: str | None = option(
+        "--rulebase FILE", "rules of the control, for the shipped ones", None, group=LAST
+    )
     alpha: str | None = option(
-        "--alpha FILE", "rules of the factor on the control", None, group=ARM
+        "--alpha FILE", "rules of the factor on the control", None, group=LAST
     )
     table: tuple[str, ...] = option(
-        "--table FILE", "table of the control, or one for each joint", (), group=ARM
+        "--table FILE", "table of the control, or one for each joint", (), group=LAST
     )
     performance: str | None = option(
-        "--performance FILE", "table by which SOC judges", None, group=ARM
+        "--performance FILE", "table by which SOC judges", None, group=LAST
     )
 
     conventions: Literal["plain", "study"] = option(
         "--conventions",
         "how to count: plain, or in single precision with 3.142857 for π, as the study's programs",
         "plain",
-        group=ARM,
+        group=LAST,
     )
     precision: Literal["float32", "float64"] | None = option(
         "--precision", "of states and signals", None, group=RUN
     )
-    pi: float | None = option("--pi VALUE", "the constant for π", None, group=ARM)
+    pi: float | None = option("--pi VALUE", "the constant for π", None, group=LAST)
     load_in_hold: bool = option(
-        "--load-in-hold", "whether a load stays on in a hold (default: yes)", True, group=ARM,
+        "--load-in-hold", "whether a load stays on in a hold (default: yes)", True, group=LAST,
         negatable=True,
     )  # fmt: skip
-    start: Literal["warm", "cold"] = option("--start", "of adaptive controllers", "warm", group=ARM)
+    start: Literal["warm", "cold"] = option(
+        "--start", "of adaptive controllers", "warm", group=LAST
+    )
     variant: Literal["as-printed", "as-described"] = option(
         "--variant", "by the study's figures or by its text, where they disagree", "as-printed",
-        group=ARM,
+        group=LAST,
     )  # fmt: skip
     set: tuple[str, ...] = option(
         "--set NAME=V[,V]",
@@ -148,11 +153,11 @@ class ExperimentRequest(Request):
     )
 
     limits: tuple[float, float] | None = option(
-        "--limits T1 T2", "largest torques, N m", None, unit="N m", group=ARM
+        "--limits T1 T2", "largest torques, N m", None, unit="N m", group=LAST
     )
     supply: float | None = option(
-        "--supply V", "largest voltage at a motor", None, unit="V", group=ARM
+        "--supply V", "largest voltage at a motor", None, unit="V", group=LAST
     )
     inductance: float | None = option(
-        "--inductance H", "inductance of each armature; 0 by default", None, unit="H", group=ARM
+        "--inductance H", "inductance of each armature; 0 by default", None, unit="H", group=LAST
     )
