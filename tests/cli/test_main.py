@@ -310,6 +310,6 @@ def test_options_of_the_arm_come_last_behind_one_heading(capsys, name):
     # No heading follows; the options of the arm are in no other group.
     assert not re.search(r"^\S.*:$", arm, re.MULTILINE)
     options = page.partition("\noptions:\n")[2]
-    for option in ("--supply", "--inductance", "--limits", "--way-points", "--variant", "--alpha"):
+    for option in ("--supply", "--inductance", "--limits", "--variant", "--alpha"):
         assert option in arm
         assert not re.search(rf"^  {option}\b", options, re.MULTILINE)
