@@ -275,9 +275,17 @@ class _Builder:
             strength = where(strength > planned.threshold, strength, 0.0)
         remark = rule_words(self.numbers[index], planned.rule.antecedent)
         for name in sorted(outputs):
-            for number, (_, rule) in enumerate(self.plan.outputs[name].contributions):
-                if rule == index:
-                    self._assert(self.plan.outputs[name], number, strength, remark)
+            for number in self._asserted[name].get(index, ()):
+                self._assert(self.plan.outputs[name], number, strength, remark)
+
+    @cached_property
+    def _asserted(self) -> dict[str, dict[int, list[int]]]:
+        """Of each output: the contributions of each rule."""
+        found: dict[str, dict[int, list[int]]] = {name: {} for name in self.plan.outputs}
+        for name, output in self.plan.outputs.items():
+            for number, (_, rule) in enumerate(output.contributions):
+                found[name].setdefault(rule, []).append(number)
+        return found
 
     def _assert(self, output: OutputPlan, number: int, strength: Node, remark: str) -> None:
         """Let a rule raise its member of an output."""
