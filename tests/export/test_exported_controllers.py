@@ -342,6 +342,19 @@ def test_a_function_block_drives_the_same_bits(tmp_path, name, precision):
         assert [float(found[st_name(steps, p)]) for p in steps.of_sort("drive")] == expected
 
 
+def test_a_gain_of_a_function_block_changes_between_calls_and_stays(tmp_path):
+    text = shipped_text("servo")
+    exported = export_controller(ControllerProgram(text, "float64"), tmp_path / "plc.st")
+    block = Program(exported.files[0][1]).instance(exported.calls[0])
+    for row, more in enumerate([{}, {"g_u": 2.0}, {}, {"g_u": 4.5, "g_e": 8.0}, {}]):
+        gains = {"G_u": 2.0} if row in (1, 2) else {"G_e": 8.0} if row > 2 else {}
+        sides = {"position": 0.02 + 0.001 * row, "velocity": -0.1}
+        block.run(**more, **{f"measured_{name}": value for name, value in sides.items()},
+                  reference_position=0.0, reference_velocity=0.0)  # fmt: skip
+        drives = text.run(gains=gains).step(sides, {"position": 0.0, "velocity": 0.0})
+        assert float(block.outputs()["voltage"]) == list(drives.values())[0] != 0.0
+
+
 def test_fixed_point_tables_in_a_function_block(tmp_path):
     program = ControllerProgram(shipped_text("fuzzy-lut"), "float32", 15)
     exported = export_controller(program, tmp_path / "plc.st")

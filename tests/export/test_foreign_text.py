@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import subprocess
 import zipfile
 from pathlib import Path
@@ -25,6 +26,11 @@ NASTY = (
     "non-BMP \U0001f600 \ufffe \uffff",
 )
 
+PROPERTIES = [
+    "name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url",
+    "architectures", "includes",
+]  # fmt: skip
+
 
 def written(text: str, kind: str, folder: Path) -> Path:
     """Write a shipped file with another description, under a name that breaks lines."""
@@ -45,8 +51,9 @@ def written(text: str, kind: str, folder: Path) -> Path:
 def test_every_target_reads_what_was_written(tmp_path, monkeypatch, text, kind):
     monkeypatch.chdir(tmp_path)
     path = str(written(text, kind, tmp_path))
-    for out in ("x.py", "x.st", "x.xml", "x.scl", "x.c"):
-        assert main(["compile", path, "-o", out]) == 0, out
+    for out in ("x.py", "x.st", "x.xml", "x.scl", "x.c", "y.xml"):
+        words = ["--format", "iec61131-10"] if out == "y.xml" else []
+        assert main(["compile", path, "-o", out, *words]) == 0, out
         found = Path(out).read_text("utf-8")
         assert not set(found) & {"\x00", "\x07", "\x1b", "\x85", "\u2028"}, out
     tree = ast.parse(Path("x.py").read_text("utf-8"))
@@ -55,6 +62,7 @@ def test_every_target_reads_what_was_written(tmp_path, monkeypatch, text, kind):
     assert imported <= {"math"}
     Program(Path("x.st").read_text("utf-8"))
     Xml.parse("x.xml")
+    Xml.parse("y.xml")
     command = [HOST, "-std=c99", "-Wall", "-Werror", "-fsyntax-only", "x.c"]
     assert subprocess.run(command, check=False).returncode == 0
     if kind == "controller":
@@ -66,3 +74,18 @@ def test_every_target_reads_what_was_written(tmp_path, monkeypatch, text, kind):
         heads = Path("x.mjs").read_text("utf-8").split("\n")
         assert heads[2].startswith("// source: ")
         assert not heads[3].startswith("import")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", NASTY)
+@pytest.mark.parametrize("kind", ["rules", "controller"])
+def test_a_folder_for_a_board_says_what_was_written(tmp_path, monkeypatch, text, kind):
+    monkeypatch.chdir(tmp_path)
+    path = str(written(text, kind, tmp_path))
+    assert main(["compile", path, "--for", "arduino", "--board", "esp32", "-o", "x"]) == 0
+    for file in (file for file in Path("x").rglob("*") if file.is_file()):
+        assert all(c.isprintable() or c in "\n\t" for c in file.read_text("utf-8")), file
+    properties = Path("x/library.properties").read_text("utf-8").splitlines()
+    assert [line.split("=")[0] for line in properties] == PROPERTIES
+    readme = Path("x/README.md").read_text("utf-8")
+    assert not re.search(r"(?<!\\)<[a-zA-Z!/?]", readme)

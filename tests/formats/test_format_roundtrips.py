@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from strategies import input_points, plain_mamdani, rulebases
 
 from fuzzyarm.formats import SUFFIXES, Exported, parse, read, same_model, write
-from fuzzyarm.formats.dialects import MACHINE_EPSILON
+from fuzzyarm.formats.dialects import MACHINE_EPSILON, PRODUCERS
 from fuzzyarm.formats.drafts import maximum_of_nothing
 from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.shapes import fuzzylite_shape
@@ -420,3 +420,44 @@ def test_a_nested_expression_keeps_its_parentheses() -> None:
         again = parse(text, suffix).rulebase
         assert again is not None
         assert [rule.antecedent for rule in again.rules] == antecedents
+
+
+FOREIGN_TEXTS = (
+    "one\nRULE 1 : IF a IS b THEN c IS d;\r\n[Input9]\u2028Rule: x\x85y",
+    "nul \x00 bell \x07 escape \x1b[2J",
+    "*/ evil /* ]]> <!-- (* *) ??/ --> {{ % // # ;",
+    "\"quotes\" 'both' \\ back\\",
+    "non-BMP \U0001f600 \ufffe \uffff",
+    "END_RULEBLOCK; Name='x' [Rules] : = | ,",
+    "<a b='&amp;'>&lt;",
+    "\u202e \ud800 ",
+)
+
+
+def named_by(text: str) -> RuleBase:
+    """Return a rule base in which `text` is every name and every description that it may be."""
+    sides = {"low": Shape("trapezoid", (0.0, 0.0, 2.0, 5.0)), text: Shape("ramp", (2.0, 5.0))}
+    terms = tuple(Term(name, shape) for name, shape in sides.items())
+    variables = Input(text, 0.0, 10.0, terms, text), Output("y", 0.0, 10.0, terms, text)
+    rules = tuple(Rule(Is(text, name), (Consequent("y", name),)) for name in sides)
+    return RuleBase(text, variables[:1], variables[1:], (RuleBlock(rules, name=text),), text)
+
+
+@pytest.mark.parametrize("text", FOREIGN_TEXTS)
+@pytest.mark.parametrize(("suffix", "producer"), [
+    (suffix, producer) for suffix, producers in PRODUCERS.items() for producer in producers
+])  # fmt: skip
+def test_foreign_texts_stay_text_in_every_format(text, suffix, producer):
+    model = named_by(text)
+    exported = write(model, suffix, producer=producer, lossy=True)
+    assert exported.text is not None
+    assert all(letter.isprintable() or letter in "\n\t" for letter in exported.text)
+    found = parse(exported.text, suffix, producer=producer, lossy=True).rulebase
+    assert found is not None
+    counts = [len(found.inputs), len(found.outputs), len(found.rules), len(found.inputs[0].terms)]
+    assert counts == [1, 1, 2, 2]
+    for x in (0.5, 3.0, 4.5, 9.0):
+        values = [infer(m, {m.inputs[0].name: x})[m.outputs[0].name] for m in (model, found)]
+        assert values[1] == pytest.approx(values[0], abs=0.05)  # 101 samples of others
+    if found.name != text:
+        assert "changed-text" in {diagnostic.name for diagnostic in exported.diagnostics}

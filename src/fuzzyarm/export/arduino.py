@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -528,10 +529,15 @@ def _platformio_ini(board: Board) -> str:
     )
 
 
+_MARKDOWN = re.compile(r"[\\`*\[<&~]|(?<!\w)_|_(?!\w)")
+"""Marks of Markdown and HTML within a line, which a backslash makes text."""
+
+
 def _readme(
     part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
 ) -> Iterator[str]:
-    yield from [f"# {part.stem}", "", f"{part.words}. Made by fuzzyarm {__version__}.", ""]
+    words = _MARKDOWN.sub(r"\\\g<0>", part.words)
+    yield from [f"# {part.stem}", "", f"{words}. Made by fuzzyarm {__version__}.", ""]
     yield from [*part.notes, ""]
     if place == "arduino":
         yield from _wrapped(
