@@ -352,7 +352,7 @@ def test_a_gain_of_a_function_block_changes_between_calls_and_stays(tmp_path):
         block.run(**more, **{f"measured_{name}": value for name, value in sides.items()},
                   reference_position=0.0, reference_velocity=0.0)  # fmt: skip
         drives = text.run(gains=gains).step(sides, {"position": 0.0, "velocity": 0.0})
-        assert float(block.outputs()["voltage"]) == list(drives.values())[0] != 0.0
+        assert float(block.outputs()["voltage"]) == next(iter(drives.values())) != 0.0
 
 
 def test_fixed_point_tables_in_a_function_block(tmp_path):
