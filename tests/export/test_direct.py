@@ -329,6 +329,8 @@ WALKED = [
     {"implication": "drastic", "defuzzifier": "bisector(41, midpoints)"},
     {"defuzzifier": "smallest-of-maximum exact", "implication": "nilpotent"},
     {"defuzzifier": "largest-of-maximum(33)", "aggregation": "normalized"},
+    {"defuzzifier": "nearest-of-maximum(33)"},
+    {"defuzzifier": "farthest-of-maximum exact"},
     {"defuzzifier": "bisector(21, joined)"},
 ]
 

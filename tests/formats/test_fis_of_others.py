@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -325,32 +326,47 @@ def test_maxima_of_an_empty_output_to_octave(method: str, value: float) -> None:
     assert infer(good(parse_fis(text, producer="octave")), x=9.0)["y"] == value
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "method", "found"),
-    [
-        ("0", "10", "som", "smallest-of-maximum"),
-        ("-10", "0", "som", "largest-of-maximum"),
-        ("-10", "-1", "lom", "smallest-of-maximum"),
-        ("-10", "10", "lom", "largest-of-maximum"),
-    ],
-)
-def test_matlab_compares_the_magnitudes_of_maxima(
-    low: str, high: str, method: str, found: str
-) -> None:
-    text = fis("1, 1 (1) : 1", method=method, low=low, high=high)
-    imported = parse_fis(text, producer="matlab")
+MAXIMUM = {
+    "matlab": {"som": "nearest-of-maximum", "lom": "farthest-of-maximum"},
+    "octave": {"som": "smallest-of-maximum", "lom": "largest-of-maximum"},
+}
+
+
+@pytest.mark.parametrize("method", ["som", "lom"])
+@pytest.mark.parametrize("producer", ["matlab", "octave"])
+def test_matlab_compares_the_magnitudes_of_maxima(producer: str, method: str) -> None:
+    # Octave's defuzz.m takes the least and the greatest maximal sample, with their signs.
+    text = fis("1, 1 (1) : 1", method=method, low="-10", high="10")
+    imported = parse_fis(text, producer=producer)
     rulebase = good(imported)
-    assert rulebase.outputs[0].defuzzifier.method == found
-    both = low == "-10" and high == "10"
-    lines = [d.line for d in imported.diagnostics if d.name == "maximum-by-magnitude"]
-    place = next(i for i, line in enumerate(text.splitlines(), 1) if "DefuzzMethod" in line)
-    assert lines == [place] * both
-    written = write(rulebase, ".fis", producer="matlab").text
-    assert written is not None
-    assert f"DefuzzMethod='{method}'" in written
-    plain = good(parse_fis(text, producer="octave")).outputs[0].defuzzifier
-    word = {"som": "smallest-of-maximum", "lom": "largest-of-maximum"}[method]
-    assert plain == Defuzzifier(word, 101, "endpoints")
+    assert rulebase.outputs[0].defuzzifier == Defuzzifier(MAXIMUM[producer][method], 101)
+    assert not [each for each in imported.diagnostics if each.severity is Severity.WARNING]
+    written = write(rulebase, ".fis", producer=producer)
+    assert f"DefuzzMethod='{method}'" in (written.text or "")
+    other = {"matlab": "octave", "octave": "matlab"}[producer]
+    refused = write(rulebase, ".fis", producer=other)
+    assert [each.name for each in refused.errors] == ["unsupported-defuzzifier"]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "method", "word"),
+    [
+        ("0", "10", "smallest-of-maximum", "som"), ("0", "10", "largest-of-maximum", "lom"),
+        ("-10", "0", "smallest-of-maximum", "lom"), ("-10", "-1", "largest-of-maximum", "som"),
+    ],
+)  # fmt: skip
+def test_on_one_side_of_0_the_maxima_of_others_have_a_word_in_matlab(
+    low: str, high: str, method: str, word: str
+) -> None:
+    rulebase = good(parse_fis(fis("1, 1 (1) : 1", method="mom", low=low, high=high)))
+    (output,) = rulebase.outputs
+    changed = replace(output, defuzzifier=Defuzzifier(method, 101))
+    written = write(replace(rulebase, outputs=(changed,)), ".fis", producer="matlab")
+    assert f"DefuzzMethod='{word}'" in (written.text or "")
+    again = good(parse_fis(written.text or "", producer="matlab"))
+    for x in (0.1, 0.5, 0.9):
+        here = replace(rulebase, outputs=(changed,))
+        assert infer(again, x=x) == infer(here, x=x)
 
 
 def numbers_of_fuzzylite(term: str, x: float) -> float:

@@ -62,7 +62,8 @@ SAMPLED = ("(21)", "(20, midpoints)", "(21, trapezoid)", "(20, left)", "(21, joi
 OFTEN = {
     "sets": ["centroid exact"] * 6 + ["weighted-average"]
     + [f"{way}{how}" for way in ("centroid", "bisector") for how in (" exact", *SAMPLED)]
-    + [f"{way}-of-maximum{how}" for way in ("mean", "smallest", "largest", "middle")
+    + [f"{way}-of-maximum{how}"
+       for way in ("mean", "smallest", "largest", "middle", "nearest", "farthest")
        for how in (" exact", " exact", "(21)", "(20, midpoints)")],
     "values": ["weighted-average"] * 4 + ["weighted-sum"] * 2 + ["centroid exact", "bisector exact"]
     + ["mean-of-maximum exact", "smallest-of-maximum exact", "largest-of-maximum exact"],

@@ -61,7 +61,8 @@ counted = {"large": 0, "value": 0, "slope": 0, "table": 0, "sector": 0, "stateme
 OTHERS = (
     "bisector exact", "bisector(31)", "bisector(30, midpoints)", "bisector(31, joined)",
     "centroid(31, joined)", "mean-of-maximum exact", "smallest-of-maximum exact",
-    "largest-of-maximum(31)", "middle-of-maximum exact", "tsukamoto", "karnik-mendel exact",
+    "largest-of-maximum(31)", "nearest-of-maximum exact", "nearest-of-maximum(30, midpoints)",
+    "farthest-of-maximum exact", "middle-of-maximum exact", "tsukamoto", "karnik-mendel exact",
     "karnik-mendel(31)", "nie-tan exact", "nie-tan(31)",
 )  # fmt: skip
 """Defuzzifiers that go by boxes."""

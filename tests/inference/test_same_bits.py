@@ -154,6 +154,7 @@ NORMS = [("min", "max"), ("product", "probor"), ("bounded", "bounded"), ("drasti
 WAYS = [("centroid exact", "max"), ("centroid exact", "sum"), ("centroid(41)", "max"),
         ("centroid(41, trapezoid)", "probor"), ("mean-of-maximum exact", "max"),
         ("smallest-of-maximum exact", "max"), ("largest-of-maximum(33)", "max"),
+        ("nearest-of-maximum exact", "max"), ("farthest-of-maximum(33)", "probor"),
         ("bisector(50, midpoints)", "max"), ("centroid(21, joined)", "max"),
         ("bisector(21, joined)", "sum"), ("weighted-average", "sum"),
         ("bisector exact", "max")]  # fmt: skip

@@ -35,6 +35,7 @@ from tests.inference.test_matrix import BELLS, FORMULAS, INTERVALS, RAMPS, SETS,
 OWN = {
     "late-maximum": (lambda first, last, mean: 0.25 * first + 0.5 * mean + 0.25 * last, {}),
     "wide-or-first": (lambda first, last: op.where(last - first > 1.0, 0.5 * last, first), {}),
+    "half-near": (lambda first, mean, nearest: nearest + 0.25 * (first + mean), {}),
     "shrunk-centroid": (lambda centroid: 0.5 * centroid, {"names": {"fll": "Shrunk"}}),
     "lifted-half": (lambda half: op.maximum(half, 0.25), {"like": "bisector"}),
     "cautious-ends": (lambda left, right: 0.75 * left + 0.25 * right, {}),
@@ -48,6 +49,7 @@ OWN = {
 CASES = [
     Case("late-maximum exact"), Case("late-maximum(51)", BELLS),
     Case("late-maximum exact", VALUES), Case("wide-or-first exact"),
+    Case("half-near exact"), Case("half-near(51)"), Case("half-near exact", VALUES),
     Case("shrunk-centroid exact"), Case("shrunk-centroid(51, joined)"),
     Case("lifted-half(51)"), Case("lifted-half exact", BELLS),
     Case("cautious-ends exact", INTERVALS), Case("cautious-ends(51)", INTERVALS),
@@ -95,6 +97,8 @@ def value_of(record: str, figures: dict[str, str], terms: str = SETS) -> None:
 def test_its_value_is_made_of_what_the_built_in_ones_give() -> None:
     tops = {"first": "smallest", "last": "largest", "mean": "mean"}
     for how in (" exact", "(51)"):
+        near = {"first": tops["first"], "mean": "mean", "nearest": "nearest"}
+        value_of("half-near", {k: f"{each}-of-maximum{how}" for k, each in near.items()})
         value_of("late-maximum", {k: f"{each}-of-maximum{how}" for k, each in tops.items()})
     value_of("shrunk-centroid", {"centroid": "centroid exact"})
     ends = {end: f"karnik-mendel-{end} exact" for end in ("left", "right")}

@@ -219,7 +219,8 @@ import numpy as np
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 found = {}
-for method in ("centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "centroid(11)"):
+for method in ("centroid", "bisector", "mean-of-maximum", "smallest-of-maximum",
+               "nearest-of-maximum(12)", "farthest-of-maximum(12)", "centroid(11)"):
     rules = parse(
         "input e -1 .. 1\\ninput d -1 .. 1\\noutput u -2 .. 2\\nterms e, u: triangles N Z P\\n"
         f"terms d: gaussians N Z P\\ninference u: defuzzifier {method}\\n"

@@ -14,6 +14,7 @@ say what the defuzzifier takes of it:
 ``first``, ``last``   the first and the last position at which the set is greatest; of numbers those
                       of the greatest strength
 ``mean``              of all these positions
+``nearest``           of all these positions the one nearest to 0; of two the negative one
 ``left``, ``right``   the ends of the centroid of an interval type-2 set, by Karnik and Mendel
 ``average``           of the numbers that stand for the consequents, weighed by their strengths
 ``weighted``          the sum of these numbers, each times its strength
@@ -31,6 +32,7 @@ from typing import Any
 
 from fuzzyarm.expression.evaluation import evaluate, gradient
 from fuzzyarm.expression.nodes import Constant, Node, Symbol, argument_names, symbols
+from fuzzyarm.expression.op import where
 from fuzzyarm.expression.records import Kind, KindError, Registry
 from fuzzyarm.frozen import NamedTuple, dataclass
 
@@ -64,7 +66,7 @@ class Aspect(NamedTuple):
 ASPECTS = {
     "gravity": Aspect(("centroid",), integrates=True),
     "area": Aspect(("half",), integrates=True),
-    "top": Aspect(("first", "last", "mean"), jumps=True),
+    "top": Aspect(("first", "last", "mean", "nearest"), jumps=True),
     "ends": Aspect(("left", "right"), integrates=True),
     "average": Aspect(("average",), weighs=True),
     "sum": Aspect(("weighted",), weighs=True),
@@ -196,9 +198,9 @@ def defuzzifier(name: str, value: Callable[..., X], **facts: Any) -> Defuzzifier
         The word in a file: small letters, digits and hyphens.
     value : callable
         What it gives, of numbers of the aggregate by their names: ``centroid``; ``half``;
-        ``first``, ``last`` and ``mean`` of where it is greatest; ``left`` and ``right`` of an
-        interval type-2 set; ``average`` or ``weighted`` of numbers. Written with arithmetic,
-        comparisons and :mod:`fuzzyarm.op`.
+        ``first``, ``last``, ``mean`` and ``nearest`` of where it is greatest; ``left`` and
+        ``right`` of an interval type-2 set; ``average`` or ``weighted`` of numbers. Written with
+        arithmetic, comparisons and :mod:`fuzzyarm.op`.
     **facts
         What else is known of it, see :class:`DefuzzifierKind`: ``doc``, ``names``, ``like`` …
 
@@ -287,7 +289,7 @@ def _register() -> None:
         lambda first: first,
         doc="the first position at which the set is greatest",
         names={"fll": "SmallestOfMaximum", "fcl": "LM", "jfl": "LM", "fcl-scikit": "LM"}
-        | {"fis": "som", "matlab": "som", "octave": "som", "skfuzzy": "som", "fml": "LM"},
+        | {"fis": "som", "octave": "som", "skfuzzy": "som", "fml": "LM"},
         elsewhere="som lm smallestofmaximum",
     )
     kind(
@@ -295,7 +297,7 @@ def _register() -> None:
         lambda last: last,
         doc="the last position at which the set is greatest",
         names={"fll": "LargestOfMaximum", "fcl": "RM", "jfl": "RM", "fcl-scikit": "RM"}
-        | {"fis": "lom", "matlab": "lom", "octave": "lom", "skfuzzy": "lom", "fml": "RM"},
+        | {"fis": "lom", "octave": "lom", "skfuzzy": "lom", "fml": "RM"},
         elsewhere="lom rm largestofmaximum",
     )
     kind(
@@ -304,6 +306,20 @@ def _register() -> None:
         doc="the middle between the first and the last position at which the set is greatest",
         like="mean-of-maximum",
         elsewhere="middleofmaximum",
+    )
+    kind(
+        "nearest-of-maximum",
+        lambda nearest: nearest,
+        doc="the position nearest to 0 at which the set is greatest",
+        like="smallest-of-maximum",
+        names={"matlab": "som"},
+    )
+    kind(
+        "farthest-of-maximum",
+        lambda first, last: where(abs(last) > abs(first), last, first),
+        doc="the position farthest from 0 at which the set is greatest",
+        like="largest-of-maximum",
+        names={"matlab": "lom"},
     )
     kind(
         "weighted-average",

@@ -322,4 +322,5 @@ def maximum_of_nothing(output: VariableDraft | Output) -> float:
         return math.nan
     figures = {"mean": 0.5 * (output.low + output.high)}
     figures |= {"first": output.low + half_step, "last": output.high - half_step}
+    figures |= {"nearest": min(max(figures["first"], 0.0), figures["last"])}
     return float(defuzzifier.record.value(figures))

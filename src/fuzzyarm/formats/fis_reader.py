@@ -26,7 +26,6 @@ from fuzzyarm.formats.findings import (
 from fuzzyarm.formats.fis_text import (
     BRACKETED,
     Section,
-    by_magnitude,
     detect,
     hedges_of,
     is_open,
@@ -237,8 +236,6 @@ class _Reader(SystemReader):
         if self.is_type2:
             self._reduce_output(draft)
             return
-        if self.dialect.producer == "matlab":
-            name = self._by_magnitude(draft, name)
         super().finish_output(draft, name)
 
     def _reduce_output(self, draft: VariableDraft) -> None:
@@ -264,18 +261,6 @@ class _Reader(SystemReader):
             draft.defuzzifier = Defuzzifier(method)
         else:
             draft.defuzzifier = Defuzzifier(method, *self.dialect.samples)
-
-    def _by_magnitude(self, draft: VariableDraft, name: str) -> str:
-        """Return the word of an output for which MATLAB compares the magnitudes of maxima."""
-        term = by_magnitude(name, draft.low, draft.high)
-        if term is None:
-            message = (
-                f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
-                "farthest for lom; here the lowest and the highest are taken"
-            )
-            at = draft.method or draft.word
-            self.findings.loss("maximum-by-magnitude", message, at, slight=True)
-        return term or name
 
     # --- Variables and terms ---
 

@@ -298,18 +298,3 @@ def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
         return table[fraction]
     powers = dialect.producer != "fuzzylite"
     return (Hedge("power", round(10.0 * fraction, 6)),) if powers else None
-
-
-# --- Maxima ---
-
-_OTHER_END = {"som": "lom", "lom": "som"}
-
-
-def by_magnitude(word: str, low: float, high: float) -> str | None:
-    """Return what MATLAB's som and lom, which compare magnitudes, are over a range.
-
-    None over a range on both sides of 0.
-    """
-    if low >= 0.0 or word not in _OTHER_END:
-        return word
-    return _OTHER_END[word] if high <= 0.0 else None

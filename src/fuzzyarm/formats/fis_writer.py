@@ -6,7 +6,7 @@ from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import VALUES
 from fuzzyarm.formats.findings import Exported, all_written, written
-from fuzzyarm.formats.fis_text import by_magnitude, fractions, hedges_of
+from fuzzyarm.formats.fis_text import fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers
@@ -145,7 +145,7 @@ class _Writer(SystemWriter):
         if self.dialect.producer == "octave" and triple == of_integral:
             self.need_sets(output)
             return "centroid_integral"
-        return self._by_magnitude(output, self.defuzzifier(output))
+        return self.defuzzifier(output)
 
     def _check_equal_values(self, output: Output) -> None:
         shapes = [term.shape for term in output.terms]
@@ -153,19 +153,6 @@ class _Writer(SystemWriter):
         if merged and len(set(shapes)) < len(shapes):
             message = f"Octave's toolkit makes one of equal terms of '{output.name}'"
             self.findings.loss("equal-values", message)
-
-    def _by_magnitude(self, output: Output, word: str) -> str:
-        """Return the word for a maximum to MATLAB, which compares magnitudes."""
-        if self.dialect.producer != "matlab":
-            return word
-        of_range = by_magnitude(word, output.low, output.high)
-        if of_range is None:
-            message = (
-                f"MATLAB takes the maximum of '{output.name}' that is nearest to 0 for som and "
-                "the farthest for lom, not the lowest and the highest"
-            )
-            self.findings.loss("maximum-by-magnitude", message, slight=True)
-        return of_range or word
 
     def variable(self, variable: Input | Output, index: int) -> list[str]:
         lines = [

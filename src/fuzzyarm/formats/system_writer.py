@@ -7,7 +7,7 @@ piece is said. What the program lacks is refused here, by name.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from fuzzyarm.expression.formulas import FormulaError
@@ -316,7 +316,9 @@ def word_of_method(output: Output, key: str, program: str, findings: Findings) -
     Refused by name where a program has neither.
     """
     record = output.defuzzifier.record
-    word, like = (word_of(DEFUZZIFIERS, name, key) for name in (record.name, record.like))
+    names = (record.name, *_same_over(output))
+    word = next(filter(None, (word_of(DEFUZZIFIERS, name, key) for name in names)), None)
+    like = word_of(DEFUZZIFIERS, record.like, key)
     if word is None:
         message = f"{program} has no {record.name} for '{output.name}'"
         if like is None:
@@ -325,6 +327,21 @@ def word_of_method(output: Output, key: str, program: str, findings: Findings) -
             message += f"; {like}, which it has, is {record.like}"
             findings.loss("unsupported-defuzzifier", message)
     return word or like or ""
+
+
+def _same_over(output: Output) -> Iterator[str]:
+    """Yield the defuzzifiers that take the same position in a range on one side of 0."""
+    record, values = output.defuzzifier.record, {term.shape.kind for term in output.terms} & VALUES
+    if record.of != "top" or output.low < 0.0 < output.high or values:
+        return
+    ends = ((1.0, 3.0), (2.0, 7.0)) if output.low >= 0.0 else ((-3.0, -1.0), (-7.0, -2.0))
+    tried = [
+        {"first": a, "last": b, "mean": a + 0.3 * (b - a), "nearest": min(a, b, key=abs)}
+        for a, b in ends
+    ]
+    for other in DEFUZZIFIERS.values():
+        if other.of == "top" and all(other.value(each) == record.value(each) for each in tried):
+            yield other.name
 
 
 def best(attempts: list[Exported]) -> Exported:

@@ -540,12 +540,12 @@ def point_by_point(block: Any) -> None:
 
 
 @kernel
-def made_of(k: Any, heap: Any, first: float, second: float, third: float) -> float:
+def made_of(k: Any, heap: Any, first: float, second: float, third: float, fourth: float) -> float:
     """Return what an output makes of several numbers."""
     at = heap.shape[0] - CHOICE_ROOM
-    heap[at], heap[at + 1], heap[at + 2] = first, second, third
+    heap[at], heap[at + 1], heap[at + 2], heap[at + 3] = first, second, third, fourth
     one = heap[at : at + 1]
-    call(k[k[OUTPUT] + CHOICE], one, heap[at + 1 : at + 3], one)
+    call(k[k[OUTPUT] + CHOICE], one, heap[at + 1 : at + 4], one)
     value: float = heap[at]
     return value
 

@@ -1,4 +1,4 @@
-"""The positions at which an aggregate is greatest: the first, the last, and the mean of all.
+"""The positions at which an aggregate is greatest: first, last, mean of all, nearest to 0.
 
 Exact: under `aggregation max` the positions are level cuts of the strongest sets. Under the
 others the range is cut where a set bends, where an implication clips one and where the
@@ -13,7 +13,7 @@ Sampled: over the samples; the mean is that of all of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import reduce
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
@@ -277,7 +277,8 @@ def _widened(
 
 def _figures(intervals: Intervals) -> Figures:
     first, last = min(a for a, _ in intervals), max(b for _, b in intervals)
-    return {"first": first, "last": last, "mean": _mean(intervals, first)}
+    nearest = nearest_to_zero(a if a > 0.0 else min(0.0, b) for a, b in sorted(intervals))
+    return {"first": first, "last": last, "mean": _mean(intervals, first), "nearest": nearest}
 
 
 def _mean(intervals: Intervals, reach: float) -> float:
@@ -293,6 +294,11 @@ def _mean(intervals: Intervals, reach: float) -> float:
         return moment / length
     spots = sorted({a for a, _ in intervals})
     return added_up(spots) / len(spots)
+
+
+def nearest_to_zero(positions: Iterable[float]) -> float:
+    """Return the position nearest to 0; of equally near ones the first."""
+    return min(positions, key=abs)
 
 
 def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFigures, Array]:
@@ -330,12 +336,13 @@ def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
 
 
 def greatest_of(samples: list[float], heights: list[float]) -> Figures | None:
-    """Return first, last and mean of the samples that are greatest; None where all are 0."""
+    """Return the positions among samples with their heights; None where all are 0."""
     enough = max(heights) * (1.0 - SAME)
     if not enough > 0.0:
         return None
     top = [y for y, height in zip(samples, heights, strict=True) if height >= enough]
-    return {"first": top[0], "last": top[-1], "mean": added_up(top) / len(top)}
+    mean, nearest = added_up(top) / len(top), nearest_to_zero(top)
+    return {"first": top[0], "last": top[-1], "mean": mean, "nearest": nearest}
 
 
 def sampled_maxima_over_arrays(
@@ -368,6 +375,9 @@ def greatest_of_many(
             positions[name] = samples[among.argmax(axis=0)]
         elif name == "last":
             positions[name] = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
+        elif name == "nearest":
+            sizes = np.where(among, np.abs(samples)[:, None], np.inf)
+            positions[name] = samples[sizes.argmin(axis=0)]
         else:
             there = np.where(among, samples[:, None], 0.0)
             positions[name] = added_up_rows(there) / among.sum(axis=0)

@@ -101,6 +101,7 @@ WANTED: dict[Node, float] = {
     symbol("mean"): positions.MEAN,
     symbol("first"): positions.FIRST,
     symbol("last"): positions.LAST,
+    symbol("nearest"): positions.NEAREST,
     symbol("centroid"): positions.CENTROID,
     symbol("left"): -1.0,
     symbol("right"): 1.0,
@@ -134,7 +135,7 @@ def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
     root = replace(record.expression, {first: symbol("x")})
     if not rest:
         return addresses.expression(root, ()), 0
-    return 0, addresses.expression(root, (*rest, "nothing")[:2])  # as `made_of` gives them
+    return 0, addresses.expression(root, (*rest, "none", "nothing")[:3])  # as `made_of` gives them
 
 
 class OutputWriter:

@@ -9,9 +9,9 @@ are sums.
 A maximum is where f reaches its greatest height. Where f is the largest of some sets, each of
 them has its maximum on *humps*: stretches on which it rises, then falls, and whose ends move
 inward as the level rises at which it is cut. So the ends of a hump have bounds, and so have the
-smallest, the largest and the mean of all positions: the mean of one hump is its middle, and that of
-several an average of their middles by their lengths. Where it is open which of several sets is the
-highest, it is one of their humps or some of them together: the hull of them all.
+smallest, the largest, the mean of all positions and that nearest to 0: the mean of one hump is its
+middle, and that of several an average of their middles by their lengths. If it is open which of
+several sets is the highest, it is one of their humps or some of them together: the hull of all.
 
 What inference takes for equal (areas and heights that differ by 1e-12) counts as equal here, too.
 """
@@ -41,6 +41,7 @@ __all__ = [
     "halving_bounds",
     "largest_bounds",
     "mean_bounds",
+    "nearest_bounds",
     "nearest_half_bounds",
     "smallest_bounds",
 ]
@@ -201,6 +202,8 @@ class Humps(NamedTuple):
         Whether it is there in any case, and no hump of another set.
     shortest, longest : ndarray
         Bounds of its length (or of how many samples it has), if it is there.
+    inmost : ndarray
+        The position nearest to 0 that it could have: 0, or one of its samples.
     """
 
     left: Array
@@ -211,6 +214,7 @@ class Humps(NamedTuple):
     certain: Flags
     shortest: Array
     longest: Array
+    inmost: Array
 
 
 def smallest_bounds(humps: Humps) -> tuple[Array, Array]:
@@ -249,6 +253,22 @@ def mean_bounds(humps: Humps) -> tuple[Array, Array]:
         np.where(humps.certain, np.maximum(humps.shortest, 0.0), 0.0),
         longest,
     )
+
+
+def nearest_bounds(humps: Humps) -> tuple[Array, Array]:
+    """Return bounds of the position nearest to 0 of all humps that are there."""
+    import numpy as np
+
+    # Of a hump from a to b it is `inmost`, or the end that lies before it: max(a, min(b, inmost)),
+    # which rises with both ends.
+    low = np.maximum(humps.left, np.minimum(humps.earliest_right, humps.inmost))
+    high = np.maximum(humps.latest_left, np.minimum(humps.right, humps.inmost))
+    # The nearest of all is not farther away than that of a hump which is there in any case.
+    far = np.where(humps.certain, np.maximum(np.abs(low), np.abs(high)), np.inf).min(axis=-1)
+    can_be = humps.can_be & (np.maximum(low, -high) <= far[..., None])
+    least = np.maximum(np.where(can_be, low, np.inf).min(axis=-1), -far)
+    most = np.minimum(np.where(can_be, high, -np.inf).max(axis=-1), far)
+    return _or_nothing(humps, least, most)
 
 
 def _or_nothing(humps: Humps, least: Array, most: Array) -> tuple[Array, Array]:

@@ -61,10 +61,10 @@ from fuzzyarm.inference.maxima import SAME
 from fuzzyarm.inference.type_reduction_kernel import value_of
 from fuzzyarm.kernels import call, kernel
 
-HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID = range(7)
+HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID, NEAREST = range(8)
 """What is asked for: the last of the output's floats. A bisector of samples at ``midpoints`` is the
 sample nearest to half of the area; a value may be made of several positions where a set is
-greatest; the centroid is that of joined samples."""
+greatest; the centroid is that of joined samples; the nearest is that to 0."""
 
 BISECTIONS = 80
 """Halvings of a curved piece to where it passes a level."""
@@ -167,22 +167,26 @@ def greatest_of(
     enough = greatest * (1.0 - SAME)
     if not enough > 0.0:
         return 0.0, 0.0
-    first = last = moment = among = 0.0
+    first = last = nearest = moment = among = 0.0
     for i in range(count):
         if heights[i] >= enough:
             last = positions[i]
             if among == 0.0:
-                first = last
+                first = nearest = last
                 if way_of(k, f) == FIRST:  # the others are not asked for
                     break
+            if abs(last) < abs(nearest):
+                nearest = last
             moment += last
             among += 1.0
     among = max(among, 1.0)
-    return greatest, value_of_top(k, f, heap, first, last, moment / among)
+    return greatest, value_of_top(k, f, heap, first, last, moment / among, nearest)
 
 
 @kernel
-def value_of_top(k: Any, f: Any, heap: Any, first: float, last: float, mean: float) -> float:
+def value_of_top(
+    k: Any, f: Any, heap: Any, first: float, last: float, mean: float, nearest: float
+) -> float:
     """Return one of the positions where a set is greatest, or what is made of them."""
     way = way_of(k, f)
     value = mean
@@ -190,8 +194,10 @@ def value_of_top(k: Any, f: Any, heap: Any, first: float, last: float, mean: flo
         value = first
     elif way == LAST:
         value = last
+    elif way == NEAREST:
+        value = nearest
     elif way == SEVERAL:
-        value = made_of(k, heap, first, last, mean)
+        value = made_of(k, heap, first, last, mean, nearest)
     return value
 
 
@@ -357,7 +363,7 @@ HEAP = 2
 
 @kernel
 def position_of_maxima(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return the greatest height of one point, and mean, smallest or largest position of it."""
+    """Return the greatest height of one point, and what is made of the positions of it."""
     greatest = 0.0
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -487,10 +493,18 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
     # where the intervals before it end.
     reach = first
     length = moment = 0.0
+    nearest = math.inf
     for i in range(count):
         begin = max(heap[HEAP + 2 * i], reach)
         end = heap[HEAP + 2 * i + 1]
         last = max(last, end)
+        inner = 0.0  # the position of this interval that is nearest to 0
+        if heap[HEAP + 2 * i] > 0.0:
+            inner = heap[HEAP + 2 * i]
+        elif end < 0.0:
+            inner = end
+        if abs(inner) < abs(nearest):
+            nearest = inner
         if end > begin:
             length += end - begin
             moment += (end - begin) * 0.5 * (begin + end)
@@ -500,7 +514,7 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
             if i == 0 or heap[HEAP + 2 * i] != heap[HEAP + 2 * i - 2]:
                 moment += heap[HEAP + 2 * i]
                 length += 1.0
-    return value_of_top(k, f, heap, first, last, moment / length)
+    return value_of_top(k, f, heap, first, last, moment / length, nearest)
 
 
 # ── values that are found ────────────────────────────────────────────────────────────

@@ -150,7 +150,7 @@ def value_of_ends(k: Any, f: Any, heap: Any, left: float, right: float) -> float
     elif end == 0.0:
         value = 0.5 * (left + right)
         if k[k[OUTPUT] + CHOICE] != 0:
-            value = made_of(k, heap, left, right, 0.0)
+            value = made_of(k, heap, left, right, 0.0, 0.0)
     return value
 
 

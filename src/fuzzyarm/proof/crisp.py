@@ -30,6 +30,7 @@ from fuzzyarm.inference.place_bounds import (
     halving_bounds,
     largest_bounds,
     mean_bounds,
+    nearest_bounds,
     nearest_half_bounds,
     smallest_bounds,
 )
@@ -132,7 +133,12 @@ WAYS: dict[str, BoundingMethod] = {
     "gravity": BoundingMethod(_centroid, _centroid_of_numbers),
     "area": BoundingMethod(_half, _half_of_numbers, midpoints=nearest_half_bounds),
     "top": BoundingMethod(
-        humps={"first": smallest_bounds, "last": largest_bounds, "mean": mean_bounds}
+        humps={
+            "first": smallest_bounds,
+            "last": largest_bounds,
+            "mean": mean_bounds,
+            "nearest": nearest_bounds,
+        }
     ),
     "ends": BoundingMethod(_ends, _ends_of_numbers),
     "average": BoundingMethod(sums=_average),

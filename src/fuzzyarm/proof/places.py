@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.expression.kinds import TNORMS
+from fuzzyarm.inference.maxima import nearest_to_zero
 from fuzzyarm.inference.place_bounds import TIE, Humps
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.quadrature import CLIPPING
@@ -64,7 +65,7 @@ def humps_of_numbers(least: Array, greatest: Array, lower: Array, upper: Array) 
     can_be = (upper > 0.0) & (upper >= leading)
     alone = can_be.sum(axis=1, keepdims=True) == 1
     one = np.ones_like(upper)
-    return Humps(least, greatest, greatest, least, can_be, can_be & alone, one, one)
+    return Humps(least, greatest, greatest, least, can_be, can_be & alone, one, one, least)
 
 
 class _OfAll(Places):
@@ -88,7 +89,8 @@ class _OfAll(Places):
         right = np.where(there, self.ends, -np.inf).max(axis=1, keepdims=True)
         can_be = there.any(axis=1, keepdims=True)
         none = np.zeros_like(left)
-        return Humps(left, right, right, left, can_be, np.zeros_like(can_be), none, none + 1), lead
+        never = np.zeros_like(can_be)
+        return Humps(left, right, right, left, can_be, never, none, none + 1, left), lead
 
 
 # ── the sets that are cut highest ────────────────────────────────────────────────────
@@ -192,6 +194,7 @@ class _Straight(_Set):
         return (
             left - slack, right + slack, latest_left + slack, earliest_right - slack,
             can_be, certain, earliest_right - latest_left - 2.0 * slack, right - left + 2.0 * slack,
+            np.zeros_like(left),
         )  # fmt: skip
 
 
@@ -241,7 +244,8 @@ class _Curved(_Set):
             np.broadcast_to(array, shape) for array in (self.starts, self.ends, self.lengths)
         )
         latest, earliest = np.where(certain, starts, ends), np.where(certain, ends, starts)
-        return Humps(starts, ends, latest, earliest, can_be, certain, length, length)
+        inmost = np.zeros(shape)
+        return Humps(starts, ends, latest, earliest, can_be, certain, length, length, inmost)
 
 
 class _Sampled(_Set):
@@ -283,6 +287,7 @@ class _Sampled(_Set):
         return (
             positions[first_can], positions[last_can], positions[first], positions[behind],
             there, there & (summit >= enough), behind - first + 1.0, last_can - first_can + 1.0,
+            np.full(len(can_be), nearest_to_zero(positions.tolist())),
         )  # fmt: skip
 
 
