@@ -269,14 +269,17 @@ def halved(weights: Sequence[tuple[Fraction, Fraction]], sampling: str) -> Fract
 
 
 def of_maxima(method: str, stretches: Sequence[Interval]) -> Fraction:
-    """Return the mean, the first, the last or the middle of the places of the maximum."""
+    """Return a place of the maximum by its name."""
     first, last = stretches[0][0], stretches[-1][1]
-    if method == "smallest of maxima":
-        return first
-    if method == "largest of maxima":
-        return last
-    if method == "middle of maxima":
-        return (first + last) / 2
+    places = {
+        "smallest of maxima": first,
+        "largest of maxima": last,
+        "middle of maxima": (first + last) / 2,
+        "nearest of maxima": min((max(a, min(b, ZERO)) for a, b in stretches), key=abs),
+        "farthest of maxima": max(first, last, key=abs),
+    }
+    if method in places:
+        return places[method]
     lengths = sum((b - a for a, b in stretches), ZERO)
     if lengths == 0:
         return sum((a for a, _ in stretches), ZERO) / len(stretches)

@@ -365,6 +365,10 @@ def middle_of(method: str, stretches: Sequence[tuple[Decimal, Decimal]]) -> Deci
         return min(ends) if word == "smallest" else max(ends)
     if word == "middle":
         return (min(ends) + max(ends)) / 2
+    if word == "nearest":
+        return ZERO if any(a <= 0 <= b for a, b in stretches) else min(ends, key=abs)
+    if word == "farthest":
+        return max(ends, key=abs)
     lengths = [b - a for a, b in stretches]
     if sum(lengths) < D(10) ** -10:
         return sum(ends, ZERO) / len(ends)

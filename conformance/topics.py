@@ -403,6 +403,17 @@ def maxima() -> Iterator[Data]:
         for suffix, way in ways(method, only=some):
             yield case(f"{method.replace(' ', '-')}-uneven-tie-{suffix}", "Two plateaus of different length.",
                        uneven, [(0.5,)], settings=settings(way))  # fmt: skip
+    signed = {**APART, "outputs": {"y": variable(-4, 2, left=term("trapezoid", -3.4, -3, -1, -0.4),
+                                                 right=term("trapezoid", 0.2, 0.5, 1, 1.6))}}  # fmt: skip
+    around = {**APART, "outputs": {"y": variable(-4, 2, left=term("trapezoid", -3, -1.5, 1, 1.5),
+                                                 right=term("trapezoid", -3.5, -3, -2, -1.75))}}  # fmt: skip
+    for method in ("nearest of maxima", "farthest of maxima"):
+        for suffix, way in ways(method, only=some):
+            slug = f"{method.replace(' ', '-')}-{suffix}"
+            yield case(f"signed-{slug}", "Plateaus on both sides of 0.", signed,
+                       [(0.5,), (0.25,), (0.75,)], settings=settings(way))  # fmt: skip
+            yield case(f"around-{slug}", "A plateau around 0.", around,
+                       [(0.5,), (0.25,), (0.75,)], settings=settings(way))  # fmt: skip
 
 
 def sugeno() -> Iterator[Data]:

@@ -33,6 +33,7 @@ WORDS = {
 METHODS = {
     "mean of maxima": "mean-of-maximum", "smallest of maxima": "smallest-of-maximum",
     "largest of maxima": "largest-of-maximum", "middle of maxima": "middle-of-maximum",
+    "nearest of maxima": "nearest-of-maximum", "farthest of maxima": "farthest-of-maximum",
     "weighted average": "weighted-average", "weighted sum": "weighted-sum",
     "karnik-mendel left": "karnik-mendel-left", "karnik-mendel right": "karnik-mendel-right",
 }  # fmt: skip

@@ -345,7 +345,7 @@ def test_matlab_compares_the_magnitudes_of_maxima(producer: str, method: str) ->
     assert f"DefuzzMethod='{method}'" in (written.text or "")
     other = {"matlab": "octave", "octave": "matlab"}[producer]
     refused = write(rulebase, ".fis", producer=other)
-    assert [each.name for each in refused.errors] == ["unsupported-defuzzifier"]
+    assert "unsupported-defuzzifier" in {each.name for each in refused.errors}
 
 
 @pytest.mark.parametrize(
