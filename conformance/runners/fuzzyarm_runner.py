@@ -212,7 +212,7 @@ def by_structured_text(case: Case) -> Numbers:
 
     with tempfile.TemporaryDirectory() as name:
         path = exported(case, Path(name), "rules.st", "--direct", "--precision", "float64")
-        program = Program(path.read_text(encoding="utf-8"), "LREAL")
+        program = Program(path.read_text(encoding="utf-8"))
     blocks = [unit.name for unit in program.units.values() if unit.sort != "FUNCTION"]
     results: Numbers = []
     for point in case["points"]:
