@@ -35,7 +35,7 @@ from tests.inference.test_matrix import BELLS, FORMULAS, INTERVALS, RAMPS, SETS,
 OWN = {
     "late-maximum": (lambda first, last, mean: 0.25 * first + 0.5 * mean + 0.25 * last, {}),
     "wide-or-first": (lambda first, last: op.where(last - first > 1.0, 0.5 * last, first), {}),
-    "half-near": (lambda first, mean, nearest: nearest + 0.25 * (first + mean), {}),
+    "half-near": (lambda first, mean, nearest: 0.5 * nearest + 0.25 * (first + mean), {}),
     "shrunk-centroid": (lambda centroid: 0.5 * centroid, {"names": {"fll": "Shrunk"}}),
     "lifted-half": (lambda half: op.maximum(half, 0.25), {"like": "bisector"}),
     "cautious-ends": (lambda left, right: 0.75 * left + 0.25 * right, {}),
