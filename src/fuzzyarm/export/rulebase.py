@@ -34,7 +34,9 @@ _DENSE_HEIGHTS = 120_000_000
 
 _FEWEST_POINTS = 1_024
 _MOST_POINTS = 6_000_000
-_VECTORS = 48
+_VECTORS = 160
+_SHARES = (0.02, 0.09, 0.37, 0.91, 0.98)
+"""Where points of the self-test lie in a piece between two edges."""
 
 _AT_ONCE = 16_384
 """Points at which a program runs at a time: its arrays stay in the cache."""
@@ -244,6 +246,17 @@ class DirectRoutine:
         count = max(3, round(points ** (1.0 / len(inputs))))
         return [self._axis_points(variable, count) for variable in inputs]
 
+    def _telling_points(self, variable: Input) -> NDArray[Any]:
+        """Return points of an input: inside its pieces, close to edges, and outside its range."""
+        corners = corners_of(variable)
+        low = variable.low if math.isfinite(variable.low) else corners[0]
+        high = variable.high if math.isfinite(variable.high) else corners[-1]
+        edges = np.unique([low, *(x for x in corners if low < x < high), high])
+        pieces = edges[:-1, None] + np.diff(edges)[:, None] * np.array(_SHARES)
+        return np.unique(
+            [*pieces.ravel(), 2 * low - pieces[0, 1], 2 * high - pieces[-1, -2]]
+        ).astype(self.precision.outside)
+
     def _axis_points(self, variable: Input, count: int) -> NDArray[Any]:
         """Return even points, the corners of the terms and their neighbours."""
         corners = corners_of(variable)
@@ -257,13 +270,20 @@ class DirectRoutine:
         return np.unique(np.concatenate([even, close, *around]))
 
     def vectors(self) -> TestPoints:
-        """Return corners with their neighbours and points between, mixed over the inputs."""
-        inputs, number = [], np.arange(_VECTORS)
+        """Return points inside every piece and on both sides of every edge, mixed over the inputs.
+
+        A corner of a term shows little of the lines that meet there: a constant that is off by a
+        tenth changes the result between corners.
+        """
+        number = np.arange(_VECTORS)
+        inputs = []
         for k, variable in enumerate(self.rulebase.inputs):
-            points = self._axis_points(variable, 25)
-            stride = (1, 7, 11, 13, 17, 19, 23, 29)[k % 8]
-            turns = number // points.size  # a shift, so that the same rows do not come again
-            inputs.append(points[(number * stride + turns + k) % points.size])
+            points = self._telling_points(variable)
+            # Of two inputs all pairs come, in an order that soon has seen every point of each.
+            shift = number // points.size if k else 0
+            inputs.append(
+                points[(number * (1, 7, 11, 13, 17, 19, 23, 29)[k % 8] + shift) % points.size]
+            )
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
         finite = ~np.isnan(expected)
