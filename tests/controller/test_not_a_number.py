@@ -174,10 +174,10 @@ def test_laws_of_the_arm_hold_their_torque(name):
 
 
 class Failing(Plant):
-    """A mass whose sensor fails for a while; without a bound, so that this is no divergence."""
+    """A mass whose sensor fails for a while: no divergence, for its states are finite."""
 
     inputs = {"u": Port("N", -50, 50)}
-    outputs = {"x": Port("m", bound=math.inf), "seen": Port("m", bound=math.inf)}
+    outputs = {"x": Port("m"), "seen": Port("m")}
     states = {"position": "m", "velocity": "m/s"}
     duration = 1.0
 
@@ -197,6 +197,22 @@ def test_a_run_tells_what_was_skipped(tmp_path):
     run = simulate(text, plant=Failing(), step=1.0)
     assert run.notes == ("axis a skipped 10 periods: a value that it reads was not a number",)
     assert np.isfinite(run.drives["u"]).all()
+
+
+class Lost(Failing):
+    """A mass whose velocity has no finite value after a while."""
+
+    def derivative(self, t, x, u, p):
+        return [x[1], math.nan if t >= 0.5 else u[0]]
+
+
+def test_a_state_that_is_not_a_number_is_a_divergence(tmp_path):
+    text = tmp_path / "c.frb"
+    text.write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  drive u = e, within -50 .. 50\n"
+    )
+    run = simulate(text, plant=Lost(), step=1.0)
+    assert run.diverged == pytest.approx(0.51, abs=0.02)
 
 
 def test_the_words_read_back_and_print():

@@ -246,3 +246,22 @@ def test_a_name_that_the_tia_portal_does_not_take_is_refused(tmp_path, monkeypat
     assert main(["compile", "long.frb", "--direct", "-o", "long.scl"]) == 1
     assert "has 130 letters, and the TIA Portal takes 125" in capsys.readouterr().err
     assert not Path("long.scl").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".h", ".c"])
+def test_headers_under_one_name_do_not_hide_each_other(tmp_path, suffix):
+    need(HOST)
+    for stem, source in (("one", shipped("pd7.frb")), ("two", shipped("tipper.frb"))):
+        words = ["compile", str(source), "-o", str(tmp_path / f"{stem}{suffix}"), "--name", "made"]
+        assert main(words) == 0
+    program = tmp_path / "program.c"
+    program.write_text(
+        '#include "one.h"\n#include "two.h"\n#include "one.h"\n#include "two.h"\n'
+        "double both(void);\ndouble both(void) { return made_u(0, 0) + made_tip(1, 1); }\n"
+    )
+    ran = subprocess.run(
+        [HOST, "-std=c99", "-Werror=implicit-function-declaration", "-c", "program.c"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -151,8 +152,12 @@ def for_cxx(declarations: Iterable[str]) -> list[str]:
 
 
 def guarded(writer: CWriter, lines: Sequence[str]) -> list[str]:
-    """Return the lines of a header so that it may be included twice."""
-    guard = writer.names.new(f"{writer.prefix.upper()}_H")
+    """Return the lines of a header so that it may be included twice.
+
+    The guard is of the content: of two headers under one name neither hides the other.
+    """
+    digest = hashlib.sha256("\n".join(lines).encode()).hexdigest()[:8].upper()
+    guard = writer.names.new(f"{writer.prefix.upper()}_{digest}_H")
     return [f"#ifndef {guard}", f"#define {guard}", "", *lines, "#endif", ""]
 
 

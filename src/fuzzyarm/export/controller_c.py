@@ -607,7 +607,7 @@ class CController:
     def self_test(self, vectors: TestSequence) -> list[str]:
         """Return a ``main`` that runs the sequence and returns 0 if the drives come out."""
         body = test_function("int main(void)", self.test_lines(vectors), "steps")
-        return [f"#ifdef {SWITCH}", "", *_NAN_HEADER, *body, "#endif", ""]
+        return [f"#ifdef {SWITCH}", "", *body, "#endif", ""]
 
     def test_lines(self, vectors: TestSequence) -> list[str]:
         """Return the statements of a function that returns 0 if the drives come out."""
@@ -677,7 +677,6 @@ def controller_c(
     writer = CWriter(prefix, "static inline " if alone else "")
     controller = CController(steps, writer)
     code = controller.definitions()
-    guard = writer.names.new(f"{prefix.upper()}_H")
     library = " -lm" if steps.calls_functions else ""
     sources = f"-x c {stem}.h" if alone else f"{stem}.c"
     test = (
@@ -690,16 +689,19 @@ def controller_c(
         f"self-test (returns 0 if all is well): {test}",
     ]
     top = [*comment(head, "/*", " *", " */"), ""]
-    opening = [f"#ifndef {guard}", f"#define {guard}", "", *controller.headers()]
-    opening += [""] if opening[-1] else []
-    declarations = [*controller.constants(), "", *controller.types]
+    opening = controller.headers()
+    opening += [""] if opening and opening[-1] else []
+    declarations = [*opening, *controller.constants(), "", *controller.types]
+    # Includes stand above all else (MISRA C:2012, 20.1), that of the self-test too.
+    included = any("math.h" in line for line in opening)
+    of_test = [] if included else [f"#ifdef {SWITCH}", _NAN_HEADER[0], "#endif", ""]
     test_lines = controller.self_test(vectors)
     if alone:
-        lines = [*top, *opening, *declarations, code, *test_lines, "#endif", ""]
+        lines = [*top, *guarded(writer, [*of_test, *declarations, code, *test_lines])]
         return {suffix: "\n".join(lines)}, controller
     prototypes = [f"{prototype};" for prototype in controller.prototypes().values()]
-    header = [*top, *opening, *declarations, *for_cxx(prototypes), "#endif", ""]
-    source = [*top, f'#include "{stem}.h"', "", code, *test_lines]
+    header = [*top, *guarded(writer, [*declarations, *for_cxx(prototypes)])]
+    source = [*top, f'#include "{stem}.h"', "", *of_test, code, *test_lines]
     return {".c": "\n".join(source), ".h": "\n".join(header)}, controller
 
 

@@ -373,7 +373,8 @@ class FixedTable(NumberTable):
         return [
             f"q{scale.bits}: whole numbers of {scale.bits + 1} bits, 32-bit arithmetic, no"
             " floating point; scale an input to the nearest whole number and saturate it to"
-            f" {scale.low} .. {scale.high}"
+            f" {scale.low} .. {scale.high}",
+            "whole numbers have no NaN: the caller decides about a value that is not a number",
         ]
 
     def truth(self, mesh: Sequence[NDArray[Any]]) -> NDArray[np.float64]:

@@ -197,6 +197,12 @@ class _InC(Translation):
             _by_the_rules(_without_unused(definition)) for definition in self._finished
         )
         text = re.sub(r"@(\w+) (\w+)@", self._helper, text)
+        returning = {
+            function.name
+            for function in self._finished
+            if getattr(function, "returned", Nothing.NOTHING) is not Nothing.NOTHING
+        }
+        text = _CALL.sub(lambda m: f"{m[1]}(void){m[2]}" if m[3] in returning else m[0], text)
         self.writer.helpers.append(text)
 
     def _helper(self, match: re.Match[str]) -> str:
@@ -224,6 +230,9 @@ class _InC(Translation):
         )
 
 
+_CALL = re.compile(r"^( *)((\w+)\(.*\);)$", re.MULTILINE)
+"""A call whose value, if it has one, is dropped: `(void)` says so (17.7)."""
+
 _PARAMETER = re.compile(r"(\w+_x)(?=[,)])")
 _NAMED_RECORD = re.compile(r"^( *)const (\w+) (\w+) = (\w+\(.*\));$", re.MULTILINE)
 _COUNTED = re.compile(
@@ -236,7 +245,7 @@ def _by_the_rules(text: str) -> str:
 
     What it writes to is a variable that begins with the parameter. A structure is declared before
     it is set: what a call returns looks like a list of members that is too short (9.3). Of two
-    declarations each has its line (12.3).
+    declarations each has its line (12.3). Nothing is added to an index in vain (2.2).
     """
     head, brace, body = text.partition("{\n")
     copies = ""
@@ -250,6 +259,7 @@ def _by_the_rules(text: str) -> str:
         else f"{m[1]}{m[2]} {m[3]};\n{m[1]}{m[3]} = {m[4]};",
         body,
     )  # fmt: skip
+    body = body.replace(" + 0)", ")")  # of indices: a real zero is 0.0
     body = _COUNTED.sub(r"\1const int32_t \4 = \5;\n\1for (int32_t \2 = \3; \6", body)
     return head + brace + copies + body
 

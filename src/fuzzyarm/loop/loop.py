@@ -200,7 +200,7 @@ def run_loop(
                 random = disturbed(state, setting, random)
             ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
             # Asked after every step: a lost plant reaches infinity within a few set points.
-            if not within(board, checks, bounds):
+            if not within(board, checks, bounds, state[: setting.states], drives):
                 progress[LOST] = point
                 progress[LOST_AT] = iteration
                 break
@@ -565,14 +565,35 @@ def differentiated(sensors: list[float], at: int, value: float, step: float) -> 
 
 
 @kernel
-def within(board: list[float], checks: list[int], bounds: list[float]) -> bool:
-    """Tell whether the outputs are near enough and slow enough; not a number is neither."""
+def within(
+    board: list[float],
+    checks: list[int],
+    bounds: list[float],
+    state: list[float],
+    drives: list[float],
+) -> bool:
+    """Tell whether the outputs are near enough and slow enough.
+
+    An output that is not a number is a sensor that fails, as long as all states and drives are
+    finite; of a plant without states nobody can tell.
+    """
     for i in range(len(bounds)):
         value = board[checks[2 * i + 1]]
         if checks[2 * i] >= 0:
             value = board[checks[2 * i]] - value
-        # Written as what has to be true, for a comparison with not a number is false.
-        if not abs(value) <= bounds[i]:
+        if math.isnan(value):
+            if len(state) == 0 or not (all_finite(state) and all_finite(drives)):
+                return False
+        elif not abs(value) <= bounds[i]:
+            return False
+    return True
+
+
+@kernel
+def all_finite(values: list[float]) -> bool:
+    """Tell whether none of the values is infinite or not a number."""
+    for i in range(len(values)):
+        if values[i] - values[i] != 0.0:  # true of NaN, which inf - inf is, too
             return False
     return True
 

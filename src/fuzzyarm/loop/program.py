@@ -511,7 +511,7 @@ def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
     def ask_plant(task: int, _links: Any, x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
         (moved if task == ADVANCE else measured)(x, y, u, p, clock)
 
-    def goes_on(board: Any, checks: Any, bounds: Any) -> bool:
-        return not plant.ended and within(board, checks, bounds)
+    def goes_on(*watched: Any) -> bool:
+        return not plant.ended and within(*watched)
 
     return {"ask_plant": ask_plant, "within": goes_on}

@@ -62,7 +62,8 @@ class Port:
         Of an output: the port of the same axis whose rate it is. The reference of that rate
         follows from the reference of the port.
     bound : float, optional
-        Of an output: beyond this magnitude the run has diverged.
+        Of an output: beyond this magnitude the run has diverged. A value that is not a number is
+        a sensor that fails while all states and drives are finite.
     error_bound : float, optional
         Of an output that follows: beyond this error the run has diverged, too.
     """
