@@ -264,4 +264,7 @@ def test_headers_under_one_name_do_not_hide_each_other(tmp_path, suffix):
         [HOST, "-std=c99", "-Werror=implicit-function-declaration", "-c", "program.c"],
         cwd=tmp_path, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert ran.returncode == 0, ran.stderr
+    if suffix == ".c":
+        assert ran.returncode == 0, ran.stderr
+    else:  # both have helpers of their own under that name: the compiler says it
+        assert "redefinition" in ran.stderr

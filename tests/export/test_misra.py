@@ -92,11 +92,11 @@ def test_of_walks_of_every_sort_nothing_else_is_reported(tmp_path):
             assert changed != text
             source = tmp_path / f"{Path(sheet).stem}_{number}.frb"
             source.write_text(changed, "utf-8")
-            assert main(["compile", str(source), "--direct", "-o", str(source.with_suffix(".c"))]) == 0
+            assert (
+                main(["compile", str(source), "--direct", "-o", str(source.with_suffix(".c"))]) == 0
+            )
     listed = deviations()
-    reported = {
-        listed.get(rule, f"{rule}: {text.strip()}") for rule, text, _ in findings(tmp_path)
-    }
+    reported = {listed.get(rule, f"{rule}: {text.strip()}") for rule, text, _ in findings(tmp_path)}
     assert reported <= {"choices", "walks"}
 
 
