@@ -302,7 +302,7 @@ def test_a_statement_in_place_of_a_file_says_where_it_stands(capsys):
     assert "'u <= 1.5' is a statement: it stands in the file, as  prove u <= 1.5" in said
 
 
-@pytest.mark.parametrize("name", ["simulate", "compare", "sweep", "tune", "learn"])
+@pytest.mark.parametrize("name", ["simulate", "compare", "sweep", "tune"])
 def test_options_of_the_arm_come_last_behind_one_heading(capsys, name):
     assert main([name, "--help"]) == 0
     whole = capsys.readouterr().out
@@ -310,6 +310,6 @@ def test_options_of_the_arm_come_last_behind_one_heading(capsys, name):
     # No heading follows; the options of the arm are in no other group.
     assert not re.search(r"^\S.*:$", arm, re.MULTILINE)
     options = page.partition("\noptions:\n")[2]
-    for option in ("--supply", "--inductance", "--limits", "--variant", "--alpha"):
+    for option in ("--supply", "--inductance", "--limits"):
         assert option in arm
         assert not re.search(rf"^  {option}\b", options, re.MULTILINE)
