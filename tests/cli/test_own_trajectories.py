@@ -203,7 +203,7 @@ def test_the_same_in_python(folder, monkeypatch):
     assert (first.trajectory, first.along, first.where) == ("lift", True, "lift")
     assert first.rms == pytest.approx([rms(LIFT, (2, 5))], rel=1e-9)
     again = fuzzyarm.simulate("hook.frb", crane, trajectory=trajectory_of(crane), payload=True)
-    np.testing.assert_array_equal(first.errors, again.errors)
+    np.testing.assert_array_equal(first.error_matrix, again.error_matrix)
     half = fuzzyarm.simulate("hook.frb", crane, trajectory="swing", payload=0.5)
     assert half.rms == pytest.approx([rms(SWING, (2, 3.5))], rel=1e-9)
     own = fuzzyarm.simulate(
@@ -248,7 +248,7 @@ def test_several_axes_follow_with_their_first_outputs_or_with_those_that_are_nam
     arm = find_plant("arm")
     own = through([(10.0, -5.0)], 0.3)
     whole = fuzzyarm.simulate("pd", arm, trajectory=own)
-    np.testing.assert_array_equal(whole.errors, fuzzyarm.simulate("pd", own).errors)
+    np.testing.assert_array_equal(whole.error_matrix, fuzzyarm.simulate("pd", own).error_matrix)
     turned = replace(own, outputs=("joint2.position", "joint1.position"))
     swapped = fuzzyarm.simulate("pd", arm, trajectory=turned)
     assert swapped.labels == ("joint2.position", "joint1.position")
