@@ -22,7 +22,7 @@ from fuzzyarm.closed_loop import (
     write_certificate,
 )
 from fuzzyarm.closed_loop.claimed_time import claimed_periods
-from fuzzyarm.closed_loop.claims import loop_sentence, require_sense
+from fuzzyarm.closed_loop.claims import claimed_plant, loop_sentence, require_sense
 from fuzzyarm.closed_loop.problem import ClaimError, LoopProofError
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
@@ -373,3 +373,13 @@ def test_no_plant_but_a_shipped_one_is_loaded_for_a_file(folder, name):
     text = law(f"prove stable on '{name}'\n")
     with pytest.raises(PlantError, match="is code, which does not run"):
         prove_loop(text, text.model.claims[0])
+
+
+@pytest.mark.parametrize("name", ["a\0.py", "a\0.py:Some", "a\0.fmu"])
+def test_a_name_that_no_path_can_have_is_no_plant(folder, name):
+    text = law(f"prove stable on '{name}'\n")
+    (claim,) = text.model.claims
+    with pytest.raises(PlantError, match="is code, which does not run"):
+        claimed_plant(claim, "other.py")
+    with pytest.raises(PlantError, match="no plant"):
+        claimed_plant(claim, trust=True)

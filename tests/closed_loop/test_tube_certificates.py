@@ -136,6 +136,24 @@ def test_a_damaged_file_is_refused(certificate, tmp_path):
         read_certificate(str(path))
 
 
+def test_a_text_that_no_file_can_hold_is_refused(certificate, tmp_path):
+    """A seal is of bytes, and half a pair of UTF-16 has none."""
+    path = tmp_path / "tube.json"
+    data = {**certificate.as_data(), "controller": "\ud800"}
+    path.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(CertificateError, match="tube.json is not a certificate: it is not JSON"):
+        read_certificate(str(path))
+
+
+def test_a_file_nested_without_end_is_refused_in_a_sentence(tmp_path):
+    path = tmp_path / "deep.json"
+    for depth in range(940, 1000):  # where first the seal, then already the reader gives up
+        nested = f'{"[" * depth}{"]" * depth}'
+        path.write_text(f'{{"format": "fuzzyarm-tube 2", "deep": {nested}}}', encoding="utf-8")
+        with pytest.raises(CertificateError, match="is damaged|is not JSON"):
+            read_certificate(str(path))
+
+
 def test_halvings_that_are_all_of_the_starts():
     assert _is_all(((),))
     assert _is_all((((0, False),), ((0, True), (1, False)), ((0, True), (1, True))))

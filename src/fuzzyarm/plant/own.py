@@ -72,9 +72,10 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
         return PLANTS[name]()
     if name.startswith(ENVIRONMENT):
         return EnvironmentPlant(name.removeprefix(ENVIRONMENT))
-    if name.lower().endswith(".fmu"):
+    is_path = "\0" not in name
+    if is_path and name.lower().endswith(".fmu"):
         return UnitPlant(name)
-    if ".py" in name:
+    if is_path and ".py" in name:
         return own_plant(name)
     ways = f"{', '.join(PLANTS)}, FILE.py:NAME, FILE.fmu or gym:NAME"
     hint = near_hint(name, PLANTS)[0] or ways
@@ -108,7 +109,7 @@ def _place(name: str) -> str:
     """Return the file of a plant, however it is written."""
     path = name if name.startswith(ENVIRONMENT) else name.rsplit(".py:", 1)[0]
     path = f"{path}.py" if path != name and not name.startswith(ENVIRONMENT) else path
-    return path if path.startswith(ENVIRONMENT) else os.path.realpath(path)
+    return path if path.startswith(ENVIRONMENT) or "\0" in path else os.path.realpath(path)
 
 
 def own_plant(place: str) -> Plant:
