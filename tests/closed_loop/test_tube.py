@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 import fuzzyarm
 from fuzzyarm.closed_loop.enclosure import EnclosureError
+from fuzzyarm.closed_loop.follower import Follower
 from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
 from fuzzyarm.closed_loop.readings import UnenclosedError
 from fuzzyarm.closed_loop.tube import Demand, tube
@@ -276,3 +277,20 @@ def test_what_cannot_be_traced_or_read_is_refused_by_name():
 def test_a_question_beyond_the_tube_is_refused(tubes):
     with pytest.raises(EnclosureError, match="from 0 to 1 s"):
         tubes("single pendulum").bounds("angle", 0.5, 2.0)
+
+
+def test_once_time_is_over_no_box_is_followed_alone(monkeypatch):
+    text = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
+    problem = loop_problem(text, find_plant("motor"), start={"position": (0.0, 0.1)})
+    batches = []
+    follow = Follower.follow
+
+    def told(self, boxes, *, whole=True):
+        batches.append(len(boxes))
+        return follow(self, boxes, whole=whole)
+
+    monkeypatch.setattr(Follower, "follow", told)
+    found = tube(problem, 0.01, boxes=[128], budget=0.0)
+    assert batches == [64, 64]
+    assert not found.complete
+    assert len(found.open) == 128

@@ -276,7 +276,7 @@ class _Bisection:
     def _followed(
         self, boxes: Sequence[Box], *, whole: bool
     ) -> list[tuple[list[Box], FollowedBoxes | None, Vector]]:
-        """Return boxes with what came of them; None for a single one that cannot be followed.
+        """Return boxes with what came of them; None for those that cannot be followed.
 
         Behind it stands what widens them; so far as they were followed.
         """
@@ -284,7 +284,8 @@ class _Bisection:
             course = self.follower.follow(boxes, whole=whole)
             return [(list(boxes), course, course.weight)]
         except EnclosureError as error:
-            if len(boxes) == 1:
+            # Once time is over no part of them can be followed either.
+            if len(boxes) == 1 or clock.monotonic() > self.until:
                 self.reason = str(error)
                 return [(list(boxes), None, self.follower.last_weight)]
             middle = len(boxes) // 2
