@@ -14,6 +14,7 @@ from fuzzyarm.language.tokens import tokenize
 from fuzzyarm.live.comparison import measure
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
+from fuzzyarm.text.made import MARK
 
 __all__ = ["converted", "findings_of", "text_in", "written"]
 
@@ -77,7 +78,8 @@ def converted(
         lossy=lossy,
         strict=strict,
     )
-    comments = sum(bool(line.comment) for line in tokenize(own_text, []))
+    lines = tokenize(own_text, [])
+    comments = sum(bool(line.comment) and MARK not in line.comment for line in lines)
     if not comments:
         return exported
     message = f"{comments} comment{'' if comments == 1 else 's'} left out"
