@@ -227,6 +227,6 @@ def test_every_command_takes_it(
     own = load(tmp_path / "a.frb")
     assert isinstance(own, RuleBase)
     assert infer(own, t=5.0, h=0.25)["power"] == pytest.approx(5.51, rel=1e-12)
-    status = main(["convert", str(tmp_path / "a.frb"), str(path)])
+    status = main(["convert", str(tmp_path / "a.frb"), str(path), "--force"])
     assert (status == 0) == (suffix == ".fml")  # what is read of .xml is written as .fml
     assert load(path) == rulebase
