@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import input_points, plain_mamdani, rulebases
 
+from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.formats import SUFFIXES, Exported, parse, read, same_model, write
 from fuzzyarm.formats.dialects import MACHINE_EPSILON, PRODUCERS
 from fuzzyarm.formats.drafts import maximum_of_nothing
@@ -79,11 +80,15 @@ def inputs_only(rulebase: RuleBase) -> RuleBase:
     return replace(rulebase, blocks=blocks)
 
 
+SPARED = ("middle-of-maximum", "nearest-of-maximum", "farthest-of-maximum")
+"""Maxima that fuzzylite does not have: the one that each is like comes back."""
+
+
 def fitted(output: Output, samples: tuple[int, str]) -> Output:
     """Sample an output as a program does; settle what it cannot say."""
     method = output.defuzzifier.method
-    if method == "middle-of-maximum":  # fuzzylite has none: its MM is the mean
-        method = "mean-of-maximum"
+    if method in SPARED:
+        method = DEFUZZIFIERS[method].like
     kinds = {term.shape.kind for term in output.terms}
     if method == "tsukamoto" or kinds & set(VALUES):
         if kinds & set(VALUES) and method not in ("weighted-average", "weighted-sum"):
