@@ -138,7 +138,7 @@ class Site:
         named = self.connect.get(".".join(address), self.connect.get(port, port))
         if "." in named:
             axis, _, named = named.rpartition(".")
-        elif len(model.axis_names) == len(self.interface.axes) == 1:
+        elif len(self.interface.axes) == 1 == len(model.axis_names):
             axis = self.interface.axes[0]
         ports = self._ports(kind)
         if (axis, named) in ports:
