@@ -1,10 +1,12 @@
 """The folder of a playground, and what it refuses."""
 
+import ast
 import gzip
 import io
 import json
 import shutil
 import zipfile
+from collections.abc import Iterator
 
 import pytest
 
@@ -175,3 +177,34 @@ def test_a_file_in_the_place_of_the_folder_is_said(tmp_path, pyodide, capsys):
     (tmp_path / "s").write_text("", encoding="utf-8")
     assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
     assert "is not a folder" in capsys.readouterr().err
+
+
+def imported_at_once(tree: ast.Module) -> Iterator[str]:
+    """Yield the modules that a module imports when it is loaded, by their names."""
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+        elif isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+
+
+def test_what_the_page_imports_of_fuzzyarm_is_in_its_archive() -> None:
+    with zipfile.ZipFile(io.BytesIO(archive())) as file:
+        texts = {name: file.read(name) for name in file.namelist() if name.endswith(".py")}
+    there = {name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in texts}
+    # Begin at what the page runs and follow what that loads; the rest is only there.
+    waiting, seen, missing = ["fuzzyarm.playground.host"], set(), set()
+    while waiting:
+        module = waiting.pop()
+        if module in seen or not module.startswith("fuzzyarm"):
+            continue
+        seen.add(module)
+        if module not in there:
+            missing.add(module)
+            continue
+        path = module.replace(".", "/")
+        text = texts.get(f"{path}.py") or texts[f"{path}/__init__.py"]
+        waiting += imported_at_once(ast.parse(text))
+        waiting += [module.rpartition(".")[0]] if "." in module else []
+    assert len(seen) > 100
+    assert missing == set()

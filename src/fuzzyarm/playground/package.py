@@ -18,6 +18,9 @@ APART = frozenset(
 )
 """What a page has no use for: commands, compilers, other libraries, and the page's own files."""
 
+KEPT = frozenset({"live/__init__.py", "live/comparison.py", "live/conversion.py"})
+"""Of those, what conversions between formats are measured with."""
+
 WHEN = (1980, 1, 1, 0, 0, 0)
 """Of all files: the same sources make the same archive."""
 
@@ -26,7 +29,8 @@ def _members() -> Iterator[tuple[str, bytes]]:
     for path in sorted(PACKAGE.rglob("*")):
         inside = path.relative_to(PACKAGE).as_posix()
         parts = inside.split("/")
-        if {"/".join(parts[:k]) for k in range(1, len(parts) + 1)} & APART:
+        homes = {"/".join(parts[:k]) for k in range(1, len(parts) + 1)}
+        if homes & APART and inside not in KEPT:
             continue
         if path.suffix in {".py", ".js", ".typed"} and "__pycache__" not in parts:
             yield f"fuzzyarm/{inside}", path.read_bytes()
