@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm import load_controller, prove
+from fuzzyarm import load_controller, prove, shipped
 from fuzzyarm.cli.main import main
 from fuzzyarm.closed_loop import (
     CertificateError,
@@ -344,7 +344,7 @@ def test_a_line_of_a_file_does_not_run_code(folder):
     ):
         with pytest.raises(PlantError, match="is code, which does not run") as error:
             judge()
-        assert error.value.hint == f"--plant {name}, or --trust"
+        assert error.value.hint == "--trust runs it"
         assert not Path("ran").exists()
     assert prove("c.frb", claim, trust=True).proved
     assert Path("ran").exists()
@@ -383,3 +383,13 @@ def test_a_name_that_no_path_can_have_is_no_plant(folder, name):
         claimed_plant(claim, "other.py")
     with pytest.raises(PlantError, match="no plant"):
         claimed_plant(claim, trust=True)
+
+
+def test_a_delay_that_the_loop_would_round_is_refused(capsys):
+    servo = str(shipped("servo.frb"))
+    words = ["prove", servo, "--plant", "motor", "--stable", "--sensor-delay", "position=1.5ms"]
+    assert main(words) == 4
+    said = capsys.readouterr().out
+    assert "undecided" in said
+    assert "the delay of 'position' is 1.5 control periods" in said
+    assert "2 of them are 0.002 s" in said

@@ -16,6 +16,7 @@ from fuzzyarm.controller.catalogue import controller
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.language import format_text, parse
+from fuzzyarm.loop import Options, Sensor
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.setting import Clock, Reference, State
 
@@ -244,3 +245,47 @@ def test_the_steps_of_an_axis_have_a_guard():
     blocks = list(steps.blocks())
     assert all(block.guard is not None for block in blocks)
     assert [step for block in blocks for step in block.steps] == steps.steps
+
+
+class Moving(Failing):
+    """A mass whose position is lost for a while, and with it the velocity formed of it."""
+
+    outputs = {"x": Port("m"), "v": Port("m/s", rate_of="x")}
+
+    def measure(self, t, x, u, p):
+        return [math.nan if 0.1 <= t < 0.2 else x[0], x[1]]
+
+
+@pytest.mark.parametrize(
+    "sensors", [{"x": Sensor(resolution=0.01)}, {"v": Sensor(difference=0.02)}], ids=str
+)
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_sensor_that_rounds_or_differs_goes_on_after_lost_samples(tmp_path, sensors, compiled):
+    text = tmp_path / "c.frb"
+    text.write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  m = measured v\n"
+        "  drive u = e * 20 - m * 8, within -50 .. 50\n"
+    )
+    options = Options(sensors=sensors, compiled=compiled)
+    run = simulate(text, plant=Moving(), step=1.0, options=options)
+    assert run.notes == ("axis a skipped 10 periods: a value that it reads was not a number",)
+    assert run.diverged is None
+
+
+class Blind(Failing):
+    """A mass whose position is lost for a while."""
+
+    def measure(self, t, x, u, p):
+        return [math.nan if 0.3 <= t < 0.4 else x[0], x[0]]
+
+
+def test_a_response_with_lost_samples_has_no_overshoot_rather_than_none_of_it(tmp_path):
+    text = tmp_path / "c.frb"
+    text.write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n"
+        "  drive u = e * 50, within -50 .. 50\n"
+    )
+    clear, lost = (simulate(text, plant=p(), step=1.0) for p in (Failing, Blind))
+    (whole,), (part,) = clear.metrics.values(), lost.metrics.values()
+    assert whole.overshoot > 0.5
+    assert (part.overshoot, part.rise, part.settling) == (None, None, None)

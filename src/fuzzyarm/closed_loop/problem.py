@@ -33,6 +33,7 @@ from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Plant, Port, parameter, with_parameters
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.numbers import number_text
 
 __all__ = [
     "Algebra",
@@ -164,6 +165,18 @@ class LoopProblem:
         )
 
 
+def _demand_whole_delays(sensors: Mapping[str, Sensor], period: float) -> None:
+    """Refuse a delay that the loop would round: the sentence of a proof has it as it is."""
+    for name, sensor in sensors.items():
+        count = periods_of(sensor.delay, period)
+        if not math.isclose(sensor.delay, count * period, rel_tol=1e-6, abs_tol=1e-12):
+            raise LoopProofError(
+                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods, and a loop"
+                " is proved with whole ones",
+                hint=f"{count} of them are {number_text(count * period)} s",
+            )
+
+
 def loop_problem(
     text: ControllerText,
     plant: Plant,
@@ -209,6 +222,7 @@ def loop_problem(
             f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
     site.wiring(text.model)  # says which port is missing
+    _demand_whole_delays(sensors or {}, text.model.period)
     numbers = {name: parameter(plant, name).value for name in plant.parameters}
     values = {name: Interval(x, x) for name, x in numbers.items()}
     values |= _chosen("parameter", parameters, plant.parameters)

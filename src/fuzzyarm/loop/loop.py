@@ -525,7 +525,7 @@ def sense(
 def quantised(sensors: list[float], at: int, value: float) -> float:
     """Round to the next step of a sensor: multiples of it, as far as its range goes."""
     quantum = sensors[at + QUANTUM]
-    if quantum > 0.0:
+    if quantum > 0.0 and not math.isnan(value):
         step = math.floor(value / quantum + 0.5) * quantum
         return min(max(step, sensors[at + LOWEST]), sensors[at + HIGHEST])
     return value
@@ -550,6 +550,8 @@ def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
 @kernel
 def differentiated(sensors: list[float], at: int, value: float, step: float) -> float:
     """Form the rate of a value by difference, filtered by a lag of first order."""
+    if math.isnan(value):  # a sample that is lost leaves no trace
+        return value
     before = sensors[at + BEFORE]
     sensors[at + BEFORE] = value
     if math.isnan(before):  # nothing was seen yet

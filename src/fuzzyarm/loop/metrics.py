@@ -196,7 +196,7 @@ def _step_response(
     output = reference - errors
     start, target = float(output[max(begin - 1, 0)]), float(reference[-1])
     size = target - start
-    if size == 0.0:
+    if size == 0.0 or np.isnan(output[begin:]).any():
         return None, None, None
     # 0 at the start, 1 at the target, for steps up and down.
     way = (output[begin:] - start) / size

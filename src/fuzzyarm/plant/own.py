@@ -102,7 +102,7 @@ def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -
     if name in PLANTS or trust or (named is not None and _place(name) == _place(named)):
         return find_plant(name)
     message = f"the plant '{name}' is code, which does not run because a file names it"
-    raise PlantError(message, name=name, hint=f"--plant {name.partition(':')[0]}, or --trust")
+    raise PlantError(message, name=name, hint="--trust runs it")
 
 
 def _place(name: str) -> str:
