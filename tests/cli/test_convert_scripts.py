@@ -210,7 +210,7 @@ def test_files_that_are_there_are_left_alone(
     assert [d["name"] for d in system["diagnostics"]][-1] == "same-numbers"
     # The file that was named is meant.
     (folder / "named.frb").write_text("old")
-    assert main(["convert", name, "named.frb", "--run"]) == 0
+    assert main(["convert", name, "named.frb", "--run", "--force"]) == 0
     assert load_rulebase(folder / "named.frb").name == "one"
 
 

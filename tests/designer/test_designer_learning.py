@@ -24,6 +24,7 @@ from fuzzyarm.lsp.session import Session
 from fuzzyarm.plant.equations import traced
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
+from fuzzyarm.text.made import marked
 from fuzzyarm.tuning.design import Design, default_ranges, everything
 
 SOC = """\
@@ -232,7 +233,8 @@ def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, caps
     words += ["--connect", "temperature=room.temperature", "--quantise", "temperature=0.01"]
     assert main([*words, "--no-linear", "-o", "command.frb"]) == 0
     assert report["claim"] in capsys.readouterr().out
-    assert taken["new"] == (page.folder / "command.frb").read_text()
+    written = (page.folder / "command.frb").read_bytes()
+    assert marked("command.frb", taken["new"].encode()) == written
     assert taken["written"] == []
     # Every candidate is told once, and where the best of them lies between its bounds.
     told = [news for news in heard if news.get("phase") == "search"]
@@ -364,7 +366,8 @@ def test_a_plant_that_was_named_is_learned_and_tuned_on(page, monkeypatch, capsy
     words += ["--unseen", "1", "-o", "command.frb"]
     assert main(["tune", "servo-soc.frb", *words]) == 0
     capsys.readouterr()
-    assert taken["new"] == (page.folder / "command.frb").read_text()
+    written = (page.folder / "command.frb").read_bytes()
+    assert marked("command.frb", taken["new"].encode()) == written
 
 
 def test_a_mistake_is_said_at_its_field(page):

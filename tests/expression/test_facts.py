@@ -129,7 +129,7 @@ def test_a_flank_may_fall(kind):
 
 def test_only_what_is_no_mean_leaves_the_positions_of_its_sets():
     leaving = {name for name, kind in DEFUZZIFIERS.items() if not kind.is_between}
-    assert leaving == {"weighted-sum", "tsukamoto"}
+    assert leaving == {"weighted-sum", "tsukamoto", "farthest-of-maximum"}
 
 
 @pytest.mark.parametrize("operation", ["divide", "remainder"])

@@ -177,8 +177,9 @@ async def test_definition_references_and_rename(client: LanguageClient) -> None:
     edit = await file.ask("rename", row, 2, new_name="SLIGHTLY_BELOW")
     edits = edit.changes[file.uri]
     # The terms of e, ce and u are declared together: all of them change, in header and grid.
-    assert len(edits) == PD7.count("NS")
-    assert {e.new_text for e in edits} == {"SLIGHTLY_BELOW"}
+    named = [e for e in edits if e.new_text.strip()]
+    assert len(named) == PD7.count("NS")
+    assert {e.new_text for e in named} == {"SLIGHTLY_BELOW"}  # the others align the grid
     with pytest.raises(JsonRpcException, match="has a term 'PB' already"):
         await file.ask("rename", row, 2, new_name="PB")
 

@@ -246,7 +246,7 @@ def test_code_is_the_same_without_numpy():
 def test_rules_give_the_same_over_arrays_without_numpy():
     with_numpy, without = with_and_without(INFER)
     assert with_numpy == without
-    assert [len(set(values)) > 3 for values in with_numpy.values()] == [True] * 5
+    assert [len(set(values)) > 3 for values in with_numpy.values()] == [True] * 7
 
 
 def with_and_without(script):

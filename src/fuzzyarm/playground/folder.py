@@ -6,6 +6,7 @@ import hashlib
 import html
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from fuzzyarm.playground.package import archive
 from fuzzyarm.playground.pyodide import FILES, pyodide_folder
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.made import is_made_file
+from fuzzyarm.text.protected import sources_kept
 from fuzzyarm.version import __version__
 
 __all__ = ["BEGIN_WITH", "Playground", "PlaygroundError", "wasm_kernels", "write_playground"]
@@ -131,10 +134,14 @@ def write_playground(
     except NoMemoryError as error:
         memory_of_python, no_memory = b"", str(error)
     parts |= _page(texts, parts, len(memory_of_python))
-    for name, content in parts.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, content)
+    page = folder / "index.html"
+    # A folder whose page fuzzyarm wrote is made anew, Pyodide's files included.
+    anew = page.is_file() and is_made_file(page)
+    with sources_kept(force=True) if anew else nullcontext():
+        for name, content in parts.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, content)
     size = sum(map(len, parts.values()))
     return Playground(folder, len(parts), size, machine_code is not None, no_memory)
 
