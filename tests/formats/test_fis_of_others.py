@@ -90,9 +90,11 @@ def test_zeros_behind_the_numbers_are_padding(term: str, zeros: int, producer: s
 def test_a_number_too_many_is_a_height_to_fuzzylite_alone() -> None:
     text = fis("1, 1 (1) : 1", term="'trimf',[-5 0 5 0.5]")
     assert term_of(text, "fuzzylite") == (Shape("triangle", (-5.0, 0.0, 5.0), 0.5), [])
-    for producer in ("matlab", "octave"):
-        errors = parse_fis(text, producer=producer).errors
-        assert [d.name for d in errors] == ["parameter-count"]
+    # MATLAB takes the first three.
+    three = Shape("triangle", (-5.0, 0.0, 5.0))
+    assert term_of(text, "matlab") == (three, ["extra-numbers"])
+    errors = parse_fis(text, producer="octave").errors
+    assert [d.name for d in errors] == ["parameter-count"]
 
 
 @pytest.mark.parametrize(
@@ -470,3 +472,46 @@ def test_too_many_terms_are_one_finding() -> None:
 def test_a_refused_term_is_known_to_the_rules() -> None:
     errors = parse_fis(fis("1, 1 (1) : 1", "-1, 2 (1) : 1", term="'mymf',[1 2]")).errors
     assert [d.name for d in errors] == ["unknown-shape"]
+
+
+EXTRA = """{before}[System]
+Name='a'
+Type='mamdani'
+NumInputs=1
+NumOutputs=1
+NumRules=2
+
+[Input1]
+Name='x'
+Range=[0 2]
+NumMFs=2
+MF1='A':'trimf',[0 0.4 1{more}]
+MF2='B':'linsmf',[1 1.5]
+
+[Output1]
+Name='y'
+Range=[0 4]
+NumMFs=2
+MF1='A':'trimf',[0 1 2]
+MF2='B':'trimf',[3 3.5 4]
+
+[Rules]
+1, 1 (1) : 1
+2, 2 (1) : 1
+"""
+
+
+def test_matlab_takes_the_first_of_too_many_numbers() -> None:
+    imported = parse_fis(EXTRA.format(before="", more=" 1.5"), producer="matlab")
+    assert [d.name for d in imported.diagnostics if d.severity != "info"] == ["extra-numbers"]
+    assert imported.rulebase is not None
+    for x, y in ((0.4, 1.0), (1.2, 3.5)):
+        assert infer(imported.rulebase, x=x)["y"] == pytest.approx(y, abs=1e-12)
+    octave = parse_fis(EXTRA.format(before="", more=" 1.5"), producer="octave")
+    assert [d.name for d in octave.errors] == ["parameter-count"]
+
+
+def test_the_first_header_may_stand_behind_other_text() -> None:
+    plain, behind = (parse_fis(EXTRA.format(before=b, more="")) for b in ("", "ab"))
+    assert plain.rulebase is not None
+    assert behind.rulebase == plain.rulebase

@@ -7,6 +7,7 @@ these files, or arithmetic that is written out here.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -272,6 +273,8 @@ def test_an_integral_without_a_norm_is_an_error(imported: object, what: str) -> 
     errors = imported().errors  # type: ignore[operator]
     assert {d.name for d in errors} == {"missing-norm"}
     assert what in errors[0].message
+    norm = "agg|accu|acc" if "aggregation" in what else "imp|act"
+    assert re.match(rf"write ({norm})\w* ?[:=] ?'?(max|min)", errors[0].hint, re.IGNORECASE)
 
 
 def test_values_need_no_implication() -> None:

@@ -201,9 +201,10 @@ def test_a_stub_is_an_error_and_a_file_without_rules_a_warning() -> None:
 
 def test_fll_norms_that_a_rule_needs_must_be_there() -> None:
     text = FLL.replace("conjunction: Minimum", "conjunction: none")
-    assert "missing-norm" in names(
-        parse_fll(text.replace("RULE", "if x is a and x is a then y is low"))
-    )
+    errors = parse_fll(text.replace("RULE", "if x is a and x is a then y is low")).errors
+    assert [(d.name, d.hint) for d in errors] == [
+        ("missing-norm", "write conjunction: Minimum"),
+    ]
     assert good(parse_fll(text.replace("RULE", "if x is a then y is low")))
 
 

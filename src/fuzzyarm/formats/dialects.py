@@ -87,6 +87,8 @@ class Dialect:
         Which of two points at one x counts: ``first`` or ``last``.
     heights : bool
         Whether the number after those of a shape is its height (fuzzylite).
+    drops_numbers : bool
+        Whether the program takes the first numbers of a shape where there are too many.
     unordered : bool
         Whether the program computes with corners that are not in order rather than refuse them.
     case : str
@@ -153,6 +155,7 @@ class Dialect:
     separators: tuple[str, ...] = ("and",)
     ties: str = "last"
     heights: bool = False
+    drops_numbers: bool = False
     unordered: bool = False
     case: str = ""
     norms: tuple[str, ...] = ()
@@ -259,6 +262,7 @@ FIS = {
         "range where no rule fires",
         case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="middle",
         inverts=True, samplings=_FIS_SAMPLINGS, sums_values=True, needs_range=True,
+        drops_numbers=True,
     ),
     "octave": Dialect(
         suffix=".fis", producer="octave", program="Octave's toolkit", kinds="octave",

@@ -67,7 +67,9 @@ def sections(text: str, findings: Findings) -> list[Section]:
     fis_sections: list[Section] = []
     comments = _Comments()
     for line in lines_of(text, comments.cut):
-        match = _HEADER.match(line.text) if len(line.text) < 100 else None
+        # The first header may stand behind other text, as a mark of the encoding leaves it.
+        find = _HEADER.match if fis_sections else _HEADER.search
+        match = find(line.text) if len(line.text) < 100 else None
         if match:
             digits = match.group(2)[:6]
             fis_sections.append(Section(match.group(1).lower(), int(digits or 0), line.span))

@@ -176,6 +176,29 @@ def root(hedge: Hedge) -> Hedge:
     return hedge
 
 
+_NORM_LINES = {
+    ".fll": {
+        "and": "conjunction: Minimum",
+        "or": "disjunction: Maximum",
+        "implication": "implication: Minimum",
+        "aggregation": "aggregation: Maximum",
+    },
+    ".fcl": {
+        "and": "AND : MIN;",
+        "or": "OR : MAX;",
+        "implication": "ACT : MIN;",
+        "aggregation": "ACCU : MAX;",
+    },
+    ".fis": {
+        "and": "AndMethod='min'",
+        "or": "OrMethod='max'",
+        "implication": "ImpMethod='min'",
+        "aggregation": "AggMethod='max'",
+    },
+}
+"""The line of each format that names the usual norm."""
+
+
 class _Activations:
     """Turns rule texts of fuzzylite into rules, in the order in which they are evaluated."""
 
@@ -230,7 +253,7 @@ class _Activations:
         for kind, norm, key in ((And, block.conjunction, "and"), (Or, block.disjunction, "or")):
             if kind in connectives and norm is None:
                 message = f"the rule says '{key}' but its block names no norm for it"
-                self.findings.error("missing-norm", message, text.span)
+                self.findings.error("missing-norm", message, text.span, self._norm_hint(key))
         if self.findings.failed:  # maybe a norm that is misspelt
             return
         for name in [conclusion.variable for conclusion in text.conclusions]:
@@ -240,7 +263,11 @@ class _Activations:
             missing = "aggregation" if not draft.aggregates else "implication"
             if not draft.aggregates or block.implication is None:
                 message = f"'{name}' is integrated, but there is no {missing}: fuzzylite fails here"
-                self.findings.error("missing-norm", message, text.span)
+                self.findings.error("missing-norm", message, text.span, self._norm_hint(missing))
+
+    def _norm_hint(self, key: str) -> str:
+        """Return the line that names the usual norm."""
+        return f"write {_NORM_LINES[self.dialect.suffix][key]}"
 
     def _rules(self, text: RuleText, block: BlockDraft) -> list[tuple[Rule, float]]:
         """Return rules, each with the threshold of its block."""

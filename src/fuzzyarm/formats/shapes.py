@@ -44,6 +44,10 @@ def spelled_shape(
         has_height = len(values) == len(order) + 1
     else:
         values = _without_padding(values, len(order), at, findings)
+        if dialect.drops_numbers and kind != "singleton" and len(values) > len(order):
+            message = f"{at.text} takes the first {len(order)} of these {len(values)} numbers"
+            findings.warn("extra-numbers", f"{message}; {dialect.program} drops the others", at)
+            values = values[: len(order)]
     height = values[-1] if has_height else 1.0
     parameters = values[:-1] if has_height else list(values)
     if len(parameters) == len(order):
