@@ -200,7 +200,7 @@ PURPOSES = {
     ),
     "Controllers, plants, runs": (
         "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.picture", "fuzzyarm.loop",
-        "fuzzyarm.tuning", "fuzzyarm.study", "fuzzyarm.control", "fuzzyarm.requests",
+        "fuzzyarm.tuning", "fuzzyarm.study", "fuzzyarm.requests",
     ),
     "From data": ("fuzzyarm.learning", "fuzzyarm.sklearn"),
     "Show and export": (
@@ -208,7 +208,7 @@ PURPOSES = {
         "fuzzyarm.export", "fuzzyarm.dossier", "fuzzyarm.figure_files",
     ),
     "What other tools are made of": (
-        "fuzzyarm.language.check", "fuzzyarm.language.queries", "fuzzyarm.frozen",
+        "fuzzyarm.language.check", "fuzzyarm.language.queries",
     ),
 }  # fmt: skip
 """Packages with a page of their own, by what one wants of them."""

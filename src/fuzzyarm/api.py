@@ -7,11 +7,11 @@ import os
 import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError, UsageError, WordError
-from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show

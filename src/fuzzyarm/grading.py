@@ -11,11 +11,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.frozen import replace
 from fuzzyarm.inference import check_expectations
 from fuzzyarm.language import parse
 from fuzzyarm.language.reading import decoded

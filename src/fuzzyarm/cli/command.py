@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import ast
 import math
 import os
 import re
@@ -13,10 +12,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
 
 from fuzzyarm import errors
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
@@ -146,7 +144,9 @@ def _in_own_words(message: str) -> str:
         from fuzzyarm.requests.fields import unknown_choice
 
         choices = [word.strip(_QUOTES) for word in choice[2].split(", ")]
-        return str(unknown_choice(name, ast.literal_eval(choice[1]), choices))
+        from ast import literal_eval
+
+        return str(unknown_choice(name, literal_eval(choice[1]), choices))
     return message
 
 

@@ -27,14 +27,14 @@ numbers of values, of samples, of straight lines and of panels of curves.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.evaluation import evaluate, gradient
 from fuzzyarm.expression.nodes import Constant, Node, Symbol, argument_names, symbols
 from fuzzyarm.expression.op import where
 from fuzzyarm.expression.records import Kind, KindError, Registry
-from fuzzyarm.frozen import NamedTuple, dataclass
 
 __all__ = ["ASPECTS", "DEFUZZIFIERS", "Aspect", "DefuzzifierKind", "defuzzifier"]
 

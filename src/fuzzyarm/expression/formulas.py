@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -35,7 +36,6 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.operations import OPERATIONS
-from fuzzyarm.frozen import dataclass, field
 
 __all__ = [
     "CONSTANTS",

@@ -23,9 +23,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
-
-from fuzzyarm.frozen import NamedTuple
+from typing import Any, NamedTuple
 
 __all__ = [
     "Corner",

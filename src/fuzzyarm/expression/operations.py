@@ -16,10 +16,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import wraps
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.nodes import Node, Number, apply, constant
-from fuzzyarm.frozen import NamedTuple
 
 __all__ = ["OPERATIONS", "Interval", "Operation"]
 

@@ -13,6 +13,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from itertools import count
+from typing import NamedTuple
 
 from fuzzyarm.expression.nodes import (
     Apply,
@@ -25,7 +26,6 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.operations import OPERATIONS, Operation
-from fuzzyarm.frozen import NamedTuple
 
 __all__ = [
     "JAVASCRIPT",

@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, pairwise, product
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.lines import Corner, StraightShape, lines_through
 from fuzzyarm.expression.nodes import Node, apply, symbol, symbols, trace
-from fuzzyarm.frozen import NamedTuple, dataclass, field
 from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MIN_WIDTH
 
 __all__ = [

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -32,7 +33,6 @@ from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, argument_names, trace
 from fuzzyarm.expression.operations import EVERYTHING, Interval
 from fuzzyarm.expression.records import Kind, KindError, Registry
-from fuzzyarm.frozen import dataclass, field
 
 __all__ = [
     "SOURCES",

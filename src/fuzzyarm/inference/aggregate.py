@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.lines import sampled_degrees
 from fuzzyarm.expression.records import emptied_with_kinds
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function

@@ -8,6 +8,7 @@ take their rules with them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import prod
 from typing import Any
 
@@ -15,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.frozen import replace
 from fuzzyarm.inference.aggregate_arrays import Strengths
 from fuzzyarm.inference.defuzzify import defuzzify_over_arrays
 from fuzzyarm.inference.errors import (

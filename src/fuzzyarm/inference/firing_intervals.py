@@ -12,12 +12,13 @@ takes the sets of both readings (:mod:`fuzzyarm.inference.type_reduction`).
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.expression.records import emptied_with_kinds
-from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import (
     POSITION,

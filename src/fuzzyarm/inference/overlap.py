@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.inference.sets import Piece
 
 MOST_OVERLAPPING = 10

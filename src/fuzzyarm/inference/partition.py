@@ -7,9 +7,9 @@ zero there. The engine for one point and the kernel read the same cut.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from fuzzyarm.expression.lines import StraightLine, StraightShape
-from fuzzyarm.frozen import NamedTuple
 
 __all__ = ["Partition", "cut_at_corners"]
 

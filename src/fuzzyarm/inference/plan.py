@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.expression.defuzzifiers import DefuzzifierKind
-from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.firing_intervals import Doubled, is_value

@@ -10,11 +10,10 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.lines import StraightShape
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
     MissingInputError,

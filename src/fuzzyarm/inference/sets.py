@@ -12,14 +12,13 @@ import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import evaluate_arrays, may_lack_values
 from fuzzyarm.expression.functions import python_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
 from fuzzyarm.expression.nodes import Node
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import POSITION, Hedge, Shape
 from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, membership_function, polyline

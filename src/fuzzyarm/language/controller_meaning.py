@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 from fuzzyarm.expression.sources import Setting
-from fuzzyarm.frozen import replace
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope

@@ -11,10 +11,9 @@ from collections import ChainMap
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.phrases import aligned
 from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, text_of
 from fuzzyarm.language.statements import (

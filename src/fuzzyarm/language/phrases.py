@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from enum import StrEnum
+from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.model.rulebase import SAMPLINGS
 from fuzzyarm.text.diagnostic import (

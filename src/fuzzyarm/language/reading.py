@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.expression.records import failures
-from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language.document import (
     Document,
     ParseMemory,

@@ -7,10 +7,10 @@ A :class:`StatementRow` names a node, a plain record of fields, and the parts of
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from fuzzyarm.frozen import dataclass
 from fuzzyarm.language.parts import Column, Part, Printed, Values
 from fuzzyarm.language.phrases import Occurrence, aligned
 from fuzzyarm.language.tokens import Cursor, Fault, Trivia

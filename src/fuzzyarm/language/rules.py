@@ -6,8 +6,8 @@ Nodes as :mod:`fuzzyarm.language.statements` says, where their records are.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.phrases import (
     ExpressionNode,
     Occurrence,

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 from fuzzyarm.expression.sources import Setting
-from fuzzyarm.frozen import replace
 from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.model.controller import (

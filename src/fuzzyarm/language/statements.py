@@ -14,9 +14,9 @@ of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Protocol
+from dataclasses import replace
+from typing import Any, NamedTuple, Protocol
 
-from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language.parts import (
     Break,
     Column,

@@ -11,10 +11,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Sequence
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
 from fuzzyarm.text.names import is_plain_name, near_hint, quote
 from fuzzyarm.text.placed import Figure, Word

@@ -6,8 +6,8 @@ Inference does not read it. Nodes as :mod:`fuzzyarm.language.statements` says.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.parts import (
     Column,
     FixedText,

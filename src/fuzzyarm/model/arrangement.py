@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.model.rulebase import Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership_function, polyline
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Literal
 
-from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 __all__ = ["LoopClaim", "Stretch", "When"]

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.sources import SOURCES, OptionKind, Setting, SourceKind
-from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span

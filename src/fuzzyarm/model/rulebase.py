@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from numbers import Real
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES, DefuzzifierKind
-from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.model.questions import Questions, new_or_begun, of_builder
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened

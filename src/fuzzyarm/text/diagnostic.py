@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.frozen import NamedTuple, dataclass
 from fuzzyarm.text.names import printable
 
 # --- A mistake or a doubt, with its position in the text ---

@@ -6,8 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-
-from fuzzyarm.frozen import NamedTuple
+from typing import NamedTuple
 
 FOREIGN = (".fll", ".fcl", ".fis", ".fml")
 """Suffixes of rule bases of other programs that are written as well."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import re
-from pathlib import PurePath
 
 __all__ = ["is_made", "is_made_file", "marked"]
 
@@ -56,7 +55,7 @@ def is_made_file(path: str | os.PathLike[str]) -> bool:
 
 def marked(path: str | os.PathLike[str], data: bytes) -> bytes:
     """Return the content of a file with the mark, where it has none and its format a place."""
-    return data if is_made(data) else _with_mark(PurePath(path).suffix.lower(), data)
+    return data if is_made(data) else _with_mark(os.path.splitext(path)[1].lower(), data)
 
 
 def _with_mark(suffix: str, data: bytes) -> bytes:

@@ -6,8 +6,9 @@ To add a check: write its function in :mod:`.terms` or :mod:`.rules`, and its re
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
 
-from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language.check.coverage import coverage_gaps, missing_rules, points_without_rule
 from fuzzyarm.language.check.rules import (
     broken_symmetries,

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
 from math import isfinite
+from typing import NamedTuple
 
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.check.subject import Subject, plain_propositions
 from fuzzyarm.language.phrases import JunctionNode, PropositionNode
 from fuzzyarm.language.statements import CellNode, GridNode

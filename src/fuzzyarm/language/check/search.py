@@ -10,8 +10,8 @@ up after a budget in proportion to the rules.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
-from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.model.rulebase import Hedge
 
 Literal = tuple[str, tuple[Hedge, ...]]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.frozen import replace
 from fuzzyarm.language.check.search import Literal, VariableStretch
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.statements import GridNode
