@@ -1,10 +1,12 @@
-"""Identifiers for C and Structured Text from the names in a file."""
+"""Identifiers of the exported languages from the names in a file."""
 
 from __future__ import annotations
 
+import keyword
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 _C_WORDS = """
     auto break case char const continue default do double else enum extern float for goto if
@@ -53,6 +55,33 @@ ST_RESERVED = frozenset(_ST_WORDS.split())
 The language ignores case. Every block and function has an ``EN`` and an ``ENO``.
 """
 
+_JAVASCRIPT_WORDS = """
+    abstract arguments async await boolean break byte case catch char class const continue debugger
+    default delete do double else enum eval export extends false final finally float for function
+    get goto if implements import in instanceof int interface let long native new null of package
+    private protected public return set short static super switch synchronized this throw throws
+    transient true try typeof undefined var void volatile while with yield
+    Array BigInt Controller Float64Array Infinity Int32Array Math NaN Number Object String
+    infer inferMany inputs outputs selfTest
+"""
+
+_RUST_WORDS = """
+    Self abstract as async await become bool box break char const continue crate do dyn else enum
+    extern f32 f64 false final fn for gen i128 i16 i32 i64 i8 if impl in isize let loop macro match
+    mod move mut override priv pub ref return self static str struct super trait true try type typeof
+    u128 u16 u32 u64 u8 union unsafe unsized usize use virtual where while yield
+    Controller None Option Some core libm main self_test std
+"""
+
+RESERVED: Mapping[str, frozenset[str]] = MappingProxyType({
+    "c": C_RESERVED,
+    "st": ST_RESERVED,
+    "python": frozenset([*keyword.kwlist, *["math", "array", "self_test", "min", "max", "abs", "range", "float", "int", "print", "round", "Controller", "self"]]),
+    "javascript": frozenset(_JAVASCRIPT_WORDS.split()),
+    "rust": frozenset(_RUST_WORDS.split()),
+})  # fmt: skip
+"""By language, words that are no names: keywords, and what the exported files use themselves."""
+
 _ST_TYPE = (
     r"(bool|l?real|u?[sdl]?int|byte|[dl]?word|bcd|w?string|w?char|l?time|l?date|l?dt|l?tod|any)"
 )
@@ -60,6 +89,9 @@ ST_CONVERSION = re.compile(
     rf"({_ST_TYPE}_)?(to|trunc)_{_ST_TYPE}|{_ST_TYPE}_trunc", re.IGNORECASE | re.ASCII
 )
 """Conversions, as in ``REAL_TO_INT``."""
+
+_PATTERNS = {"st": ST_CONVERSION, "python": re.compile(r"K\d+")}
+"""By language, further names that are taken; those of Python are its constants."""
 
 
 ARDUINO_MACROS = re.compile(
@@ -83,7 +115,7 @@ class Names:
     Parameters
     ----------
     language : str
-        ``c`` or ``st``; in Structured Text names that differ in case only are the same.
+        Of `RESERVED`; in Structured Text names that differ in case only are the same.
     taken : iterable of str
         Names that are in use already.
     refused : pattern, optional
@@ -97,8 +129,8 @@ class Names:
         refused: re.Pattern[str] | None = None,
     ) -> None:
         self._refused = refused
-        self._folds = language == "st"
-        self._reserved = ST_RESERVED if self._folds else C_RESERVED
+        self._language, self._folds = language, language == "st"
+        self._reserved = RESERVED[language]
         self._used = {self._key(name) for name in reserved or ()}
 
     def _key(self, name: str) -> str:
@@ -107,7 +139,7 @@ class Names:
     def new(self, stem: str) -> str:
         """Return an identifier like `stem` that has not been given out."""
         base = identifier(stem)
-        patterns = [self._refused, ST_CONVERSION if self._folds else None]
+        patterns = [self._refused, _PATTERNS.get(self._language)]
         refused = any(pattern and pattern.fullmatch(base) for pattern in patterns)
         if refused or self._key(base) in self._reserved:
             base = f"{base}_x"
@@ -129,7 +161,7 @@ class Names:
 
     def inner(self) -> Names:
         """Return the names of a scope inside this one."""
-        return Names("st" if self._folds else "c", set(self._used), self._refused)
+        return Names(self._language, set(self._used), self._refused)
 
 
 def identifier(text: str) -> str:

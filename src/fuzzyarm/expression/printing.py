@@ -246,6 +246,8 @@ class Language(NamedTuple):
         Texts of symbols that are not written by their names.
     explicit : bool
         Whether operators that bind unlike each other stand in parentheses, as MISRA asks of C.
+    leaf : callable, optional
+        From a node that only programs have, and how tightly its text has to bind, to its text.
     """
 
     name: str
@@ -258,6 +260,7 @@ class Language(NamedTuple):
     remark: str
     rename: dict[str, str]
     explicit: bool = False
+    leaf: Callable[[Node, int], str] | None = None
 
     def expression(self, node: Node, binds: int = 0) -> str:
         """Return the text of an expression, in parentheses where it binds less than `binds`."""
@@ -266,6 +269,8 @@ class Language(NamedTuple):
             return f"({text})" if text.startswith("-") and binds > 5 else text
         if isinstance(node, Symbol):
             return self.rename.get(node.name, node.name)
+        if self.leaf is not None and not isinstance(node, Apply):
+            return self.leaf(node, binds)
         assert isinstance(node, Apply)
         return self._applied(node, binds)
 

@@ -1,0 +1,444 @@
+"""A program in a language: its parts as text, by a record of spellings.
+
+The records and the frames around the parts (a module, a class, a crate) are in `languages.py`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fuzzyarm.export.names import Names
+from fuzzyarm.export.numbers import ExportError, Kind
+from fuzzyarm.export.sets import TABLE_HINT
+from fuzzyarm.export.typed_program import (
+    INDEX,
+    TRUTH,
+    Called,
+    Cast,
+    Element,
+    Function,
+    Line,
+    Program,
+    Quotient,
+    Repeat,
+    Return,
+    Search,
+    SelfTest,
+    Stepped,
+    Store,
+    Truth,
+    Variable,
+    Walk,
+    When,
+    While,
+    Whole,
+)
+from fuzzyarm.export.walk import DefuzzifierWalk
+from fuzzyarm.expression.nodes import Node, apply, constant, symbol
+from fuzzyarm.expression.op import where
+from fuzzyarm.expression.operations import Operation
+from fuzzyarm.expression.printing import Assign, Choose, Language
+
+__all__ = ["Printer", "Target"]
+
+
+@dataclass(frozen=True)
+class Target:
+    """The spellings of a language.
+
+    Attributes
+    ----------
+    language : Language
+        How it writes expressions, assignments and choices.
+    names : str
+        Which words are no names, of `fuzzyarm.export.names.RESERVED`.
+    operation : callable
+        From a printer and an operation to its text with holes; it may add helpers.
+    number : callable
+        From a printer, a float and its kind to its text.
+    whole : str
+        A literal of a whole number.
+    truths : tuple of str
+        False and true.
+    types : mapping of kind to str
+        Empty in a language without declarations.
+    cast : callable
+        From a text and two kinds to the text of a conversion.
+    element, argument, array_argument : str
+        An element of an array; an array that is handed over; the type of a parameter that is one.
+    member : str
+        A variable of the state.
+    quotient : str
+        The quotient of two whole numbers, which binds like a product.
+    again : str
+        Declares a variable that is set again later.
+    when, otherwise, repeat, loop, end : str
+        The lines of compound statements.
+    function : tuple of str
+        The line before the body, and the one after.
+    parameter : str
+        With holes ``name`` and ``type``.
+    array : callable
+        From a printer, a name and an array to its definition.
+    helpers : tuple of str
+        Names of helpers that `operation` adds.
+    flawed_floats : bool
+        Whether a port of the language may compute in floats of 32 bits.
+    """
+
+    language: Language
+    names: str
+    operation: Callable[[Printer, Operation], str]
+    number: Callable[[Printer, float, Kind], str]
+    truths: tuple[str, str]
+    types: Mapping[Kind, str]
+    cast: Callable[[str, Kind, Kind], str]
+    array: Callable[[Printer, str, Kind, Sequence[float], int], str]
+    member: str
+    again: str
+    function: tuple[str, str]
+    parameter: str = "{name}"
+    late: str = "{name}"
+    array_argument: str = ""
+    argument: str = "{}"
+    element: str = "{0}[{1}]"
+    whole: str = "{}"
+    quotient: str = "{} / {}"
+    when: str = "if ({}) {{"
+    otherwise: str = "}} else {{"
+    repeat: str = "for ({index} = 0; {index} < {count}; {index}++) {{"
+    loop: str = "while ({}) {{"
+    end: str = "}"
+    remark: str = "// {}"
+    returned: str = "return {};"
+    private: str = "{}"
+    public: str = ""
+    several: str = "[{}]"
+    part: str = "{}[{}]"
+    whole_tuple: str = "const {name} = {value};"
+    helpers: tuple[str, ...] = ()
+    flawed_floats: bool = False
+    walk: Callable[[Printer, DefuzzifierWalk], str] | None = None
+    room: str = ""
+
+
+@dataclass
+class Printer:
+    """The parts of a program as text.
+
+    Attributes
+    ----------
+    program : Program
+        What is printed.
+    target : Target
+        The language.
+    constants, helpers, functions : list of str
+        Definitions, in order.
+    """
+
+    program: Program
+    target: Target
+    taken: Iterable[str] = ()
+    constants: list[str] = field(default_factory=list)
+    helpers: list[str] = field(default_factory=list)
+    functions: list[str] = field(default_factory=list)
+    arrays: dict[str, str] = field(default_factory=dict)
+    members: dict[str, str] = field(default_factory=dict)
+    called: dict[str, str] = field(default_factory=dict)
+    known: dict[object, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.names = Names(self.target.names, {*self.taken, *self.target.helpers})
+        functions = self.program.functions
+        for key in sorted(functions, key=lambda key: not functions[key].public):
+            self.called[key] = self._global(functions[key].stem, public=functions[key].public)
+        for key, array in self.program.arrays.items():
+            self.arrays[key] = self.constant(array.stem, array.kind, array.values, array.columns)
+        attributes = Names(self.target.names, {"step"})
+        for key, member in self.program.state.items():
+            name = attributes.new(member.stem)
+            text = self.members[key] = self.target.member.format(name)
+            if isinstance(member.start, tuple):
+                self.arrays[key] = text
+        for key, function in functions.items():
+            self.functions.append("\n".join(FunctionPrinter(self, function).text(self.called[key])))
+
+    def _global(self, stem: str, *, public: bool = False) -> str:
+        name = self.names.new(stem)
+        return name if public else self.target.private.format(name)
+
+    def helper(self, name: str, text: str) -> str:
+        """Add a definition, once; return the name."""
+        if text not in self.helpers:
+            self.helpers.append(text)
+        return name
+
+    def constant(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
+        """Define an array of constants beside those of the program; return its name."""
+        name = self._global(stem)
+        self.constants.append(self.target.array(self, name, kind, values, columns))
+        return name
+
+    def free(self, stem: str) -> str:
+        """Return a name that nothing in the file has yet."""
+        return self._global(stem)
+
+    def call(self, key: str) -> str:
+        """Return how a function is called: its name and its parameters."""
+        function = self.program.functions[key]
+        return f"{self.called[key]}({', '.join(self.parameters(function).values())})"
+
+    def parameters(self, function: Function) -> dict[str, str]:
+        """Return the names of parameters, by their symbols."""
+        names = self.names.inner()
+        return {key: names.new(variable.stem) for key, variable in function.parameters.items()}
+
+    def test_lines(self, test: SelfTest, stem: str) -> list[str]:
+        """Return the statements of a test: where a result is off, ``failed`` becomes true."""
+        width = len(test.rows[0])
+        key = f"test {len(self.arrays)}"
+        data = [x for row in test.rows for x in row]
+        self.arrays[key] = self.constant(stem, test.kind, data, width)
+        first = symbol("k") * Whole(width)
+        row = [Element(key, first + Whole(i) if i else first) for i in range(width)]
+        given = tuple(row[: test.inputs])
+        found = tuple(f"found {i}" for i in range(width - test.inputs))
+        local = {"failed": Variable("failed", TRUTH), "k": Variable("k", INDEX)}
+        local |= {name: Variable("found", test.kind) for name in found}
+        if test.function:
+            lines: list[Line] = [Assign(found[0], Called(test.function, given))]
+        else:
+            lines = [Stepped(found, given + (Truth(False),) * test.late)]
+        pairs = zip(map(symbol, found), row[test.inputs :], strict=True)
+        lines += judged(test, list(pairs), self.target)
+        body = [Repeat("k", len(test.rows), tuple(lines))]
+        function = Function("", {}, TRUTH, body, local, test.kind)
+        return FunctionPrinter(self, function, declared={"failed"}).lines(body)
+
+
+def judged(test: SelfTest, pairs: Sequence[tuple[Node, Node]], target: Target) -> list[Line]:
+    """Return the statements that set ``failed`` where a result is off."""
+    if np.issubdtype(test.kind, np.integer):
+        return [When(~apply("equal", *pair), (Assign("failed", Truth(True)),)) for pair in pairs]
+    within: Node = constant(test.tolerance)
+    if target.flawed_floats:
+        within = where(
+            apply("equal", constant(1.0) + 1e-10, 1.0),
+            constant(test.loose),
+            constant(test.tolerance),
+        )
+    lines = []
+    for column, (found, expected) in enumerate(pairs):
+        fine: Node = abs(found - expected) <= within
+        if any(np.isnan(row[test.inputs + column]) for row in test.rows):
+            fine = fine | (~apply("equal", expected, expected) & ~apply("equal", found, found))
+        lines.append(When(~fine, (Assign("failed", Truth(True)),)))
+    return lines
+
+
+class FunctionPrinter:
+    """One function: the names of its variables and its lines."""
+
+    def __init__(
+        self, printer: Printer, function: Function, *, declared: Iterable[str] = ()
+    ) -> None:
+        self.printer, self.target, self.function = printer, printer.target, function
+        self.names = printer.names.inner()
+        self.times_set = Counter(_set_in(function.body))
+        self.declared = {*function.parameters, *declared, *printer.members}
+        self.rename = dict(printer.members)
+        for key, variable in {**function.parameters, **function.variables}.items():
+            self.rename[key] = self.names.new(variable.stem)
+        for key in self.times_set:
+            if key not in self.rename:
+                self.rename[key] = self.names.new(key)
+        self.arrays = {**printer.arrays, **self.rename}
+        self.language = self.target.language._replace(
+            text=lambda operation: self.target.operation(printer, operation),
+            number=lambda value: self.target.number(printer, value, function.real),
+            rename=self.rename,
+            leaf=self._leaf,
+        )
+
+    def kind_of(self, key: str) -> Kind:
+        """Return the kind of a variable."""
+        function = self.function
+        variable = function.variables.get(key) or function.parameters.get(key)
+        return variable.kind if variable else function.real
+
+    def parameter_texts(self) -> list[str]:
+        """Return the parameters, each with its type in a language that has some."""
+        target, texts = self.target, []
+        for key, variable in self.function.parameters.items():
+            kind = target.types.get(variable.kind, "")
+            template = target.array_argument if variable.of_array else ""
+            kind = template.format(kind) if template else kind
+            late = target.late if variable.kind is TRUTH else target.parameter
+            texts.append(late.format(name=self.rename[key], type=kind))
+        return texts
+
+    def text(self, name: str) -> list[str]:
+        """Return the definition."""
+        function = self.function
+        head, end = self.target.function
+        opening = head.format(
+            name=name, parameters=", ".join(self.parameter_texts()),
+            type=self.target.types.get(function.returned, ""),
+            public=self.target.public if function.public else "",
+        )  # fmt: skip
+        remark = [f"    {self.target.remark.format(function.remark)}"] if function.remark else []
+        return [opening, *remark, *(f"    {line}" for line in self.lines(function.body)), end]
+
+    # ── statements ───────────────────────────────────────────────────────────────────
+
+    def lines(self, body: Sequence[Line]) -> list[str]:
+        """Return the lines of some statements."""
+        return [text for line in body for text in self._line(line)]
+
+    def _inner(self, body: Sequence[Line]) -> list[str]:
+        declared = set(self.declared)
+        lines = [f"    {line}" for line in self.lines(body)]
+        self.declared = declared
+        return lines
+
+    def _line(self, line: Line) -> list[str]:
+        if isinstance(line, Assign):
+            return [self._set(line.name, self.language.expression(line.value), line.remark)]
+        if isinstance(line, Choose | When):
+            return self._branches(line)
+        if isinstance(line, Return):
+            values = list(map(self.language.expression, (line.value, *line.more)))
+            value = self.target.several.format(", ".join(values)) if line.more else values[0]
+            return [self.target.returned.format(value)]
+        if isinstance(line, Stepped):
+            return self._stepped(line)
+        if isinstance(line, Walk):
+            return self._walk(line)
+        if isinstance(line, Store):
+            index = self.language.expression(line.index)
+            element = self.target.element.format(self.arrays[line.array], index)
+            value = self.language.expression(line.value)
+            return [self.language.assign.format(name=element, value=value)]
+        if isinstance(line, Repeat):
+            count = self.target.whole.format(line.count)
+            opening = self.target.repeat.format(
+                index=self.rename[line.index], count=count, type=self.target.types.get(INDEX, "")
+            )
+        else:
+            assert isinstance(line, While)
+            opening = self.target.loop.format(self.language.expression(line.condition))
+        return [opening, *self._inner(line.body), *self._end()]
+
+    def _stepped(self, line: Stepped) -> list[str]:
+        arguments = ", ".join(map(self.language.expression, line.arguments))
+        call = f"controller.step({arguments})"
+        if len(line.targets) == 1:
+            return [self._set(line.targets[0], call, "")]
+        drives = self.names.new("drives")
+        head = self.target.whole_tuple.format(name=drives, value=call)
+        parts = (self.target.part.format(drives, i) for i in range(len(line.targets)))
+        return [head, *map(self._set, line.targets, parts, [""] * len(line.targets))]
+
+    def _walk(self, line: Walk) -> list[str]:
+        target = self.target
+        if target.walk is None:
+            raise ExportError(
+                f"the defuzzifier of '{line.walk.output}' is not exported to {self.language.name}",
+                hint=TABLE_HINT,
+            )
+        if line.walk not in self.printer.known:
+            self.printer.known[line.walk] = target.walk(self.printer, line.walk)
+        function = self.printer.known[line.walk]
+        room, pair = self.names.new("room"), self.names.new("pair")
+        lines = [target.whole_tuple.format(name=room, value=target.room.format(line.walk.room))]
+        for number, part in enumerate(line.parts):
+            element = target.element.format(room, number)
+            value = self.language.expression(part)
+            lines.append(self.language.assign.format(name=element, value=value))
+        lines.append(target.whole_tuple.format(name=pair, value=f"{function}({room})"))
+        pairs = enumerate((line.total, line.value))
+        return [*lines, *(self._set(key, target.part.format(pair, i), "") for i, key in pairs)]
+
+    def _end(self) -> list[str]:
+        return [self.target.end] if self.target.end else []
+
+    def _set(self, key: str, value: str, remark: str) -> str:
+        template = self.language.assign
+        if key not in self.declared:
+            template = self.target.again if self.times_set[key] > 1 else self.language.declare
+            self.declared.add(key)
+        kind = self.target.types.get(self.kind_of(key), "")
+        text = template.format(name=self.rename[key], value=value, type=kind)
+        return text + (self.language.remark.format(remark) if remark else "")
+
+    def _branches(self, line: Choose | When) -> list[str]:
+        both = set(_set_in(line.then)) & set(_set_in(line.otherwise))
+        if isinstance(line, Choose):
+            both = {line.name}
+        lines = [self._declare(key) for key in sorted(both - self.declared)]
+        lines = lines if self.language.declare_only else []
+        remark = getattr(line, "remark", "")
+        opening = self.target.when.format(self.language.expression(line.condition))
+        lines.append(opening + (self.language.remark.format(remark) if remark else ""))
+        lines += self._inner(line.then)
+        if line.otherwise:
+            lines += [self.target.otherwise.format(), *self._inner(line.otherwise)]
+        return [*lines, *self._end()]
+
+    def _declare(self, key: str) -> str:
+        self.declared.add(key)
+        return self.language.declare_only.format(
+            name=self.rename[key], type=self.target.types.get(self.kind_of(key), "")
+        )
+
+    # ── expressions that only programs have ──────────────────────────────────────────
+
+    def _leaf(self, node: Node, binds: int) -> str:
+        printer, expression, target = self.printer, self.language.expression, self.target
+        if isinstance(node, Whole):
+            text = target.whole.format(node.value)
+            return f"({text})" if node.value < 0 and binds > 5 else text
+        if isinstance(node, Truth):
+            return target.truths[node.value]
+        if isinstance(node, Element):
+            return target.element.format(self.arrays[node.array], expression(node.index))
+        if isinstance(node, Called):
+            arguments = ", ".join(map(expression, node.arguments))
+            return f"{printer.called[node.function]}({arguments})"
+        if isinstance(node, Search):
+            array = target.argument.format(self.arrays[node.array])
+            numbers = [target.whole.format(number) for number in (node.first, node.count)]
+            arguments = ", ".join([array, *numbers, expression(node.value)])
+            return f"{printer.called[node.function]}({arguments})"
+        if isinstance(node, Quotient):
+            text = target.quotient.format(expression(node.dividend, 7), expression(node.divisor, 7))
+            return f"({text})" if binds > 6 else text
+        assert isinstance(node, Cast)
+        plain = target.cast("", node.before, node.after) == ""
+        text = expression(node.value, binds if plain else 0)
+        return target.cast(text, node.before, node.after)
+
+
+def _set_in(body: Sequence[Line]) -> list[str]:
+    """Return the variables that statements set, as often as they do so."""
+    names = []
+    for line in body:
+        if isinstance(line, Assign):
+            names.append(line.name)
+        elif isinstance(line, Choose):
+            names.append(line.name)
+            branches = {*_set_in(line.then), *_set_in(line.otherwise)} - {line.name}
+            names += branches
+        elif isinstance(line, When):
+            names += [*_set_in(line.then), *_set_in(line.otherwise)]
+        elif isinstance(line, Walk):
+            names += [line.total, line.value]
+        elif isinstance(line, Stepped):
+            names += line.targets
+        elif isinstance(line, Repeat | While):
+            names += _set_in(line.body)
+    return names

@@ -1,0 +1,264 @@
+"""Defuzzifiers that walk over tables, in modules: MicroPython, JavaScript, Rust.
+
+The kernel's own functions for one point (`walk.py`), from their source. In MicroPython they are
+that source; an array of the kernel is a `memoryview` there, whose stretches share memory. The other
+languages print it (:mod:`fuzzyarm.translation`).
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.sets import TABLE_HINT
+from fuzzyarm.export.walk import DefuzzifierWalk, WrittenFunction
+from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.kernels import call, is_kernel
+from fuzzyarm.translation.functions import NotTranslatedError, Translation
+from fuzzyarm.translation.targets import JAVASCRIPT
+from fuzzyarm.translation.types import Array, Scalar, Type, TypedText
+
+if TYPE_CHECKING:
+    from fuzzyarm.export.printer import Printer
+
+__all__ = ["javascript_walk", "python_walk"]
+
+
+def _tables(printer: Printer, walk: DefuzzifierWalk) -> tuple[str, str]:
+    """Return the names of the two arrays of a walk: whole numbers, and floats."""
+    layout = walk.layout
+    whole = printer.constant(f"{walk.output}_table", np.int32, layout.whole)
+    return whole, printer.constant(f"{walk.output}_numbers", np.float64, layout.floats)
+
+
+# ── MicroPython ──────────────────────────────────────────────────────────────────────
+
+
+def python_walk(printer: Printer, walk: DefuzzifierWalk) -> str:
+    """Add the functions of a walk; return the name of that which takes the room."""
+    functions = _PythonFunctions(printer, walk)
+    entry = functions.name_of(walk.function)
+    whole, floats = _tables(printer, walk)
+    name = printer.free(f"{walk.output}_defuzzified")
+    text = (
+        f"def {name}(room):\n    return {entry}({whole}, {floats}, room, room[{walk.heap}:], 0)\n"
+    )
+    return printer.helper(name, text)
+
+
+class _PythonFunctions:
+    """The functions of a walk, each after those that it calls."""
+
+    def __init__(self, printer: Printer, walk: DefuzzifierWalk) -> None:
+        self.printer, self.walk = printer, walk
+        self.names: dict[object, str] = {}
+
+    def name_of(self, function: Callable[..., Any]) -> str:
+        """Return the name of a function, which is written where it is met first."""
+        if function not in self.names:
+            self.names[function] = name = self.printer.free(function.__name__)
+            text = getattr(function, "__source__", None) or inspect.getsource(function)
+            (definition,) = ast.parse(textwrap.dedent(text)).body
+            assert isinstance(definition, ast.FunctionDef)
+            changed = _AsPython(self, function, definition).visit(definition)
+            changed.name = name
+            self.printer.helper(name, f"{ast.unparse(ast.fix_missing_locations(changed))}\n")
+        return self.names[function]
+
+    def dispatcher(self, count: int) -> str:
+        """Return the function that calls what a number stands for."""
+        key = ("call", count)
+        if key not in self.names:
+            listed = self.walk.functions.norms if count == 4 else self.walk.functions.curves
+            self.names[key] = name = self.printer.free("call")
+            passed = ", ".join(f"a_{i}" for i in range(count))
+            lines = [f"def {name}(number, {passed}):"]
+            for number, function in listed.items():
+                lines.append(f"    if number == {number}:")
+                lines.append(f"        {self.name_of(function)}({passed})")
+            self.printer.helper(name, "\n".join([*lines, "    return", ""]))
+        return self.names[key]
+
+    def operation(self, name: str) -> str:
+        """Return the function of an operation, which never raises."""
+        template = self.printer.target.operation(self.printer, OPERATIONS[name])
+        return template.partition("(")[0]
+
+
+_BY_PYTHON = {
+    operation.python.partition("(")[0]: name
+    for name, operation in OPERATIONS.items() if operation.binds == 9
+}  # fmt: skip
+"""Names of operations by those of functions in :mod:`math`."""
+
+
+class _AsPython(ast.NodeTransformer):
+    """The syntax tree of a kernel as that of a plain function."""
+
+    def __init__(
+        self, functions: _PythonFunctions, function: Callable[..., Any], source: ast.FunctionDef
+    ) -> None:
+        self.functions, self.function = functions, function
+        stored = {node.id for node in ast.walk(source)
+                  if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}  # fmt: skip
+        self.local = stored | {argument.arg for argument in source.args.args}
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        node.decorator_list, node.returns = [], None
+        for argument in node.args.args:
+            argument.annotation = None
+        if isinstance(node.body[0], ast.Expr) and isinstance(node.body[0].value, ast.Constant):
+            node.body = node.body[1:] or [ast.Pass()]
+        return self.generic_visit(node)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
+        assert node.value is not None
+        return ast.Assign([node.target], self.visit(node.value), lineno=0)
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        value = self.function.__globals__.get(node.id)
+        if node.id in self.local or not isinstance(value, int | float):
+            return node
+        return ast.parse(repr(value) if math.isfinite(value) else f'float("{value}")').body[0].value  # type: ignore[attr-defined]
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Div):
+            return node
+        return ast.Call(ast.Name(self.functions.operation("divide")), [node.left, node.right], [])
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        if ast.unparse(node.value) == "math":
+            return node
+        if node.attr == "size":
+            return ast.Call(ast.Name("len"), [self.visit(node.value)], [])
+        raise NotTranslatedError(node, "MicroPython")
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
+            return ast.Call(ast.Name("len"), [self.visit(node.value.value)], [])
+        return self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        node.args = [self.visit(argument) for argument in node.args]
+        if isinstance(node.func, ast.Attribute):
+            if ast.unparse(node.func.value) != "math":
+                raise NotTranslatedError(node, "MicroPython")
+            return self._of_library(node, node.func.attr)
+        assert isinstance(node.func, ast.Name)
+        function = self.function.__globals__.get(node.func.id)
+        if function is call:
+            node.func = ast.Name(self.functions.dispatcher(len(node.args) - 1))
+        elif is_kernel(function):
+            node.func = ast.Name(self.functions.name_of(function))
+        elif function is not None:  # a function that an expression is printed with
+            return self._of_library(node, function.__name__)
+        return node
+
+    def _of_library(self, node: ast.Call, word: str) -> ast.AST:
+        """Return the call of a function of mathematics as one that never raises."""
+        if word in _BY_PYTHON:
+            node.func = ast.Name(self.functions.operation(_BY_PYTHON[word]))
+        return node
+
+
+# ── JavaScript ───────────────────────────────────────────────────────────────────────
+
+
+def javascript_walk(printer: Printer, walk: DefuzzifierWalk) -> str:
+    """Add the functions of a walk; return the name of that which takes the room."""
+    return _written(_InJavaScript(printer, walk), printer, walk)
+
+
+def _written(translation: _InModule, printer: Printer, walk: DefuzzifierWalk) -> str:
+    arrays = [Array.WHOLES, Array.CONSTANTS, Array.REALS, Array.REALS]
+    try:
+        function = translation.function(walk.function, [*arrays, Scalar.WHOLE])
+    except NotTranslatedError as error:
+        raise ExportError(str(error), hint=TABLE_HINT) from None
+    whole, floats = _tables(printer, walk)
+    name = printer.free(f"{walk.output}_defuzzified")
+    text = translation.text()
+    for word, operation in translation.helpers.items():
+        if f"{word}(" in text:
+            printer.target.operation(printer, OPERATIONS[operation])
+    printer.helper(name, text)
+    entry = translation.entry.format(
+        name=name, function=function.name, whole=whole, floats=floats, heap=walk.heap
+    )
+    return printer.helper(name, entry)
+
+
+class _InModule(Translation):
+    """The functions of one walk."""
+
+    entry: str
+    branch: str
+    head: str
+    helpers: Mapping[str, str] = MappingProxyType({})  # functions of operations, by name
+
+    def __init__(self, printer: Printer, walk: DefuzzifierWalk, target: Any) -> None:
+        super().__init__(replace(target, call=self._call))
+        self.printer, self.walk = printer, walk
+        self._dispatchers: dict[tuple[Type, ...], str] = {}
+
+    def name(self, name: str) -> str:
+        """Return a name that the file does not have yet."""
+        return self.printer.free(name)
+
+    def _call(self, address: str, arrays: Sequence[TypedText]) -> str:
+        """Return the call of what a number stands for, by a function that knows them all."""
+        types = tuple(array.type for array in arrays)
+        if types not in self._dispatchers:
+            self._dispatchers[types] = self.name("call")
+            listed = self.walk.functions.norms if len(types) == 4 else self.walk.functions.curves
+            passed = ", ".join(f"a_{i}" for i in range(len(types)))
+            parameters = ", ".join(
+                self.target.parameter.format(name=f"a_{i}", type=self.type_name(type_))
+                for i, type_ in enumerate(types)
+            )
+            lines = [self.head.format(name=self._dispatchers[types], parameters=parameters)]
+            for number, function in listed.items():
+                callee = self.function(function, types)
+                lines.append(self.branch.format(number=number, call=f"{callee.name}({passed})"))
+            text = "\n".join([*lines, "}", ""])
+            self._finished.append(WrittenFunction(text))  # type: ignore[arg-type]
+        return f"{self._dispatchers[types]}({address}, {', '.join(a.text for a in arrays)})"
+
+
+class _InJavaScript(_InModule):
+    entry = (
+        "const {name}_floats = Float64Array.from({floats});\n\nfunction {name}(room) {{\n"
+        "    return {function}({whole}, {name}_floats, room, room.subarray({heap}), 0);\n}}\n"
+    )
+    head = "function {name}(number, {parameters}) {{"
+    branch = "    if (number === {number}) {call};"
+
+    helpers = MappingProxyType({
+        "least": "minimum", "greatest": "maximum", "power": "power", "remainder": "remainder",
+        "rint": "round",
+    })  # fmt: skip
+
+    def __init__(self, printer: Printer, walk: DefuzzifierWalk) -> None:
+        functions = dict(JAVASCRIPT.functions)
+        for type_ in (Scalar.REAL, Scalar.WHOLE):
+            functions |= {(min, type_): ("least({})", type_), (max, type_): ("greatest({})", type_)}
+        functions |= {
+            (function, Scalar.REAL): (f"{word}({{}})", Scalar.REAL)
+            for function, word in (
+                (math.pow, "power"), (math.fmod, "remainder"), (np.rint, "rint"),
+                (np.floor, "Math.floor"), (np.ceil, "Math.ceil"), (np.trunc, "Math.trunc"),
+            )
+        }  # fmt: skip
+        # No temporary variable of the translation is called as one of the kernel.
+        target = replace(JAVASCRIPT, functions=functions, variable="{}_")
+        super().__init__(printer, walk, target)
