@@ -980,12 +980,6 @@ OUTPUTS = (
         ),
     ),
     Output(
-        "compile-javascript",
-        "compile FILE -o OUT.js",
-        "a module of JavaScript",
-        record("a module", file=text("what was written"), bytes=whole("of source")),
-    ),
-    Output(
         "compile-board",
         "compile FILE --for arduino -o DIR",
         "a folder for a board",

@@ -72,6 +72,7 @@ NEEDS: dict[str, Need] = {
     "gcov": _program("gcov", "gcc"),
     "git": _program("git"),
     "node": _program("node", "nodejs npm"),
+    "rustc": _program("rustc"),
     "npm": _program("npm", "nodejs npm"),
     "chromium": Need(
         ("chromium-headless-shell", "chromium", "chromium-browser"),  # the first is the fastest

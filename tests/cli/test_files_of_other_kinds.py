@@ -54,7 +54,6 @@ WANT_A_RULE_BASE = (
     "eval {} e=1 ce=1",
     "prove {} --range",
     "compile {} -o x.lut",
-    "compile {} -o x.mjs",
     "simulate fuzzy-direct --rulebase {}",
     "simulate stfc --alpha {}",
     "show {} --at e=1",

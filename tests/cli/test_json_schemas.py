@@ -106,7 +106,7 @@ CALLS = {
         ["compile", PD7, "-o", "a.lut"],
         ["compile", PD7, "--tolerance", "1", "-o", "b.lut"],
     ],
-    "compile-source": [["compile", PD7, "-o", "a.c"], ["compile", PD7, "--direct", "-o", "b.st"]],
+    "compile-source": [["compile", PD7, "-o", "a.c"], ["compile", PD7, "-o", "a.js"]],
     "compile-controller": [["compile", SERVO, "--table", "-o", "servo.c"]],
     "compile-report": [
         ["compile", file, "-o", "evident.c", "--report", "evidence"]
@@ -117,7 +117,6 @@ CALLS = {
         ["convert", "a.lut", "c.frb", "--terms", "5", "--lossy"],
         ["convert", PD7, THERMOSTAT, "d.frb", "--connect", "pd7/u -> thermostat/error"],
     ],
-    "compile-javascript": [["compile", PD7, "-o", "a.js"]],
     "compile-board": [["compile", PD7, "--for", "arduino", "-o", "board"]],
     "convert-script": [["convert", "script.py", "-o", "systems", "--run"]],
     "diff-tables": [["diff", "a.lut", "b.lut"], ["diff", "a.lut", "a.lut"]],

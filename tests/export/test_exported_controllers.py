@@ -379,7 +379,7 @@ def test_what_cannot_be_exported_is_named(tmp_path):
     with pytest.raises(ExportError, match="holds its value where no rule fires"):
         steps_of(text_of(held))
     with pytest.raises(ExportError, match="has no suffix of an export"):
-        export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.rs")
+        export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.zig")
     with pytest.raises(ExportError, match="cannot begin an identifier"):
         export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.h", "int")
 

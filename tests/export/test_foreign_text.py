@@ -12,6 +12,7 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 from c_programs import HOST
+from module_programs import failing_in_javascript, failing_in_rust
 from st_programs import Program
 
 from fuzzyarm import shipped
@@ -69,11 +70,10 @@ def test_every_target_reads_what_was_written(tmp_path, monkeypatch, text, kind):
         assert main(["compile", path, "-o", "x.fmu"]) == 0
         with zipfile.ZipFile(io.BytesIO(Path("x.fmu").read_bytes())) as archive:
             Xml.fromstring(archive.read("modelDescription.xml"))
-    else:
-        assert main(["compile", path, "-o", "x.mjs"]) == 0
-        heads = Path("x.mjs").read_text("utf-8").split("\n")
-        assert heads[2].startswith("// source: ")
-        assert not heads[3].startswith("import")
+    for suffix in (".mjs", ".rs"):
+        assert main(["compile", path, "-o", f"x{suffix}"]) == 0
+    assert failing_in_javascript([tmp_path / "x.mjs"], tmp_path) == []
+    assert failing_in_rust([tmp_path / "x.rs"], tmp_path) == []
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from budget import part
 from hostile_names import ALL, OF_RULES, of_axes, of_gains, of_ports, of_rules, of_signals
+from module_programs import failing_in_javascript, failing_in_rust
 from own_tests import failing_in_c, failing_in_python, failing_in_scl
 
 from fuzzyarm import shipped
@@ -40,6 +41,16 @@ def test_in_micropython(tmp_path):
 
 
 @pytest.mark.slow
+def test_in_javascript(tmp_path):
+    assert failing_in_javascript(exported(tmp_path, ".mjs"), tmp_path) == []
+
+
+@pytest.mark.slow
+def test_in_rust(tmp_path):
+    assert failing_in_rust(exported(tmp_path, ".rs"), tmp_path) == []
+
+
+@pytest.mark.slow
 def test_in_c(tmp_path):
     assert failing_in_c(exported(tmp_path, ".h"), tmp_path) == []
 
@@ -61,9 +72,11 @@ def test_signals_beside_a_table_that_learns(tmp_path):
     text = text.replace("supply / 255", f"supply / 255 + {' + '.join(BESIDE)}")
     source = tmp_path / "made.frb"
     source.write_text(text)
-    for suffix in (".py", ".h", ".scl"):
+    for suffix in (".py", ".mjs", ".rs", ".h", ".scl"):
         words = ["compile", str(source), "-o", str(tmp_path / f"made{suffix}")]
         assert main([*words, "--precision", "float64"]) == 0
     assert failing_in_python([tmp_path / "made.py"]) == []
+    assert failing_in_javascript([tmp_path / "made.mjs"], tmp_path) == []
+    assert failing_in_rust([tmp_path / "made.rs"], tmp_path) == []
     assert failing_in_c([tmp_path / "made.h"], tmp_path) == []
     assert failing_in_scl([tmp_path / "made.scl"]) == []

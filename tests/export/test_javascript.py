@@ -10,12 +10,13 @@ import pytest
 from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from module_programs import javascript_of
 from needs import requires
 from strategies import SMOOTH, STRAIGHT, plain_mamdani
 
 import fuzzyarm
+from fuzzyarm.designer.engine import engine_source, numbers_of
 from fuzzyarm.export import ExportError
-from fuzzyarm.export.javascript import engine_source, numbers_of, rule_base_module, script_json
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.op import inf
 from fuzzyarm.expression.operations import OPERATIONS
@@ -24,6 +25,7 @@ from fuzzyarm.inference.engine import Compiled
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier
 from fuzzyarm.shipped_files import shipped
+from fuzzyarm.text.jsonable import script_json
 
 pytestmark = requires("node")
 
@@ -56,7 +58,7 @@ console.log(JSON.stringify(found));
 
 
 def in_node(folder, rulebase, points):
-    (folder / "rules.mjs").write_text(rule_base_module(rulebase, "rules.frb"))
+    (folder / "rules.mjs").write_text(javascript_of(rulebase))
     found = run(folder, MANY, {name: list(column) for name, column in points.items()})
     return {
         name: np.array([np.nan if x is None else x for x in row]) for name, row in found.items()
@@ -257,7 +259,7 @@ def test_what_the_kernel_does_not_cover_is_refused_by_name(tmp_path):
     assert "aggregation sum" in text
     (tmp_path / "maxima.frb").write_text(text)
     with pytest.raises(ExportError, match="mean-of-maximum of 'u'"):
-        rule_base_module(fuzzyarm.load(tmp_path / "maxima.frb"))
+        javascript_of(fuzzyarm.load(tmp_path / "maxima.frb"))
 
 
 ALL = """

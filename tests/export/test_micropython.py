@@ -141,7 +141,6 @@ def test_the_self_test_can_fail(tmp_path):
     ("words", "message"),
     [
         ([str(shipped("servo.frb")), "--precision", "mixed"], "computes in the floats of its port"),
-        ([str(shipped("tipper2.frb"))], "is not exported to MicroPython (--table"),
         ([PD7, "--precision", "float32"], "computes in the floats of its port"),
     ],
 )

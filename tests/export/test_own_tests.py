@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from module_programs import failing_in_javascript, failing_in_rust
 from own_tests import failing_in_c, failing_in_python, failing_in_scl
 
 from fuzzyarm import shipped
@@ -38,7 +39,8 @@ def without_partners(refused: dict[str, str]) -> list[str]:
 
 @pytest.mark.slow(seconds=12)
 @pytest.mark.parametrize(
-    ("suffix", "refused"), [(".py", ["tipper2.frb"]), (".h", []), (".scl", [])]
+    ("suffix", "refused"),
+    [(".py", []), (".mjs", []), (".rs", ["tipper2.frb"]), (".h", []), (".scl", [])],
 )
 def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
     written, others = exported(tmp_path, suffix, capsys)
@@ -48,5 +50,9 @@ def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
         assert failing_in_python(written) == []
     elif suffix == ".h":
         assert failing_in_c(written, tmp_path) == []
+    elif suffix == ".mjs":
+        assert failing_in_javascript(written, tmp_path) == []
+    elif suffix == ".rs":
+        assert failing_in_rust(written, tmp_path) == []
     else:
         assert failing_in_scl(written) == []

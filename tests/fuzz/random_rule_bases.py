@@ -33,7 +33,7 @@ from hypothesis import strategies as st  # noqa: E402
 from fuzzyarm import compile_table, compiled, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.export import ExportError, routines_of  # noqa: E402
-from fuzzyarm.export.javascript import rule_base_module  # noqa: E402
+from fuzzyarm.export.modules import MODULES, routines_module  # noqa: E402
 from fuzzyarm.export.routine import Accuracy  # noqa: E402
 from fuzzyarm.expression.kinds import DEFUZZIFIERS  # noqa: E402
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402
@@ -403,7 +403,8 @@ def in_javascript(rulebase: RuleBase, values: Values) -> None:
         dataclasses.replace(each, no_rule=math.nan if isinstance(each.no_rule, str)
                             else each.no_rule) for each in rulebase.outputs))  # fmt: skip
     try:
-        module = rule_base_module(silent)
+        routines = routines_of(silent, precision="float64")
+        module = routines_module(routines, MODULES[".mjs"], "rules")[0]
     except ExportError:
         return
     wanted = outcome(compiled(silent), {k: np.array(v) for k, v in values.items()}, {})

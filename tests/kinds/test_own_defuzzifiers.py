@@ -16,7 +16,6 @@ import fuzzyarm
 from fuzzyarm import kinds, op
 from fuzzyarm.cli import main
 from fuzzyarm.export import routines_of
-from fuzzyarm.export.javascript import rule_base_module
 from fuzzyarm.expression.defuzzifiers import ASPECTS, DEFUZZIFIERS
 from fuzzyarm.expression.records import KindError
 from fuzzyarm.formats import PRODUCERS, same_model, write
@@ -29,6 +28,7 @@ from fuzzyarm.live.skfuzzy import to_skfuzzy
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.text.diagnostic import RuleBaseError
 from tests.export.c_programs import run_c
+from tests.export.module_programs import javascript_of
 from tests.inference import test_matrix as matrix
 from tests.inference.test_matrix import BELLS, FORMULAS, INTERVALS, RAMPS, SETS, VALUES, Case
 
@@ -117,7 +117,7 @@ def test_c_structured_text_and_javascript_have_its_bits(tmp_path: Path) -> None:
         matrix.test_structured_text_has_the_bits_of_a_point(case)
     need("node")
     for index, rulebase in enumerate(rulebases):
-        (tmp_path / f"case{index}.mjs").write_text(rule_base_module(rulebase))
+        (tmp_path / f"case{index}.mjs").write_text(javascript_of(rulebase))
     (tmp_path / "run.mjs").write_text(matrix.NODE)
     asked = {name: column.tolist() for name, column in columns.items()}
     done = subprocess.run(

@@ -1,4 +1,4 @@
-// The engine of the page: printed from the kernel's source (fuzzyarm.export.javascript), not a file.
+// The engine of the page: printed from the kernel's source (fuzzyarm.designer.engine), not a file.
 declare module "*/engine.js" {
   export class Engine {
     constructor(data: any);

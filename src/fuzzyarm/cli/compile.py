@@ -3,9 +3,8 @@
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
 and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
 beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML, or with --format
-iec61131-10 as the XML of that standard), .scl (SCL for the TIA Portal) or .py (a module for
-MicroPython);
-.mjs or .js is a module of JavaScript that infers the rules themselves.
+iec61131-10 as the XML of that standard), .scl (SCL for the TIA Portal), or a module: .py for
+MicroPython, .mjs or .js for JavaScript, .rs for Rust.
 FILE may be a table already; it is then rewritten in the other format.
 
 The levels, bins and rounding are those of the file's `lookup` settings; an input without
@@ -82,7 +81,6 @@ class ExportWords(ExportRequest, _Output):
 
 
 _UNIT = ".fmu"
-_MODULES = (".mjs", ".js")
 
 # Options that make no sense for some inputs or outputs, by their names.
 _SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
@@ -104,12 +102,9 @@ def _run(request: ExportWords) -> int:
     _forbid(request, ("board",), "without --for nothing is made for a board")
     if request.report is not None:
         _demand_report(request.out, request.report)
-    suffix = require_suffix(request.out, (*tables, *CONTROLLER_EXPORTS, *_MODULES))
+    suffix = require_suffix(request.out, (*tables, *CONTROLLER_EXPORTS))
     if suffix != ".xml":
         _forbid(request, ("format",), f"{Path(request.out).name} is not an .xml")
-    if suffix in _MODULES:
-        _write_module(request)
-        return 0
     exports = suffix not in tables
     controller = controller_if_any(request.file) if exports else None
     if controller is not None:
@@ -184,26 +179,6 @@ def _write_for_board(request: ExportWords) -> None:
         raise UsageError("--table and --direct exclude each other")
     with _of_file(request.file):
         write_for_board(request, request.out, making_of(request), as_json=request.json)
-
-
-def _write_module(request: ExportWords) -> None:
-    """Write a rule base as a module of JavaScript."""
-    from fuzzyarm.export.javascript import rule_base_module
-    from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.text.files import write_atomically
-
-    model = load_sheet(request.file)
-    if not isinstance(model, RuleBase):
-        raise WordError(f"a module of JavaScript is made of a rule base, not {request.file}")
-    refused = (*_TABLES_ONLY, *_CONTROLLERS_ONLY, "table", "precision", "output", "name")
-    _forbid(request, refused, "JavaScript infers the rules of all outputs")
-    text = rule_base_module(model, request.file)
-    write_atomically(request.out, text)
-    names = ", ".join(variable.name for variable in model.inputs)
-    if request.json:
-        print_json({"file": request.out, "bytes": len(text.encode())}, 2)
-    else:
-        say(f"{request.out}: infer({{{names}}}), {len(text.encode())} bytes")
 
 
 def _compile_sheet(request: ExportWords, *, exports: bool) -> None:

@@ -9,7 +9,8 @@ from pathlib import Path
 from posixpath import dirname, join, normpath
 from typing import Any
 
-from fuzzyarm.export.javascript import engine_source, script_json
+from fuzzyarm.designer.engine import engine_source
+from fuzzyarm.text.jsonable import script_json
 from fuzzyarm.version import __version__
 
 PAGE = Path(__file__).parent / "page"

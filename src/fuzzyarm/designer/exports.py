@@ -21,7 +21,6 @@ from fuzzyarm.designer.names import clean_name, in_words
 from fuzzyarm.designer.requests import ExportWork, FormValues
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.findings import Imported
-from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.live.conversion import converted, findings_of
 from fuzzyarm.lsp.session import Session
@@ -34,7 +33,7 @@ from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.files import LATEX, table_as
 from fuzzyarm.text.diagnostic import RuleBaseError
-from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS, FOREIGN
+from fuzzyarm.text.folders import EXPORTS, FOREIGN
 from fuzzyarm.text.made import marked
 
 if TYPE_CHECKING:
@@ -55,6 +54,9 @@ PART: FormField = {
 }
 """Which part of a rule base is drawn, as ``fuzzyarm plot --what`` says it."""
 WRITTEN_TABLES = (*TABLES, LATEX)
+
+_SOURCES = tuple(suffix for suffix in EXPORTS if suffix != ".js")
+"""Source text; a module of JavaScript is an ``.mjs``, which node and servers know by its suffix."""
 
 _DRAWING = threading.Lock()
 """Figures are drawn one at a time: matplotlib's settings are global."""
@@ -101,11 +103,11 @@ def _controller(session: Session) -> ControllerText:
 def kinds_of(session: Session) -> list[str]:
     """Return the suffixes of what a text can be exported as."""
     if not isinstance(session.reading, Reading):
-        return [*EXPORTS, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
+        return [*_SOURCES, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
     if session.reading.parsed.controller is not None:
-        return [*CONTROLLER_EXPORTS]
+        return [*_SOURCES, ".fmu"]
     tables = (".lut", ".csv", LATEX)
-    return [*EXPORTS, *tables, ".mjs", ".html", ".png", ".svg", *FOREIGN]
+    return [*_SOURCES, *tables, ".html", ".png", ".svg", *FOREIGN]
 
 
 def forms_of(session: Session) -> dict[str, list[FormField]]:
@@ -213,8 +215,6 @@ def _sheet(
         files, lines = _table(model, out, how, progress)
         return files, lines, isinstance(model, RuleBase)
     assert isinstance(model, RuleBase)
-    if suffix == ".mjs":
-        return [_offered(out, _module(model, how.source))], [], False
     if suffix == ".html":
         from fuzzyarm.designer.mailed_page import page_of_text
 
@@ -241,16 +241,6 @@ def _picture(model: Sheet, suffix: str, how: Making, options: FormValues) -> byt
         raise ExportRefusedError(f"'{what[:40]}' is not one of all, terms, surface")
     with _DRAWING:
         return figure_bytes(model_figure(model, what, how.output), suffix)
-
-
-def _module(model: RuleBase, source: str) -> str:
-    from fuzzyarm.export.javascript import rule_base_module
-
-    try:
-        return rule_base_module(model, source)
-    # A module for a page has the kernel alone, no other engine.
-    except NotCoveredError as error:
-        raise ExportRefusedError(str(error)) from None
 
 
 def _conversion(session: Session, model: RuleBase, out: str) -> tuple[list[Offered], list[str]]:

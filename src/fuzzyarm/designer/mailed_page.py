@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from fuzzyarm.designer.assets import PAGE
+from fuzzyarm.designer.engine import engine_source
 from fuzzyarm.designer.scene import Positions, held_numbers, scene_of
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.export.javascript import engine_source, script_json
 from fuzzyarm.language import read_text
 from fuzzyarm.language.queries import (
     Reading,
@@ -27,6 +27,7 @@ from fuzzyarm.language.queries import (
 )
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, Term
 from fuzzyarm.text.diagnostic import RuleBaseError, Span
+from fuzzyarm.text.jsonable import script_json
 from fuzzyarm.text.names import printable
 from fuzzyarm.version import __version__
 

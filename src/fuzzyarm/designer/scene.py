@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from fuzzyarm.designer.engine import Functions, numbers_of
 from fuzzyarm.designer.messages import (
     Method,
     Number,
@@ -20,7 +21,6 @@ from fuzzyarm.designer.messages import (
     SceneVariable,
     TextRange,
 )
-from fuzzyarm.export.javascript import Functions, numbers_of
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.firing_intervals import UPPER, doubled, is_value

@@ -117,6 +117,12 @@ class _Lowering:
                 unit = units[variable.name] if sort == "gain" else ""
                 self._member(variable.symbol, self.stem(variable), kind, variable.start,
                              axis=variable.axis, remark=unit, role=sort)  # fmt: skip
+        self._declare_clock()
+        for key, table in self.steps.learned.items():
+            self._learned(key, table)
+        self._declare_drives()
+
+    def _declare_clock(self) -> None:
         for axis in self.steps.needs_first:
             self._member(first_of(axis), self._of_axis(axis, "first"), TRUTH, True, axis=axis,
                          role="first")  # fmt: skip
@@ -124,8 +130,8 @@ class _Lowering:
             self.parameters[ENDS] = Variable("set_point_ends", TRUTH)
             self._member(LEFT, "periods_left", WHOLE, self.steps.model.every, role="clock")
             self.local[LAST] = Variable("last", TRUTH)
-        for key, table in self.steps.learned.items():
-            self._learned(key, table)
+
+    def _declare_drives(self) -> None:
         for guard, *_ in self.steps.guards:
             for name, sent in guard.drives.items():
                 drive = self.steps.variables[name]
@@ -168,7 +174,9 @@ class _Lowering:
     def _learned(self, key: str, table: LearningTable) -> None:
         count, stem = len(table.values), self._of_axis(table.axis, table.name)
         self._member(key, stem, self.outer, table.values, axis=table.axis, role="table")
-        members = [("visits", WHOLE, (0,) * count)]
+        members: list[tuple[str, Kind, float | tuple[float, ...]]] = [
+            ("visits", WHOLE, (0,) * count)
+        ]
         if table.delay:
             members += [("ring", WHOLE, (-1,) * table.delay), ("next", INDEX, 0)]
         for word, kind, start in members:

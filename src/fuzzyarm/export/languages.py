@@ -136,11 +136,13 @@ def _python_cast(text: str, before: Kind, after: Kind) -> str:
 
 
 PYTHON = Target(
-    PYTHON_EXPRESSIONS, "python", _python_operation, _python_number, ("False", "True"), {},
-    _python_cast, _python_array, "self.{}", "{name} = {value}", ("def {name}({parameters}):", ""),
-    quotient="{} // {}", when="if {}:", otherwise="else:", repeat="for {index} in range({count}):",
-    loop="while {}:", end="", remark="# {}", returned="return {}", private="_{}",
-    flawed_floats=True, walk=python_walk, room='memoryview(array("d", bytes(8 * {})))', late="{name}=False", several="{}", whole_tuple="{name} = {value}",
+    language=PYTHON_EXPRESSIONS, names="python", operation=_python_operation,
+    number=_python_number, array=_python_array, cast=_python_cast, truths=("False", "True"),
+    again="{name} = {value}", whole_tuple="{name} = {value}", several="{}", returned="return {}",
+    member="self.{}", private="_{}", late="{name}=False", quotient="{} // {}",
+    function=("def {name}({parameters}):", ""), when="if {}:", otherwise="else:", loop="while {}:",
+    repeat="for {index} in range({count}):", end="", remark="# {}",
+    walk=python_walk, room='memoryview(array("d", bytes(8 * {})))', flawed_floats=True,
 )  # fmt: skip
 
 
@@ -190,12 +192,14 @@ def _javascript_cast(text: str, before: Kind, after: Kind) -> str:
 
 
 JAVASCRIPT = Target(
-    JAVASCRIPT_EXPRESSIONS, "javascript",
-    _with_helpers(_JAVASCRIPT_HELPERS, JAVASCRIPT_EXPRESSIONS.text),
-    lambda _printer, value, _kind: javascript_number(value), ("false", "true"), {},
-    _javascript_cast, _javascript_array, "this.{}", "let {name} = {value};",
-    ("{public}function {name}({parameters}) {{", "}\n"), quotient="Math.trunc({} / {})",
-    walk=javascript_walk, room="new Float64Array({})", public="export ", late="{name} = false", repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
+    language=JAVASCRIPT_EXPRESSIONS, names="javascript",
+    operation=_with_helpers(_JAVASCRIPT_HELPERS, JAVASCRIPT_EXPRESSIONS.text),
+    number=lambda _printer, value, _kind: javascript_number(value), array=_javascript_array,
+    cast=_javascript_cast, truths=("false", "true"), again="let {name} = {value};",
+    member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
+    function=("{public}function {name}({parameters}) {{", "}\n"),
+    repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
+    walk=javascript_walk, room="new Float64Array({})",
     helpers=tuple(name for name, _ in _JAVASCRIPT_HELPERS.values()),
 )  # fmt: skip
 
@@ -275,11 +279,12 @@ _RUST_EXPRESSIONS = JAVASCRIPT_EXPRESSIONS._replace(
 )  # fmt: skip
 
 RUST = Target(
-    _RUST_EXPRESSIONS, "rust", _rust_operation, _rust_number, ("false", "true"), _RUST_TYPES,
-    _rust_cast, _rust_array, "self.{}", "let mut {name}: {type} = {value};",
-    ("{public}fn {name}({parameters}) -> {type} {{", "}\n"), parameter="{name}: {type}",
-    late="{name}: {type}",
-    public="pub ", several="({})", part="{}.{}", whole_tuple="let {name} = {value};",
-    array_argument="&[{}]", argument="&{}", when="if {} {{", loop="while {} {{",
-    repeat="for {index} in 0..{count} {{", returned="{}", helpers=("least", "greatest", "absolute"),
+    language=_RUST_EXPRESSIONS, names="rust", operation=_rust_operation, number=_rust_number,
+    array=_rust_array, cast=_rust_cast, truths=("false", "true"), types=_RUST_TYPES,
+    again="let mut {name}: {type} = {value};", whole_tuple="let {name} = {value};", several="({})",
+    part="{}.{}", member="self.{}", public="pub ", returned="{}", parameter="{name}: {type}",
+    late="{name}: {type}", array_argument="&[{}]", argument="&{}",
+    function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
+    when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
+    helpers=("least", "greatest", "absolute"),
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from fuzzyarm.export.listing import Loop, Walked, element, function_body
 from fuzzyarm.export.names import identifier
 from fuzzyarm.export.numbers import Kind, rounded
 from fuzzyarm.export.program import Call
-from fuzzyarm.export.routine import Routine
+from fuzzyarm.export.routine import Routine, RoutineArgument
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table import Core, TableRoutine
 from fuzzyarm.export.table_numbers import FixedTable
@@ -37,6 +38,7 @@ from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.op import where
 from fuzzyarm.expression.printing import Assign, Choose, Statement
 from fuzzyarm.table.lookup import blend, corner_offsets, share_of_way, strides_of
+from fuzzyarm.text.jsonable import jsonable
 
 SINGLE_TEST = 1e-4
 """What a port with floats of 32 bits may be off by in a self-test, of the largest result."""
@@ -51,7 +53,18 @@ def routines_program(routines: Sequence[Routine]) -> Program:
         test = _test(routine, key)
         if test.rows:
             program.tests.append(test)
+        program.inputs += [
+            each
+            for each in map(_described, routine.arguments)
+            if each["name"] not in {other["name"] for other in program.inputs}
+        ]
+        program.outputs.append(_described(routine.output))
     return program
+
+
+def _described(argument: RoutineArgument) -> dict[str, Any]:
+    low, high = jsonable((argument.low, argument.high))
+    return {"name": argument.name, "low": low, "high": high, "description": argument.description}
 
 
 def routine_function(
@@ -235,8 +248,8 @@ class _Table:
         if size > 2:
             found = self.program.search(levels, 1, size - 2, x, kind=self.inside, reached=True)
         index = self._set(f"i_{stem}", INDEX, found)
-        way = [cast(node, self.inside, self.wide)
-               for node in (x, Element(levels, index), Element(levels, index + Whole(1)))]  # fmt: skip
+        way_ends = Element(levels, index), Element(levels, index + Whole(1))
+        way = [cast(node, self.inside, self.wide) for node in (x, *way_ends)]
         if self.fixed:
             share: Node = Quotient((way[0] - way[1]) * Whole(32768), way[2] - way[1])
         else:

@@ -6,7 +6,6 @@ controller, the self-test, and what a language expects of a module.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -21,6 +20,7 @@ from fuzzyarm.export.lowering import routines_program
 from fuzzyarm.export.printer import FunctionPrinter, Printer, Target
 from fuzzyarm.export.routine import Routine, plain, routine_words
 from fuzzyarm.export.typed_program import TRUTH, Member, SelfTest
+from fuzzyarm.text.jsonable import script_json
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.version import __version__
 
@@ -228,7 +228,7 @@ def _javascript_frame(printer: Printer, parts: Sequence[str], test: Sequence[str
 
 
 def _by_name(printer: Printer) -> list[str]:
-    """Return the functions that take inputs by their names in the rule base, and so return outputs."""
+    """Return functions over inputs by their names in the rule base, and the two lists of names."""
     public = [(key, f) for key, f in printer.program.functions.items() if f.public]
     if not public:
         return []
@@ -238,26 +238,19 @@ def _by_name(printer: Printer) -> list[str]:
             f"Number(given[{script_json(v.stem)}])" for v in function.parameters.values()
         )
         pairs.append(f"    {script_json(function.stem)}: {printer.called[key]}({arguments}),")
-    named = dict.fromkeys(v.stem for _, f in public for v in f.parameters.values())
     return [
-        f"export const inputs = {script_json(list(named))};",
-        f"export const outputs = {script_json([function.stem for _, function in public])};", "",
+        f"export const inputs = {script_json(printer.program.inputs)};",
+        f"export const outputs = {script_json(printer.program.outputs)};",
         "/** The outputs by name, from the inputs by name; NaN where there is no value. */",
         "export function infer(given) {", "  return {", *pairs, "  };", "}", "",
         "/** Rows of outputs by name, from columns of inputs by name (arrays of one length). */",
         "export function inferMany(given) {",
-        "  const found = Object.fromEntries(outputs.map((name) => [name, []]));",
-        "  for (let k = 0; k < given[inputs[0]].length; k++) {",
-        "    const point = infer(Object.fromEntries(inputs.map((name) => [name, given[name][k]])));",
-        "    for (const name of outputs) found[name].push(point[name]);",
+        "  const found = Object.fromEntries(outputs.map((each) => [each.name, []]));",
+        "  for (let k = 0; k < given[inputs[0].name].length; k++) {",
+        "    const at = Object.fromEntries(inputs.map(({ name }) => [name, given[name][k]]));",
+        "    for (const [name, value] of Object.entries(infer(at))) found[name].push(value);",
         "  }", "  return found;", "}", "",
     ]  # fmt: skip
-
-
-def script_json(data: object) -> str:
-    """Return JSON in which no character can end a script, an element or a line."""
-    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
 # ── Rust ─────────────────────────────────────────────────────────────────────────────
@@ -298,12 +291,18 @@ def _rust_frame(printer: Printer, parts: Sequence[str], test: Sequence[str]) -> 
     ]  # fmt: skip
 
 
+_JAVASCRIPT_MODULE = Module(
+    JAVASCRIPT, "//", "selfTest() is 0 where all is well", _javascript_frame, _javascript_class,
+    "const controller = new Controller();",
+)  # fmt: skip
+
 MODULES: Mapping[str, Module] = MappingProxyType({
     ".py": Module(PYTHON, "#", "on a board: import {0}, and {0}.self_test() is 0 where all is well",
                   _python_frame, _python_class, "controller = Controller()"),
-    ".js": Module(JAVASCRIPT, "//", "selfTest() is 0 where all is well",
-                  _javascript_frame, _javascript_class, "const controller = new Controller();"),
-    ".rs": Module(RUST, "//", "self-test: rustc --test {0}.rs && ./{0}; {0}::self_test() is 0 where"
-                  " all is well", _rust_frame, _rust_class, "let mut controller = Controller::new();"),
+    **dict.fromkeys((".mjs", ".js"), _JAVASCRIPT_MODULE),
+    ".rs": Module(
+        RUST, "//", "self-test: rustc --test {0}.rs && ./{0}; self_test() is 0 where all is well",
+        _rust_frame, _rust_class, "let mut controller = Controller::new();",
+    ),
 })  # fmt: skip
 """Languages whose export is one file, by its suffix."""

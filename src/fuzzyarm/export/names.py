@@ -65,18 +65,20 @@ _JAVASCRIPT_WORDS = """
     infer inferMany inputs outputs selfTest
 """
 
+_PYTHON_WORDS = "Controller abs array float int math max min print range round self self_test"
+
 _RUST_WORDS = """
     Self abstract as async await become bool box break char const continue crate do dyn else enum
     extern f32 f64 false final fn for gen i128 i16 i32 i64 i8 if impl in isize let loop macro match
-    mod move mut override priv pub ref return self static str struct super trait true try type typeof
-    u128 u16 u32 u64 u8 union unsafe unsized usize use virtual where while yield
+    mod move mut override priv pub ref return self static str struct super trait true try type
+    typeof u128 u16 u32 u64 u8 union unsafe unsized usize use virtual where while yield
     Controller None Option Some core libm main self_test std
 """
 
 RESERVED: Mapping[str, frozenset[str]] = MappingProxyType({
     "c": C_RESERVED,
     "st": ST_RESERVED,
-    "python": frozenset([*keyword.kwlist, *["math", "array", "self_test", "min", "max", "abs", "range", "float", "int", "print", "round", "Controller", "self"]]),
+    "python": frozenset([*keyword.kwlist, *_PYTHON_WORDS.split()]),
     "javascript": frozenset(_JAVASCRIPT_WORDS.split()),
     "rust": frozenset(_RUST_WORDS.split()),
 })  # fmt: skip

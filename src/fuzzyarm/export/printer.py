@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -95,12 +96,12 @@ class Target:
     operation: Callable[[Printer, Operation], str]
     number: Callable[[Printer, float, Kind], str]
     truths: tuple[str, str]
-    types: Mapping[Kind, str]
     cast: Callable[[str, Kind, Kind], str]
     array: Callable[[Printer, str, Kind, Sequence[float], int], str]
     member: str
     again: str
     function: tuple[str, str]
+    types: Mapping[Kind, str] = field(default_factory=dict)
     parameter: str = "{name}"
     late: str = "{name}"
     array_argument: str = ""
@@ -306,31 +307,29 @@ class FunctionPrinter:
         return lines
 
     def _line(self, line: Line) -> list[str]:
-        if isinstance(line, Assign):
-            return [self._set(line.name, self.language.expression(line.value), line.remark)]
-        if isinstance(line, Choose | When):
-            return self._branches(line)
-        if isinstance(line, Return):
-            values = list(map(self.language.expression, (line.value, *line.more)))
-            value = self.target.several.format(", ".join(values)) if line.more else values[0]
-            return [self.target.returned.format(value)]
-        if isinstance(line, Stepped):
-            return self._stepped(line)
-        if isinstance(line, Walk):
-            return self._walk(line)
-        if isinstance(line, Store):
-            index = self.language.expression(line.index)
-            element = self.target.element.format(self.arrays[line.array], index)
-            value = self.language.expression(line.value)
-            return [self.language.assign.format(name=element, value=value)]
-        if isinstance(line, Repeat):
-            count = self.target.whole.format(line.count)
-            opening = self.target.repeat.format(
-                index=self.rename[line.index], count=count, type=self.target.types.get(INDEX, "")
-            )
-        else:
-            assert isinstance(line, While)
-            opening = self.target.loop.format(self.language.expression(line.condition))
+        return self._LINES[type(line)](self, line)
+
+    def _assigned(self, line: Assign) -> list[str]:
+        return [self._set(line.name, self.language.expression(line.value), line.remark)]
+
+    def _returned(self, line: Return) -> list[str]:
+        values = list(map(self.language.expression, (line.value, *line.more)))
+        value = self.target.several.format(", ".join(values)) if line.more else values[0]
+        return [self.target.returned.format(value)]
+
+    def _stored(self, line: Store) -> list[str]:
+        index, value = map(self.language.expression, (line.position, line.value))
+        element = self.target.element.format(self.arrays[line.array], index)
+        return [self.language.assign.format(name=element, value=value)]
+
+    def _repeated(self, line: Repeat) -> list[str]:
+        count, kind = self.target.whole.format(line.times), self.target.types.get(INDEX, "")
+        index = self.rename[line.variable]
+        opening = self.target.repeat.format(index=index, count=count, type=kind)
+        return [opening, *self._inner(line.body), *self._end()]
+
+    def _looped(self, line: While) -> list[str]:
+        opening = self.target.loop.format(self.language.expression(line.condition))
         return [opening, *self._inner(line.body), *self._end()]
 
     def _stepped(self, line: Stepped) -> list[str]:
@@ -398,29 +397,47 @@ class FunctionPrinter:
     # ── expressions that only programs have ──────────────────────────────────────────
 
     def _leaf(self, node: Node, binds: int) -> str:
-        printer, expression, target = self.printer, self.language.expression, self.target
-        if isinstance(node, Whole):
-            text = target.whole.format(node.value)
-            return f"({text})" if node.value < 0 and binds > 5 else text
-        if isinstance(node, Truth):
-            return target.truths[node.value]
-        if isinstance(node, Element):
-            return target.element.format(self.arrays[node.array], expression(node.index))
-        if isinstance(node, Called):
-            arguments = ", ".join(map(expression, node.arguments))
-            return f"{printer.called[node.function]}({arguments})"
-        if isinstance(node, Search):
-            array = target.argument.format(self.arrays[node.array])
-            numbers = [target.whole.format(number) for number in (node.first, node.count)]
-            arguments = ", ".join([array, *numbers, expression(node.value)])
-            return f"{printer.called[node.function]}({arguments})"
-        if isinstance(node, Quotient):
-            text = target.quotient.format(expression(node.dividend, 7), expression(node.divisor, 7))
-            return f"({text})" if binds > 6 else text
-        assert isinstance(node, Cast)
-        plain = target.cast("", node.before, node.after) == ""
-        text = expression(node.value, binds if plain else 0)
-        return target.cast(text, node.before, node.after)
+        return self._LEAVES[type(node)](self, node, binds)
+
+    def _whole(self, node: Whole, binds: int) -> str:
+        text = self.target.whole.format(node.value)
+        return f"({text})" if node.value < 0 and binds > 5 else text
+
+    def _truth(self, node: Truth, _binds: int) -> str:
+        return self.target.truths[node.value]
+
+    def _element(self, node: Element, _binds: int) -> str:
+        index = self.language.expression(node.index)
+        return self.target.element.format(self.arrays[node.array], index)
+
+    def _called(self, node: Called, _binds: int) -> str:
+        arguments = ", ".join(map(self.language.expression, node.arguments))
+        return f"{self.printer.called[node.function]}({arguments})"
+
+    def _search(self, node: Search, _binds: int) -> str:
+        array = self.target.argument.format(self.arrays[node.array])
+        numbers = [self.target.whole.format(number) for number in (node.first, node.count)]
+        arguments = ", ".join([array, *numbers, self.language.expression(node.value)])
+        return f"{self.printer.called[node.function]}({arguments})"
+
+    def _quotient(self, node: Quotient, binds: int) -> str:
+        parts = (self.language.expression(part, 7) for part in (node.dividend, node.divisor))
+        text = self.target.quotient.format(*parts)
+        return f"({text})" if binds > 6 else text
+
+    def _cast(self, node: Cast, binds: int) -> str:
+        plain = not self.target.cast("", node.before, node.after)
+        text = self.language.expression(node.value, binds if plain else 0)
+        return self.target.cast(text, node.before, node.after)
+
+    _LINES: ClassVar[Mapping[type, Callable[[FunctionPrinter, Any], list[str]]]] = {
+        Assign: _assigned, Choose: _branches, When: _branches, Return: _returned, Store: _stored,
+        Repeat: _repeated, While: _looped, Stepped: _stepped, Walk: _walk,
+    }  # fmt: skip
+    _LEAVES: ClassVar[Mapping[type, Callable[[FunctionPrinter, Any, int], str]]] = {
+        Whole: _whole, Truth: _truth, Element: _element, Called: _called, Search: _search,
+        Quotient: _quotient, Cast: _cast,
+    }  # fmt: skip
 
 
 def _set_in(body: Sequence[Line]) -> list[str]:

@@ -1,4 +1,4 @@
-"""The exported program: functions over typed variables, a state and a self-test, in no language yet.
+"""The exported program: functions over typed variables, a state, a self-test, in no language yet.
 
 Rule bases, tables and controllers are lowered to a `Program` once (`lowering.py`,
 `controller_lowering.py`); a target is a record of spellings (`languages.py`) that one printer
@@ -123,7 +123,7 @@ class Store(NamedTuple):
     """Set an element of an array of the state."""
 
     array: str
-    index: Node
+    position: Node
     value: Node
 
 
@@ -137,10 +137,10 @@ class When(NamedTuple):
 
 
 class Repeat(NamedTuple):
-    """Run statements with an index from 0 to `count` - 1."""
+    """Run statements with an index from 0 to `times` - 1."""
 
-    index: str
-    count: int
+    variable: str
+    times: int
     body: tuple[Line, ...]
 
 
@@ -182,7 +182,7 @@ Line = Any
 
 
 class Variable(NamedTuple):
-    """The stem of a name, and the kind: of it, or of the elements of an array that is handed over."""
+    """The stem of a name, and the kind: of it, or of the elements of an array handed over."""
 
     stem: str
     kind: Kind = REAL
@@ -318,6 +318,8 @@ class Program:
         Of a controller, by symbol: what a step returns.
     tests : list of SelfTest
         Its self-test.
+    inputs, outputs : list of dict
+        Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
     """
 
     words: list[str] = field(default_factory=list)
@@ -326,8 +328,9 @@ class Program:
     state: dict[str, Member] = field(default_factory=dict)
     step: Function | None = None
     drives: dict[str, Variable] = field(default_factory=dict)
-    late: Variable | None = None
     tests: list[SelfTest] = field(default_factory=list)
+    inputs: list[dict[str, Any]] = field(default_factory=list)
+    outputs: list[dict[str, Any]] = field(default_factory=list)
 
     def array(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
         """Return the key of an array of constants; equal ones are one."""

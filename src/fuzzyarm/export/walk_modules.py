@@ -128,7 +128,8 @@ class _AsPython(ast.NodeTransformer):
         value = self.function.__globals__.get(node.id)
         if node.id in self.local or not isinstance(value, int | float):
             return node
-        return ast.parse(repr(value) if math.isfinite(value) else f'float("{value}")').body[0].value  # type: ignore[attr-defined]
+        text = repr(value) if math.isfinite(value) else f'float("{value}")'
+        return ast.parse(text, mode="eval").body
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         self.generic_visit(node)
@@ -158,7 +159,7 @@ class _AsPython(ast.NodeTransformer):
         function = self.function.__globals__.get(node.func.id)
         if function is call:
             node.func = ast.Name(self.functions.dispatcher(len(node.args) - 1))
-        elif is_kernel(function):
+        elif function is not None and is_kernel(function):
             node.func = ast.Name(self.functions.name_of(function))
         elif function is not None:  # a function that an expression is printed with
             return self._of_library(node, function.__name__)

@@ -13,8 +13,7 @@ from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
-from fuzzyarm.export.micropython import python_module
-from fuzzyarm.export.micropython_controller import python_controller
+from fuzzyarm.export.modules import MODULES, controller_module, routines_module
 from fuzzyarm.export.names import C_RESERVED, DEVICES, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.plc_project import Project, controller_project, routines_project
@@ -151,9 +150,9 @@ def export_files(
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
     routine_list = tuple(routines)
-    if suffix == ".py":
-        text, calls = python_module(routine_list, path.stem)
-        return Exported(routines=routine_list, files=((path, text),), calls=tuple(calls))
+    if suffix in MODULES:
+        text, module_calls = routines_module(routine_list, MODULES[suffix], path.stem)
+        return Exported(routines=routine_list, files=((path, text),), calls=module_calls)
     if suffix == ".st":
         text, blocks = structured_text(routine_list, prefix)
         return Exported(routines=routine_list, files=((path, text),), calls=tuple(blocks))
@@ -302,8 +301,8 @@ def export_controller(
         project = controller_project(program, prefix)
         content = _project_text(project, suffix, xml)
         return ExportedController(program=program, files=((path, content),), calls=project.blocks)
-    if suffix == ".py":
-        text, calls = python_controller(program, path.stem)
+    if suffix in MODULES:
+        text, calls = controller_module(program, MODULES[suffix], path.stem)
         return ExportedController(program=program, files=((path, text),), calls=calls)
     if suffix == ".fmu":
         targets = platforms_named(platforms, fmi) if platforms is not None else ()

@@ -11,16 +11,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzzyarm.designer.assets import PAGE
+from fuzzyarm.designer.engine import engine_source
 from fuzzyarm.designer.folder import IMPORTS, LARGEST_IMPORT, SUFFIXES
 from fuzzyarm.designer.names import with_suffix
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.export.javascript import engine_source, script_json
 from fuzzyarm.language import read_text
 from fuzzyarm.playground.memory import NoMemoryError, packed
 from fuzzyarm.playground.package import archive
 from fuzzyarm.playground.pyodide import FILES, pyodide_folder
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.jsonable import script_json
 from fuzzyarm.text.made import is_made_file
 from fuzzyarm.text.protected import sources_kept
 from fuzzyarm.version import __version__

@@ -21,6 +21,7 @@ from fuzzyarm.table.compiler import Levels, choose_output
 from fuzzyarm.table.fidelity import CompileReport, compile_with_report
 from fuzzyarm.table.levels import read_levels
 from fuzzyarm.text.diagnostic import MAX_LEVELS
+from fuzzyarm.text.folders import MODULES
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -39,8 +40,11 @@ __all__ = [
     "source_of",
 ]
 
-_FOR_PLCS = dict.fromkeys((".st", ".xml", ".scl"), "float32")
-"""The precision of source text for PLCs: few of them have a double."""
+_DEFAULTS = {
+    **dict.fromkeys((".st", ".xml", ".scl"), "float32"),  # few PLCs have a double
+    **dict.fromkeys((".fmu", *MODULES), "float64"),
+}
+"""The precision of source text where none is asked for; elsewhere it is mixed."""
 
 Tell = Callable[[str], None]
 """Called with the current step, in words."""
@@ -227,9 +231,8 @@ def routines_for(
         # Without any output `compiled` says what is missing.
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         sources = [report.table for report in reports]
-    # A C compiler has a double; Python has one kind of float.
     suffix = Path(path).suffix.lower()
-    default = {**_FOR_PLCS, ".py": "float64"}.get(suffix, "mixed")
+    default = _DEFAULTS.get(suffix, "mixed")
     _refuse_precision(suffix, how)
     # Only the error in the mode in which the table is looked up goes into its head.
     proved = {
@@ -251,11 +254,11 @@ def routines_for(
 
 
 def _refuse_precision(suffix: str, how: Making) -> None:
-    """Refuse a precision of a module for MicroPython."""
-    if suffix == ".py" and how.precision not in (None, "float64"):
+    """Refuse a precision of a module."""
+    if suffix in MODULES and how.precision not in (None, "float64"):
+        floats = "the floats of its port" if suffix == ".py" else "floats of 64 bits"
         raise WordError(
-            f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
-            " floats of its port",
+            f"--precision {how.precision} does not apply: a {suffix} computes in {floats}",
             hint="leave it out",
         )
 
@@ -267,7 +270,7 @@ def program_of(
     from fuzzyarm.export import export_controller
 
     suffix = Path(path).suffix.lower()
-    default = {**_FOR_PLCS, ".fmu": "float64", ".py": "float64"}.get(suffix, "mixed")
+    default = _DEFAULTS.get(suffix, "mixed")
     _refuse_precision(suffix, how)
     program, reports = controller_program(controller, how, default, progress)
     if progress is not None:

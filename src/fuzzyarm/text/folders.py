@@ -20,9 +20,12 @@ READABLE = (*SUFFIXES, ".t2fis", ".xml")
 TABLES = (".lut", ".csv", ".npz", ".json")
 """Suffixes of lookup tables; they stand here likewise."""
 
-EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
+MODULES = (".py", ".mjs", ".js", ".rs")
+"""Suffixes of modules in one file: MicroPython, JavaScript, Rust. They stand here likewise."""
+
+EXPORTS = (".h", ".c", ".st", ".xml", ".scl", *MODULES)
 """Suffixes of source text: a header on its own, a pair of .c and .h, Structured Text, the same as
-XML, SCL, a module for MicroPython. They stand here likewise."""
+XML, SCL, modules. They stand here likewise."""
 
 CONTROLLER_EXPORTS = (*EXPORTS, ".fmu")
 """Suffixes of an exported controller."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -30,3 +31,15 @@ def jsonable(data: Any) -> Any:
     if hasattr(data, "tolist"):
         return jsonable(data.tolist())
     return [jsonable(item) for item in data]
+
+
+def script_json(data: object) -> str:
+    """Return JSON in which no character can end a script, an element or a line.
+
+    Parameters
+    ----------
+    data : object
+        What JSON holds.
+    """
+    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -1,4 +1,4 @@
-"""A rule base in JavaScript: an ES module that infers in a page or in node.
+"""The engine of the page: any rule base in JavaScript, from numbers that change as it is edited.
 
 Three things make it: the kernel, translated from its own source (:mod:`fuzzyarm.translation`);
 shapes, norms and hedges, printed from their expressions by the table of operations; and the rule
@@ -14,12 +14,11 @@ import base64
 import json
 import math
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace, symbol
@@ -27,7 +26,7 @@ from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
 from fuzzyarm.expression.records import Kind
 from fuzzyarm.inference import block
-from fuzzyarm.inference.block import Layout, NotCoveredError
+from fuzzyarm.inference.block import Layout
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.programs import EVALUATORS, PROGRAMS, DefuzzifierProgram
@@ -35,11 +34,8 @@ from fuzzyarm.inference.row_functions import Curve
 from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.model.rulebase import POSITION, Hedge, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
-from fuzzyarm.text.jsonable import jsonable
-from fuzzyarm.text.names import printable
-from fuzzyarm.version import __version__
 
-__all__ = ["engine_source", "numbers_of", "rule_base_module"]
+__all__ = ["engine_source", "numbers_of"]
 
 
 class KindNames(NamedTuple):
@@ -300,90 +296,3 @@ def _operation(name: str) -> str:
     operation = OPERATIONS[name]
     names = ("a", "b", "c")[: operation.arity]
     return f"({', '.join(names)}) => {JAVASCRIPT.text(operation).format(*names)}"
-
-
-def rule_base_module(rulebase: RuleBase, source: str = "") -> str:
-    """Return an ES module that infers a rule base.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        What the kernel covers.
-    source : str
-        Named in the head.
-
-    Returns
-    -------
-    str
-        It exports ``infer`` (inputs by name to outputs by name), ``inferMany`` (columns by name
-        to rows by name), ``inputs`` and ``outputs``. Where there is no value it gives NaN.
-
-    Raises
-    ------
-    ExportError
-        If the kernel does not evaluate it.
-    """
-    try:
-        numbers = numbers_of(rulebase)
-    except NotCoveredError as error:
-        raise ExportError(
-            f"JavaScript has no direct inference of '{rulebase.name}': {error}",
-            hint="a table as FILE.json can be looked up there",
-        ) from error
-    ranges = {
-        "inputs": [_range(variable) for variable in rulebase.inputs],
-        "outputs": [_range(output) for output in rulebase.outputs],
-    }
-    origin = _comment(f"{rulebase.name} {rulebase.description}".strip(), source)
-    parts = [
-        *origin,
-        engine_source(_used(numbers["functions"])),
-        *(f"export const {name} = {script_json(limits)};" for name, limits in ranges.items()),
-        f"const engine = new Engine({script_json(numbers)});",
-        _INTERFACE,
-    ]
-    return "\n".join(parts)
-
-
-_INTERFACE = """
-/** The outputs by name, from the inputs by name; NaN where there is no value. */
-export function infer(given) {
-  const found = engine.at(inputs.map((each) => Number(given[each.name])));
-  return Object.fromEntries(outputs.map((each, o) => [each.name, found[o]]));
-}
-
-/** Rows of outputs by name, from columns of inputs by name (arrays of one length). */
-export function inferMany(given) {
-  const found = engine.many(inputs.map((each) => given[each.name]));
-  return Object.fromEntries(outputs.map((each, o) => [each.name, found[o]]));
-}
-"""
-
-
-def _comment(title: str, source: str) -> list[str]:
-    text = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
-    lines = [text, f"rule base: {printable(title)}"]
-    lines += [f"source: {printable(source)}"] if source else []
-    return [f"// {line}" for line in lines]
-
-
-def _range(variable: Any) -> dict[str, Any]:
-    low, high = jsonable((variable.low, variable.high))
-    return {"name": variable.name, "low": low, "high": high, "description": variable.description}
-
-
-def script_json(data: Any) -> str:
-    """Return JSON in which no character can end a script, an element or a line."""
-    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def _used(functions: Iterable[dict[str, Any]]) -> KindNames:
-    """Return the kinds that some functions are made of."""
-    shapes, tnorms, snorms, hedges = set[str](), set[str](), set[str](), set[str]()
-    for function in functions:
-        shapes |= {function["shape"]} if "shape" in function else set()
-        hedges |= {name for name, _ in function.get("hedges", ())}
-        if "norm" in function:
-            (tnorms if function["sort"] == "T" else snorms).add(function["norm"])
-    return KindNames(sorted(shapes), sorted(tnorms), sorted(snorms), sorted(hedges))
