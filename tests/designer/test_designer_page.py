@@ -560,6 +560,17 @@ def test_what_is_saved_while_the_server_is_away_is_saved_when_it_is_back(served,
     one.keyboard.type("# away\n")
     one.keyboard.press("Control+s")
     one.get_by_text("saved when it is back").wait_for()
+    # The window that follows goes on to say so, and has nothing that could be saved.
+    banner = "Another window writes this file; this one follows it. The server does not answer."
+    assert other.locator(".banner").inner_text() == banner
+    other.evaluate("designer.text.link.say('')")
+    other.locator(".cm-content").click()
+    other.keyboard.type("# lost")
+    other.locator("#status").get_by_text("this one follows it").wait_for()
+    other.evaluate("designer.text.link.say('')")
+    other.keyboard.press("Control+s")
+    other.locator("#status").get_by_text("this one follows it").wait_for()
+    assert other.locator(".banner").inner_text() == banner
     typed = text_of(one)
     served.start()
     until(lambda: path.read_text() == typed, "saved")
@@ -568,8 +579,8 @@ def test_what_is_saved_while_the_server_is_away_is_saved_when_it_is_back(served,
     one.get_by_text("connected again").or_(one.get_by_text("saved", exact=True)).wait_for()
     assert text_of(one) == typed
     assert one.locator(".banner:visible").count() == 0
-    other.evaluate("designer.text.link.save()")
-    other.get_by_text("Not saved: another window writes this file").wait_for()
+    until(lambda: "does not answer" not in other.locator(".banner").inner_text(), "it is back")
+    other.get_by_role("button", name="Write here").wait_for()
 
 
 def test_what_is_said_moves_nothing_and_tabs_say_what_is_at_work(served, window):
@@ -580,16 +591,28 @@ def test_what_is_said_moves_nothing_and_tabs_say_what_is_at_work(served, window)
     assert other.evaluate(panes) == page.evaluate(panes)
     page.evaluate("designer.text.link.say('a long sentence '.repeat(30))")
     assert other.evaluate(panes) == page.evaluate(panes)
+    height = "document.querySelector('.editor').clientHeight"
+    before = page.evaluate(height)
+    page.evaluate("designer.text.goTo([0, 0])")
+    page.keyboard.type("nonsense\n" * 9)
+    until(lambda: page.locator(".findings .error").count() > 3, "findings")
+    assert page.evaluate(height) == before
     page.evaluate("designer.store.work('tune', true)")
     assert page.locator(".more summary").inner_text() == "More …"
     page.evaluate("designer.store.work('run', true)")
-    page.get_by_role("tab", name="Run …").wait_for()
+    page.get_by_role("tab", name="Run …").hover()
+    looks = [
+        page.get_by_role("tab", name=name).evaluate("e => getComputedStyle(e).borderTopColor")
+        for name in ("Design", "Run …")
+    ]
+    assert looks[0] != looks[1]  # a tab under the mouse does not look like the one that is shown
     further(page, "Tune …")
     assert page.locator(".more summary").inner_text() == "More: Tune …"
     assert not page.get_by_role("tab", name="Prove").is_visible()
     (served.folder / "still.lut").write_text(shipped("thesis-6.1.lut").read_text())
     page.goto(f"{served.address}#file=still.lut")
     until(lambda: page.title().startswith("still.lut"), "the table")
+    until(lambda: page.evaluate("designer.text.settled()"), "its text")
     page.get_by_role("tab", name="Run").evaluate("tab => tab.click()")
     page.locator("#status").get_by_text("A table neither runs nor learns by itself").wait_for()
 

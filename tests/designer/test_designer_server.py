@@ -537,6 +537,33 @@ def test_long_work_tells_hears_and_is_stopped(client, work):
         assert set(kinds) <= {"findings", "scene", "unsaved"}  # and then it is said
 
 
+def test_a_window_has_a_bounded_number_of_works_and_is_answered_meanwhile(client, work):
+    def wait(session, asked, job):
+        job.tell({"begun": True})
+        job.word(requests.TuneWord)
+
+    work("wait", requests.BareMessage, wait)
+    start = {"do": "start", "file": "pd7.frb", "what": "wait"}
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        for number in range(400):
+            socket.send_text(json.dumps({**start, "id": number + 1}))
+        socket.send_text(json.dumps({"do": "ask", "what": "exports", "file": "pd7.frb", "id": 999}))
+        refused, news = {}, {}
+        while (news := json.loads(socket.receive_text())).get("id") != 999:
+            if news.get("end"):
+                refused[news["id"]] = news["message"]
+        assert len(refused) == 400 - open_files.MOST_JOBS
+        assert "32 works of this window are going on" in refused[400]
+        socket.send_text(json.dumps({"do": "stop", "id": 1}))
+        while json.loads(socket.receive_text()).get("end") != "stopped":
+            pass
+        socket.send_text(json.dumps({**start, "id": 500}))
+        while (news := json.loads(socket.receive_text())).get("id") != 500:
+            pass
+        assert news["begun"]
+
+
 @pytest.mark.faults
 def test_work_that_leaves_python_ends_for_the_page_too(client, work, caplog):
     def leave(session, asked, job):

@@ -114,6 +114,15 @@ BROKEN = """() => {
 }"""
 
 
+IN_ONE_LINE = """() => [...document.querySelectorAll(".terms .head")].every((head) => {
+  const boxes = [...head.children].map((e) => e.getBoundingClientRect());
+  const seen = boxes.filter((box) => box.width && box.height);
+  const [top, bottom] = [seen.map((box) => box.top), seen.map((box) => box.bottom)];
+  const right = Math.max(...seen.map((box) => box.right));
+  return Math.max(...top) < Math.min(...bottom) && right <= head.getBoundingClientRect().right;
+})"""
+
+
 @requires("chromium")
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["pd7.frb", "tipper.frb"])
@@ -128,6 +137,9 @@ def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, 
     page.locator(".terms .details strong").wait_for()
     assert plots.evaluate("e => e.scrollHeight <= e.clientHeight")
     assert page.evaluate(BROKEN) == []
+    for width in (1024, 390):
+        page.set_viewport_size({"width": width, "height": 768})
+        until(lambda: page.evaluate(IN_ONE_LINE), f"names and tools of variables at {width}")
     context.close()
 
 

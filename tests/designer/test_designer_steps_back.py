@@ -29,13 +29,17 @@ def forth(page, times=1):
 def test_opening_is_no_step_and_steps_of_a_hand_end_where_it_began(page, served):
     path, address = put(served, "opened.frb")
     opened(page, address)
+    steps = [page.get_by_role("button", name=name, exact=True) for name in ("Undo", "Redo")]
     back(page, 3)
     assert text_of(page) == path.read_text()
+    assert [each.is_enabled() for each in steps] == [False, False]
     page.keyboard.type("# one\n")
+    assert [each.is_enabled() for each in steps] == [True, False]
     page.wait_for_timeout(700)  # another step begins
     page.keyboard.type("# two\n")
     back(page, 9)
     assert text_of(page) == path.read_text()
+    assert [each.is_enabled() for each in steps] == [False, True]
     forth(page, 9)
     assert text_of(page) == "# one\n# two\n" + path.read_text()
 

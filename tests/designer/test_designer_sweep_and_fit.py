@@ -117,7 +117,10 @@ def test_what_does_not_run_is_not_swept(page, file, words):
     assert words in page.message("sweepable", file)
 
 
-def test_a_sweep_that_is_ended_keeps_its_runs(page):
+@pytest.mark.parametrize(
+    "over", [{"random": "3000"}, {"sweep": ["G_e=2..60:60 log", "J=0.01..0.05:50"]}]
+)
+def test_a_sweep_that_is_ended_keeps_its_runs_and_its_map(page, over):
     ended = []
 
     def end(news):
@@ -126,11 +129,19 @@ def test_a_sweep_that_is_ended_keeps_its_runs(page):
             return {"enough": True}
         return None
 
-    heard = page.do("sweep", "servo.frb", end, random="3000", duration="1s")
-    lines = result(heard)["lines"]
+    heard = page.do("sweep", "servo.frb", end, **over, duration="1s")
+    news = result(heard)
+    lines = news["lines"]
     assert lines[-1].startswith("stopped after ")
     assert lines[-1].endswith(" of 3,000 runs")
-    assert heard[-1]["end"] == "done"
+    assert heard[-1]["end"] == "stopped"
+    if "random" in over:
+        assert news["panels"] == []
+        return
+    done = int(lines[-1].split()[2].replace(",", ""))
+    cells = next(part for part in news["panels"][0]["parts"] if part["is"] == "cells")
+    assert sum(value is not None for value in cells["values"]) == done
+    assert cells["missing"] == "not run"
 
 
 # --- Fit ---

@@ -13,7 +13,7 @@ import pytest
 from fuzzyarm.cli import playground as command
 from fuzzyarm.cli.main import main
 from fuzzyarm.playground import folder as written
-from fuzzyarm.playground import memory
+from fuzzyarm.playground import memory, package
 from fuzzyarm.playground import pyodide as fetching
 from fuzzyarm.playground.folder import BEGIN_WITH, write_playground
 from fuzzyarm.playground.memory import python_memory
@@ -171,6 +171,26 @@ def test_without_node_a_page_starts_its_own_python(node, tmp_path, pyodide, caps
     assert "the page takes longer to start: " in capsys.readouterr().err
     assert '"memory":0' in (tmp_path / "s/index.html").read_text(encoding="utf-8")
     assert not (tmp_path / "s/python/memory.bin").exists()
+
+
+def test_a_page_that_could_not_load_fuzzyarm_is_not_written(tmp_path, pyodide, capsys, monkeypatch):
+    monkeypatch.setattr(package, "APART", package.APART | {"designer/jobs.py"})
+    assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
+    words = "the page could not load fuzzyarm: ModuleNotFoundError: No module named"
+    assert f"{words} 'fuzzyarm.designer.jobs'" in capsys.readouterr().err
+    assert not (tmp_path / "s").exists()
+
+
+def test_why_node_fails_is_said_by_its_error(tmp_path, pyodide, capsys, monkeypatch):
+    node = tmp_path / "node"
+    lines = ["file:///x/start.js:1", "const memory = 3", "RangeError: no memory", "Node.js v20"]
+    script = "#!/bin/sh\n" + "".join(f"echo '{line}' >&2\n" for line in lines) + "exit 1\n"
+    node.write_text(script, encoding="utf-8")
+    node.chmod(0o755)
+    monkeypatch.setattr(memory.shutil, "which", lambda name: str(node))
+    monkeypatch.setattr(written, "wasm_kernels", lambda: b"wasm")
+    assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 0
+    assert f"{node} failed: RangeError: no memory" in capsys.readouterr().err
 
 
 def test_a_file_in_the_place_of_the_folder_is_said(tmp_path, pyodide, capsys):

@@ -339,6 +339,22 @@ def test_without_webassembly_the_texts_are_shown(visitor, site):
     assert "rulebase pd7" in page.inner_text("main")
 
 
+def test_without_python_nothing_speaks_of_a_server_and_it_is_said_who_writes(visitor, site):
+    visitor.route("**/fuzzyarm.zip", lambda route: route.abort())
+    one, two = visitor.new_page(), visitor.new_page()
+    for page in (one, two):
+        page.goto(f"{site.address}#file=tipper.frb")
+        page.locator(".banner").get_by_text("Python does not run here").wait_for()
+    two.locator(".banner").get_by_text("Another window writes this file").wait_for()
+    two.get_by_role("button", name="Write here").wait_for()
+    assert one.locator(".banner").get_by_text("Another window").count() == 0
+    one.get_by_role("button", name="Link").click()
+    dialog = one.get_by_role("dialog", name="Link")
+    dialog.get_by_text("Python does not run here").wait_for()
+    for page in (one, two):
+        assert page.get_by_text("server").count() == 0
+
+
 def test_a_browser_that_cannot_wait_checks_and_says_what_a_run_needs(visitor, site):
     def without_waiting(route):
         script = "delete WebAssembly.Suspending; delete WebAssembly.promising;\n"

@@ -10,7 +10,7 @@ function held(settled = async () => true) {
     works.push(work);
     return { say: (words) => work.said.push(words), stop: () => (work.isStopped = true) };
   };
-  return { works, task: new Task({ start, settled }, "compare") };
+  return { works, task: new Task({ start, settled, gone: () => "it does not answer" }, "compare") };
 }
 
 test("of two works only the last is heard, in whatever order they answer", () => {

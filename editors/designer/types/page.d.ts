@@ -30,6 +30,7 @@ declare namespace Page {
     fill(title: string, fields: any[], button: string, act: (values: any) => any, note?: string): Promise<any>;
     choose(title: string, texts: string[]): Promise<number | null>;
     settled(): Promise<boolean>;
+    gone(): string;
     [name: string]: any;
   }
 
@@ -57,7 +58,7 @@ declare namespace Page {
     line?: Line;
     /** Whether texts are kept when the window is closed. */
     keeps?: boolean;
-    gone?(): string;
+    gone?(): { why: string; kept: string } | null;
     buttons?(hand: Hand): HTMLElement[];
     begin?(desk: any): void;
     listed?(names: string[]): void;

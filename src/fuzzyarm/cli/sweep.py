@@ -88,7 +88,7 @@ def sweep(request: SweepWords) -> int:
             print_json(_as_json(many, plan, request))
         else:
             say(*_as_text(many, request))
-    if request.plot and len(many) == plan.count:
+    if request.plot and len(many):
         faults += attempted(lambda: _plot(many, axes, request))
     for fault in faults:
         print_error(fault)

@@ -96,6 +96,17 @@ class Window:
         await self._send(json.dumps(jsonable(message)))
 
 
+MOST_JOBS = 32
+"""Works of one window at a time; each is a thread, and all of them slow the answering."""
+
+
+def _too_many(window: Window) -> str:
+    """Return why a window may begin no more work; empty where it may."""
+    if len(window.jobs) < MOST_JOBS:
+        return ""
+    return f"{len(window.jobs)} works of this window are going on, no more are begun: stop some"
+
+
 class OpenFiles:
     """The open files and the windows on them.
 
@@ -223,7 +234,7 @@ class OpenFiles:
         shared, works = self.workspace.text(request.file), {**WORKS, **self.works}
         if request.what not in works:
             raise MessageError("is not a kind of work", "what")
-        if why := self._why_not(request.what):
+        if why := self._why_not(request.what) or _too_many(window):
             await window.tell({"is": "job", "id": request.id, "end": "failed", "message": why})
             return
         job = WindowJob(

@@ -76,11 +76,13 @@ def sweep(session: Session, record: SweepWork, job: WindowJob) -> None:
         if not len(answer.rows):
             raise StoppedError("stopped")
         many = many_of(plan.bench, plan.changes, answer.rows)
-        charts = _charts(plan, request, many) if len(many) == plan.count else []
+        charts = _charts(plan, request, many)
         lines = [*sweep_lines(many, request.metric), *answer.faults]
         if answer.interrupted:
             lines.append(f"stopped after {len(many):,} of {plan.count:,} runs")
         tell_result(job, lines, charts, files={file.path.name: file.path.read_bytes()})
+        if answer.interrupted:
+            raise StoppedError("stopped")
 
 
 def _plan(session: Session, record: SweepWork, job: WindowJob) -> tuple[SweepRequest, Sweep]:

@@ -152,6 +152,10 @@ def _say(words: Sequence[str], folder: Path) -> str:
     return process.stdout + process.stderr
 
 
+_ERROR = re.compile(r"error\b", re.IGNORECASE)
+"""In the line of a tool's output that names the cause; those before it name the place."""
+
+
 def run_tool(
     words: Sequence[str], folder: Path, seconds: float, *, to: str = "run"
 ) -> subprocess.CompletedProcess[str]:
@@ -180,7 +184,8 @@ def run_tool(
     except (OSError, subprocess.TimeoutExpired) as error:
         raise ExportError(f"cannot {to} {words[0]}: {error}") from None
     if process.returncode != 0:
-        text = next(iter(process.stderr.strip().splitlines()), "it says nothing")
+        said = process.stderr.strip().splitlines()
+        text = next((line.strip() for line in [*filter(_ERROR.search, said), *said]), "no message")
         raise ExportError(f"{words[0]} failed: {text}")
     return process
 

@@ -17,7 +17,7 @@ from fuzzyarm.designer.names import with_suffix
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import read_text
 from fuzzyarm.playground.memory import NoMemoryError, packed
-from fuzzyarm.playground.package import archive
+from fuzzyarm.playground.package import archive, why_it_does_not_load
 from fuzzyarm.playground.pyodide import FILES, pyodide_folder
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.text.files import write_atomically
@@ -113,7 +113,8 @@ def write_playground(
     Raises
     ------
     PlaygroundError
-        If a file is not one that the page opens, or the folder cannot be written.
+        If a file is not one that the page opens, the folder cannot be written, or its Python could
+        not load fuzzyarm.
     PyodideError
         If there is no Pyodide.
     RuleBaseError
@@ -125,7 +126,9 @@ def write_playground(
     with pyodide_folder(pyodide) as source:
         parts = {f"python/{name}": (source / name).read_bytes() for name in FILES}
         parts |= {f"python/{path.name}": path.read_bytes() for path in source.glob("numpy-*.whl")}
-    parts["python/fuzzyarm.zip"] = archive()
+    parts["python/fuzzyarm.zip"] = own = archive()
+    if why := why_it_does_not_load(own):
+        raise PlaygroundError(f"the page could not load fuzzyarm: {why}")
     machine_code = kernels()
     if machine_code is not None:
         parts["python/_kernels.so"] = machine_code

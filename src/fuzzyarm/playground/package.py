@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
+import tempfile
 import zipfile
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 from fuzzyarm.shipped_files import shipped_folder
 
-__all__ = ["archive"]
+__all__ = ["archive", "why_it_does_not_load"]
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -20,6 +24,16 @@ APART = frozenset(
 
 KEPT = frozenset({"live/__init__.py", "live/comparison.py", "live/conversion.py"})
 """Of those, what conversions between formats are measured with."""
+
+LOADING = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from fuzzyarm.playground.arrays.module import install
+install()
+from fuzzyarm.playground import host
+host.warm()
+"""
+"""What a page does first, in a Python that has the standard library and the archive alone."""
 
 WHEN = (1980, 1, 1, 0, 0, 0)
 """Of all files: the same sources make the same archive."""
@@ -46,3 +60,14 @@ def archive() -> bytes:
         for name, content in _members():
             file.writestr(zipfile.ZipInfo(name, WHEN), content, zipfile.ZIP_DEFLATED)
     return whole.getvalue()
+
+
+@lru_cache(maxsize=1)
+def why_it_does_not_load(content: bytes) -> str:
+    """Return why a page could not load an archive: the error of a Python that has nothing else."""
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
+        path = Path(folder) / "fuzzyarm.zip"
+        path.write_bytes(content)
+        words = [sys.executable, "-I", "-S", "-c", LOADING, str(path)]
+        process = subprocess.run(words, capture_output=True, text=True, check=False)
+    return process.stderr.strip().splitlines()[-1] if process.returncode else ""

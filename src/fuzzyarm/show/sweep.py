@@ -16,7 +16,7 @@ from fuzzyarm.text.numbers import counted
 
 __all__ = ["extremes", "lost_runs", "settings_of", "sweep_chart", "sweep_lines", "worst"]
 
-DIVERGED = "diverged"
+DIVERGED, NOT_RUN = "diverged", "not run"
 
 Units = Mapping[str, str]
 """Of what is swept, by name."""
@@ -31,27 +31,31 @@ def sweep_chart(many: Many, over: Sequence[Range], metric: str = "rms") -> Chart
     Parameters
     ----------
     many : Many
-        Runs on a grid.
+        Runs on a grid; points without one are gaps.
     over : sequence of Range
         One for a curve; two for a map, across and up.
     metric : str, optional
         See :class:`fuzzyarm.loop.metrics.Metrics`.
     """
     values, diverged = worst(many, over, metric)
+    skipped = ~_have_run(many, over)
     panels = []
     for at, output in enumerate(many.outputs):
         unit = many.units[at] if metric in ERRORS else ""
         value = Axis(metric, unit, logarithmic=_spreads(values[at]))
         draw = _map_panel if len(over) == 2 else _curve_panel
-        panels.append(draw(over, values[at], diverged, value, output, many.change_units))
+        panels.append(draw(over, values[at], diverged, skipped, value, output, many.change_units))
     width = 4.6 if len(over) == 2 else 4.2
-    return Chart([panels], (max(5.0, width * len(panels)), 4.0), _title(many, over, diverged))
+    title = _title(many, over, diverged, skipped)
+    return Chart([panels], (max(5.0, width * len(panels)), 4.0), title)
 
 
-def _title(many: Many, over: Sequence[Range], diverged: Any) -> str:
+def _title(many: Many, over: Sequence[Range], diverged: Any, skipped: Any) -> str:
     title = f"{many.controller} on {many.where}"
     if diverged.any():
         title += f", {int(diverged.sum())} of {diverged.size} points diverge (grey)"
+    if skipped.any():
+        title += f", {int(skipped.sum())} of {skipped.size} points not run"
     rest = [name for name in many.changes if name not in [span.name for span in over]]
     return f"{title}; the worst over {', '.join(rest)}" if rest else title
 
@@ -65,12 +69,7 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
         Largest magnitude; not a number where a run diverged or nothing was measured.
     ndarray of bool, shape (up, across) or (across,)
     """
-    axes = [span.values() for span in reversed(over)]
-    places = tuple(
-        np.searchsorted(values, many.changes[span.name])
-        for values, span in zip(axes, reversed(over), strict=True)
-    )
-    shape = tuple(map(len, axes))
+    shape, places = _points(many, over)
     diverged = np.zeros(shape, bool)
     np.logical_or.at(diverged, places, ~np.isnan(many.diverged))
     worst_values = np.full((len(many.outputs), *shape), -np.inf)
@@ -79,6 +78,24 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
         np.maximum.at(grid, places, np.where(np.isnan(magnitude), -np.inf, magnitude))
         grid[diverged | np.isneginf(grid)] = np.nan
     return worst_values, diverged
+
+
+def _points(many: Many, over: Sequence[Range]) -> tuple[tuple[int, ...], tuple[Any, ...]]:
+    """Return the size of the grid of some names, and the point of each run on it."""
+    axes = [span.values() for span in reversed(over)]
+    places = tuple(
+        np.searchsorted(values, many.changes[span.name])
+        for values, span in zip(axes, reversed(over), strict=True)
+    )
+    return tuple(map(len, axes)), places
+
+
+def _have_run(many: Many, over: Sequence[Range]) -> Any:
+    """Return at which points of the grid there is a run."""
+    shape, places = _points(many, over)
+    runs = np.zeros(shape, bool)
+    runs[places] = True
+    return runs
 
 
 def _spreads(values: Vector) -> bool:
@@ -108,7 +125,13 @@ def _axis(swept: Range, edges: Vector, units: Units) -> Axis:
 
 
 def _curve_panel(
-    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str, units: Units
+    over: Sequence[Range],
+    values: Vector,
+    diverged: Any,
+    _skipped: Any,
+    value: Axis,
+    title: str,
+    units: Units,
 ) -> Panel:
     (swept,) = over
     across, edges = swept.values(), edges_of(swept)
@@ -128,12 +151,18 @@ def _curve_panel(
 
 
 def _map_panel(
-    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str, units: Units
+    over: Sequence[Range],
+    values: Vector,
+    diverged: Any,
+    skipped: Any,
+    value: Axis,
+    title: str,
+    units: Units,
 ) -> Panel:
     x, y = map(edges_of, over)
-    missing = DIVERGED if diverged.any() else ""
-    parts: list[ChartPart] = [Cells(x, y, values, value, missing=missing)]
-    if missing:
+    why = [words for words, at in ((DIVERGED, diverged), (NOT_RUN, skipped)) if at.any()]
+    parts: list[ChartPart] = [Cells(x, y, values, value, missing=" or ".join(why))]
+    if diverged.any():
         parts.append(_border(x, y, diverged))
     across, up = (_axis(swept, edges, units) for swept, edges in zip(over, (x, y), strict=True))
     return Panel(parts, across, up, title)

@@ -1,7 +1,5 @@
 // The connection with what answers the page: a line that comes back by itself. What is said is JSON; see open_files.py.
 
-import { S } from "./strings.js";
-
 const AGAIN = 700; // ms until the next try
 
 /**
@@ -29,10 +27,11 @@ export function socketLine({ opened, heard, closed }) {
 
 /** A connection; `opened` is called whenever there is one, `closed` when it is lost, `take` with what comes. */
 export class Connection {
-  constructor({ opened, closed, take }, line = socketLine) {
+  constructor({ opened, closed, take, gone }, line = socketLine) {
     this.opened = opened;
     this.closed = closed;
     this.take = take;
+    this.gone = gone; // says why nothing answers
     this.makeLine = line;
 
     /** @type {ReturnType<Page.Line>} */
@@ -69,7 +68,7 @@ export class Connection {
   start = (file, what, asked_for, hear) => {
     const id = ++this.asked;
     if (this.send({ ...asked_for, do: "start", file, id, what })) this.jobs.set(id, hear);
-    else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
+    else queueMicrotask(() => hear({ end: "failed", message: this.gone().why }));
     return { say: (words) => this.send({ ...words, do: "say", id }), stop: () => this.send({ do: "stop", id }) };
   };
 
@@ -88,7 +87,7 @@ export class Connection {
     const id = ++this.asked;
     return new Promise((resolve) => {
       if (this.send({ ...message, id })) this.answers.set(id, resolve);
-      else resolve({ error: S.gone });
+      else resolve({ error: this.gone().why });
     });
   };
 
@@ -108,12 +107,13 @@ export class Connection {
   };
 
   end = (again) => {
-    for (const resolve of this.answers.values()) resolve({ error: S.gone });
+    for (const resolve of this.answers.values()) resolve({ error: this.gone().why });
     this.answers.clear();
-    for (const hear of this.jobs.values()) hear({ end: "failed", message: S.gone });
+    for (const hear of this.jobs.values()) hear({ end: "failed", message: this.gone().why });
     this.jobs.clear();
     this.early = []; // nobody waits for it any more
     this.closed();
     if (again) setTimeout(this.open, AGAIN);
+    else this.begun = true; // it does not come back: nothing is kept for it
   };
 }

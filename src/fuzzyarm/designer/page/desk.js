@@ -66,6 +66,7 @@ export class Desk {
         this.store.emit("edited");
       },
       saved: () => this.saved,
+      gone: () => this.page.gone().why,
       writes: () => this.mayWrite(),
       sends: () => this.writes,
     };
@@ -97,6 +98,7 @@ export class Desk {
       unsaved: this.page.unsaved,
       askNow: (what, details) => this.text.question(what, details), // of the text as it is typed
       settled: () => this.text.sent(),
+      gone: this.link.gone,
       replace: (words) => this.text.replace(words),
       folder: (asked) =>
         LOOKS.includes(asked.what) || (this.page.writes?.() ?? true)
@@ -192,7 +194,6 @@ export class Desk {
 
   focus = (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus();
 
-  /** Save as soon as the server has the text; what is not saved is said. */
   /** Whether this window writes the file; in a page that keeps files itself, only one tab does. */
   mayWrite = () => this.writes && (this.page.writes?.() ?? true);
 
@@ -200,15 +201,19 @@ export class Desk {
   turned = () => {
     this.text.follow(!this.mayWrite());
     this.mark(this.dirty);
-    if (this.mayWrite()) this.tell("");
+    if (this.lost) this.tellLost();
+    else if (this.mayWrite()) this.tell("");
     else this.tellFollowing();
   };
 
+  /** Save as soon as the server has the text; what is not saved is said. */
   trySave = () => {
     if (!this.wants) return;
-    if (this.lost) return void this.link.say(S.savedLater);
-    if (!this.mayWrite()) this.tellFollowing(S.notSavedHere);
-    else if (!this.text.settled()) return void setTimeout(this.trySave, 20);
+    if (this.lost && this.mayWrite()) return void this.link.say(S.savedLater);
+    if (!this.mayWrite()) {
+      if (this.text.settled()) this.link.say(S.follows);
+      else this.tellFollowing(S.notSavedHere);
+    } else if (!this.text.settled()) return void setTimeout(this.trySave, 20);
     else {
       this.asked.push(this.text.state().text);
       this.send({ do: "save" });
@@ -231,8 +236,9 @@ export class Desk {
   };
 
   lose = () => {
-    if (!this.lost) this.tell(this.page.gone?.() ?? S.gone);
+    const before = this.lost;
     this.lost = true;
+    if (!before) this.tellLost();
   };
 
   close = () => {
@@ -262,9 +268,18 @@ export class Desk {
   rereadShown = () => this.banner.firstChild?.textContent === S.reread;
 
   tellFollowing = (words = this.text.settled() ? S.follows : S.behind) => {
-    const write = this.page.write ?? (() => this.send({ do: "write" }));
-    if (this.banner.firstChild?.textContent !== S.notSavedHere)
-      this.tell(words, el("button", { textContent: S.writeHere, onclick: write }));
+    if (this.banner.firstChild?.textContent === S.notSavedHere) return;
+    // While nothing answers, only a page that keeps the files itself can say who writes.
+    const write = this.page.write ?? (this.lost ? null : () => this.send({ do: "write" }));
+    const why = this.lost ? ` ${this.page.gone().why}` : "";
+    this.tell(words + why, ...(write ? [el("button", { textContent: S.writeHere, onclick: write })] : []));
+  };
+
+  /** Say that nothing answers, and what becomes of the text. */
+  tellLost = () => {
+    const { why, kept } = this.page.gone();
+    if (this.mayWrite()) this.tell(`${why} ${kept}`);
+    else this.tellFollowing(S.follows);
   };
 
   mark = (changed) => {
@@ -288,7 +303,7 @@ export class Desk {
     if (!this.dirty) return true;
     const isSent = await this.text.sent();
     if (isSent) this.asked.push(this.text.state().text);
-    const { error } = isSent ? await this.connection.save(this.file) : { error: S.gone };
+    const { error } = isSent ? await this.connection.save(this.file) : { error: this.page.gone().why };
     if (error) this.link.say(error);
     return !error;
   };

@@ -92,7 +92,7 @@ function axes({ g, inside, panel, toX, toY }, ruled) {
     g.fillText(shortNumber(value), left - 5, y + 4);
   }
   g.textAlign = "center";
-  for (const value of ticksOf(panel.across, Math.max(2, (right - left) / 70))) {
+  for (const value of ticksOf(panel.across, Math.max(2, (right - left) / 58))) {
     g.fillText(shortNumber(value), toX(value), bottom + 14);
   }
   g.font = FONTS.bold;

@@ -85,7 +85,7 @@ export const S = {
   dark: "Dark",
   light: "Light",
   theme: "Light or dark",
-  gone: "The server does not answer. Your text is kept in this page, and is sent when it is back.",
+  gone: { why: "The server does not answer.", kept: "Your text is kept in this page, and is sent when it is back." },
   back: "connected again",
   conflict: "Another program has changed the file, and something here is not saved.",
   reread: "Another program has changed the file. This is its text now.",
@@ -177,6 +177,7 @@ export const S = {
 
   exports: "Export",
   exportsNote: "Of the text as it is now, saved or not; the files that a controller uses are taken as they are saved.",
+  noModule: "JavaScript is made of rule bases alone: open the one that is used here.",
   exportGroups: {
     programs: "Program",
     tables: "Table",
@@ -702,13 +703,12 @@ export const S = {
   readOnly: "This page needs no server. Corners can be dragged; the text follows.",
   madeBy: (version) => `made by fuzzyarm ${version}`,
   playground: {
-    loading: "Python is being loaded; what you type is kept, and checked when it is there.",
-    doing: {
-      python: "Python is being started; what you type is kept, and checked when it is there.",
-      fuzzyarm: "fuzzyarm is being loaded; what you type is kept, and checked when it is there.",
-    },
-    failed: (why) =>
-      `Python does not run here: ${why}. Your text is kept in this browser; load the page again to try anew.`,
+    loading: { why: "Python is being loaded.", kept: "What you type is kept, and checked when it is there." },
+    doing: { python: "Python is being started.", fuzzyarm: "fuzzyarm is being loaded." },
+    failed: (why) => ({
+      why: `Python does not run here: ${why}.`,
+      kept: "Your text is kept in this browser; load the page again to try anew.",
+    }),
     notLoaded: "its files could not be loaded",
     noWebAssembly:
       "This browser has no WebAssembly, which checking and running need; here are your texts, and nothing is lost.",

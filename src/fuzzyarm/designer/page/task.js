@@ -1,10 +1,8 @@
 // One piece of long work at a time: of several that were begun only the last is heard.
 
-import { S } from "./strings.js";
-
 export class Task {
   /**
-   * @param {Pick<Page.Hand, "start" | "settled">} hand
+   * @param {Pick<Page.Hand, "start" | "settled" | "gone">} hand
    * @param {keyof Messages.Works} what
    */
   constructor(hand, what) {
@@ -33,7 +31,7 @@ export class Task {
     const isThere = await this.hand.settled();
     if (mine !== this.round) return;
     if (isThere) this.begin(asked(), hear);
-    else hear({ end: "failed", message: S.gone });
+    else hear({ end: "failed", message: this.hand.gone() });
   }
 
   say(words) {

@@ -50,6 +50,8 @@ export class TermsPane extends Pane {
       onclick: () => this.store.turnDiagram(true),
     });
     this.bar.append(toDiagram, space());
+    this.options = el("span", { class: "options" });
+    this.bar.append(this.options);
     this.partition = this.option(S.partition, S.partitionHint, false);
     this.mirror = this.option(S.mirror, S.mirrorHint, false);
     this.snap = this.option(S.snap, S.snapHint, true);
@@ -89,7 +91,7 @@ export class TermsPane extends Pane {
 
   option = (text, title, checked) => {
     const box = el("input", { type: "checkbox", checked });
-    this.bar.append(el("label", { class: "small", title }, box, text));
+    this.options.append(el("label", { class: "small", title }, box, text));
     return box;
   };
   adding = (words, role) =>
@@ -186,7 +188,7 @@ export class TermsPane extends Pane {
     const at = this.scale(variable);
     const parts = [];
     parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
-    for (const tick of ticks(at.low, at.high, at.width / 80)) {
+    for (const tick of ticks(at.low, at.high, at.width / 55)) {
       parts.push(svg("text", { x: at.x(tick), y: this.tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
     }
     if (v < this.store.scene.inputs.length) {

@@ -20,6 +20,8 @@ import {
   defaultKeymap,
   undo,
   redo,
+  undoDepth,
+  redoDepth,
   autocompletion,
   completionKeymap,
   setDiagnostics,
@@ -32,6 +34,7 @@ import {
 } from "./vendor/codemirror.js";
 import { el, pane, space } from "./draw.js";
 import { choose, rename } from "./dialogs.js";
+import { splitter } from "./split.js";
 import { S } from "./strings.js";
 
 const FROZEN = [EditorState.readOnly.of(true), EditorView.editable.of(false)];
@@ -107,14 +110,10 @@ export class TextPane {
     this.findings = [];
     this.sending = false;
     let waiting = 0;
-    bar.append(
-      space(),
-      this.quick(S.undo, "Ctrl+Z", this.undo),
-      this.quick(S.redo, "Ctrl+Shift+Z", this.redo),
-      this.revert,
-      this.quick(S.format, "Shift+Alt+F", this.format),
-    );
-    body.append(host, this.list);
+    this.undoing = this.quick(S.undo, "Ctrl+Z", this.undo);
+    this.redoing = this.quick(S.redo, "Ctrl+Shift+Z", this.redo);
+    bar.append(space(), this.undoing, this.redoing, this.revert, this.quick(S.format, "Shift+Alt+F", this.format));
+    body.append(host, splitter({ key: "findings", vertical: false, at: 1, usual: 0.88 }), this.list);
 
     this.view = new EditorView({
       parent: host,
@@ -131,6 +130,7 @@ export class TextPane {
           EditorState.lineSeparator.of("\n"),
           colourField,
           EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
+          EditorView.domEventHandlers({ keydown: this.typed }),
           autocompletion({ override: [this.completions] }),
           hoverTooltip(this.hovered),
           this.shared.of([]),
@@ -146,6 +146,8 @@ export class TextPane {
             ...searchKeymap,
           ]),
           EditorView.updateListener.of((update) => {
+            this.undoing.disabled = update.state.readOnly || !undoDepth(update.state);
+            this.redoing.disabled = update.state.readOnly || !redoDepth(update.state);
             if (update.docChanged) {
               this.link.edited(this.view.state.doc.toString());
               clearTimeout(waiting);
@@ -171,6 +173,12 @@ export class TextPane {
   undo = () => undo(this.view);
   redo = () => redo(this.view);
   goTo = (at) => this.select(this.offset(at), this.offset(at));
+
+  /** A key that would change a text which is only read here: it is told who writes. */
+  typed = ({ key, ctrlKey, metaKey }) => {
+    const isTyping = !ctrlKey && !metaKey && (key.length === 1 || ["Enter", "Backspace", "Delete"].includes(key));
+    if (isTyping && this.epoch && this.view.state.readOnly) this.link.say(S.follows);
+  };
 
   edit = async (what, details) => this.apply(await this.question(what, details), `input.${what}`);
 
@@ -277,7 +285,7 @@ export class TextPane {
       }
       await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
-    return { error: S.gone };
+    return { error: this.link.gone() };
   };
 
   /** Put the edits of an answer into the text: one step back undoes them. */

@@ -128,7 +128,7 @@ export function variableHead(hand, peakOf) {
     show(now, role) {
       variable = now;
       name.textContent = now.name;
-      words.textContent = `${role} ${endsWords(now)}`;
+      words.replaceChildren(el("span", { class: "role", textContent: `${role} ` }), endsWords(now));
       words.title = now.description;
       for (const tool of tools) {
         const label = `${now.name}: ${tool.title}`;

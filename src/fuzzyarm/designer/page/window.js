@@ -40,14 +40,17 @@ class Whole {
     this.unsaved = []; // the files of which a window has more than what is saved
     /** @type {Desk} */
     this.shown = null;
-    this.connection = new Connection({ opened: this.opened, closed: this.closed, take: this.take }, around.line);
+    this.connection = new Connection(
+      { opened: this.opened, closed: this.closed, take: this.take, gone: this.gone },
+      around.line,
+    );
     this.page = {
       connection: this.connection,
       nonce: start.nonce,
       only: start.only,
       largest: start.largest,
       imports: start.imports,
-      gone: around.gone,
+      gone: this.gone,
       buttons: around.buttons,
       writes: around.writes,
       write: around.write,
@@ -103,6 +106,9 @@ class Whole {
     this.unsaved = changed;
     for (const desk of this.desks.values()) desk.store.emit("unsaved");
   }
+
+  /** Why nothing answers, and what becomes of what is typed. */
+  gone = () => this.around.gone?.() ?? S.gone;
 
   // --- which file is shown ---
 

@@ -2,7 +2,7 @@
 
 import { DiagramPane } from "../diagram.js";
 import { fill, tellAll } from "../dialogs.js";
-import { clean, el } from "../draw.js";
+import { el } from "../draw.js";
 import { FILES } from "../files.js";
 import { DESIGN } from "../frame.js";
 import { RUN } from "../run.js";
@@ -89,17 +89,18 @@ function keeping(desk) {
 }
 
 function open() {
-  let state = P.loading; // what is said until Python is there; then empty
+  /** @type {typeof P.loading | null} */
+  let state = P.loading; // what is said until Python is there
   const say = (now) => {
     state = now;
-    for (const desk of desks) desk.tell(now);
+    for (const desk of desks) desk.tellLost();
   };
   const line = pythonLine(start, () => kept.all(), {
-    doing: (what) => say(P.doing[what] ?? what),
+    doing: (what) => say({ ...P.loading, why: P.doing[what] ?? what }),
     ready: () => {
-      state = "";
+      state = null;
     },
-    failed: (why) => say(clean(P.failed(why))),
+    failed: (why) => say(P.failed(why)),
   });
   const whole = openWindow({ ...start, files: kept.names(), first: firstOf(kept.names()) }, VIEWS, {
     line,
