@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from fuzzyarm.closed_loop.evidence import Gains
+from fuzzyarm.closed_loop.period import LoopAlgebra
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.model.rulebase import RuleBase
@@ -148,8 +149,8 @@ Rules = Callable[["AffineAlgebra", RuleBase, Mapping[str, Affine]], list[Affine]
 """What stands for rule bases."""
 
 
-class AffineAlgebra:
-    """A control period in affine forms; an :class:`~fuzzyarm.closed_loop.problem.Algebra`.
+class AffineAlgebra(LoopAlgebra[Affine]):
+    """A control period in affine forms; an :class:`~fuzzyarm.closed_loop.period.LoopAlgebra`.
 
     Where a limit may hold or a choice be made, the branch at rest is taken, and what has to be
     true for it is noted as a :class:`SignalBound`; or, by `grip`, a limit may take away all but

@@ -1,7 +1,7 @@
 """One control period over zonotopes: the kind of number that a controller is computed with.
 
 Every line of a controller, every source and limit is read as it is (see
-:class:`fuzzyarm.closed_loop.problem.ControlPeriod`); only what numbers mean is said here. Numbers
+:class:`fuzzyarm.controller.period.ControlPeriod`); only what numbers mean is said here. Numbers
 of the file stay floats until they meet a form, so that a gain is a multiple and loses nothing.
 """
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
+from fuzzyarm.closed_loop.period import LoopAlgebra
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.readings import pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked
@@ -27,7 +28,7 @@ __all__ = ["Number", "Zonotopes"]
 Number = Forms | float
 
 
-class Zonotopes:
+class Zonotopes(LoopAlgebra[Number]):
     """Numbers of a control period: forms of shape (batch,), and floats of the file."""
 
     def __init__(self, batch: int, planes: Callable[[RuleBase, str], RulePlanes]) -> None:

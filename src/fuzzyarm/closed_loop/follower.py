@@ -21,7 +21,8 @@ from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.closed_loop.flow import Flow, Step
 from fuzzyarm.closed_loop.linear_flow import linear_flow
 from fuzzyarm.closed_loop.planes import RulePlanes
-from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem
+from fuzzyarm.closed_loop.period import LoopPeriod
+from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.readings import read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, stacked
 from fuzzyarm.expression.evaluation import gradient, specialise
@@ -242,7 +243,7 @@ class Follower:
     def _follow(self, boxes: Sequence[Box], *, whole: bool) -> FollowedBoxes:
         batch, count = len(boxes), len(self.first.low)
         algebra = Zonotopes(batch, self.planes)
-        control = ControlPeriod[Number](self.problem, algebra)
+        control = LoopPeriod[Number](self.problem, algebra)
         states, constants = self._begun(boxes)
         memory: dict[str, Number] = dict.fromkeys(control.memory, 0.0)
         for name, value in control.memory.items():

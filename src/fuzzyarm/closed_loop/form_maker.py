@@ -20,7 +20,8 @@ from fuzzyarm.closed_loop.conclusions import Conclusions
 from fuzzyarm.closed_loop.evidence import Evidence
 from fuzzyarm.closed_loop.form import Assumptions, Form, row_of
 from fuzzyarm.closed_loop.outward import exact_bounds
-from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.period import LoopPeriod
+from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.resting import rest_in_floats
 from fuzzyarm.closed_loop.sampled_plant import SampledPlant, require_still
 from fuzzyarm.export.steps import steps_of
@@ -69,7 +70,7 @@ class FormMaker:
         self.plant = SampledPlant(problem, self.rest)
 
     def _memory_names(self) -> list[str]:
-        return list(ControlPeriod(self.problem, self._algebra(Assumptions())).memory)
+        return list(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
 
     def _algebra(self, choice: Assumptions, *, is_search: bool = False) -> AffineAlgebra:
         of = self._conclusions
@@ -83,7 +84,7 @@ class FormMaker:
         self, algebra: AffineAlgebra, states: Mapping[str, Affine], *, first: bool = False
     ) -> tuple[dict[Address, Affine], dict[str, Affine], dict[Address, Affine]]:
         """Return inputs of the plant, memory and outputs of a period."""
-        period = ControlPeriod(self.problem, algebra)
+        period = LoopPeriod(self.problem, algebra)
         values = self._plant_values(states)
         outputs = {
             address: algebra.expression(root, values)
@@ -120,7 +121,7 @@ class FormMaker:
     @property
     def begin(self) -> dict[str, float]:
         """What is remembered before the first period; NaN for what begins as it first sees."""
-        return dict(ControlPeriod(self.problem, self._algebra(Assumptions())).memory)
+        return dict(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
 
     # --- rest ---
 
@@ -309,7 +310,7 @@ class FormMaker:
         """Return memory that starts as what it first sees, by states of the plant."""
         algebra = self._algebra(choice, is_search=True)
         states = {name: variable(name, self.rest[name]) for name in self.problem.states}
-        period = ControlPeriod(self.problem, algebra)
+        period = LoopPeriod(self.problem, algebra)
         begun = {name: value for name, value in period.memory.items() if math.isnan(value)}
         if not begun:
             return {}

@@ -1,6 +1,6 @@
 """One control period by the controller's program, over any kind of number: the checker's reading.
 
-The search reads the lines of a controller (:class:`fuzzyarm.closed_loop.problem.ControlPeriod`).
+The search reads the lines of a controller (:class:`fuzzyarm.controller.period.ControlPeriod`).
 The checker does not: it walks the instructions that ``simulate`` runs and ``compile`` prints
 (:mod:`fuzzyarm.export.steps`), and does what is outside the controller, sensors and actuators,
 itself.

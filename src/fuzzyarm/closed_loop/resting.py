@@ -11,12 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.period import LoopAlgebra, LoopPeriod
+from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.controller.floats import Floats
 from fuzzyarm.expression.evaluation import evaluate
-from fuzzyarm.expression.nodes import Node
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
-from fuzzyarm.table import LookupTable
 
 __all__ = ["rest_in_floats"]
 
@@ -26,44 +26,32 @@ STEPS = 60
 """Newton's steps at most."""
 
 
-class _Floats:
-    """Floats as the numbers of a control period whose limits are not reached."""
+class _Unlimited(Floats, LoopAlgebra[float]):
+    """Floats of a loop whose limits are not reached."""
 
     def __init__(self, conclusion: Callable[[RuleBase, str, Mapping[str, float]], float]) -> None:
+        super().__init__()
         self.conclusion = conclusion
 
-    def number(self, value: float) -> float:
-        return float(value)
-
-    def add(self, a: float, b: float) -> float:
-        return a + b
-
-    def subtract(self, a: float, b: float) -> float:
-        return a - b
-
-    def multiply(self, a: float, b: float) -> float:
-        return a * b
-
     def divide(self, a: float, b: float) -> float:
+        """Return a quotient; NaN for a divisor of 0."""
         return a / b if b else math.nan
 
     def limit(self, x: float, low: float, high: float) -> float:
+        """Return it as it is."""
         return x
 
     def near(self, x: float, before: float, most: float) -> float:
+        """Return it as it is."""
         return x
-
-    def expression(self, root: Node, values: Mapping[str, float]) -> float:
-        return evaluate(root, values)
-
-    def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
-        return [self.conclusion(sheet, output.name, inputs) for output in sheet.outputs]
-
-    def table(self, sheet: LookupTable, inputs: Mapping[str, float]) -> float:
-        return float(sheet.lookup(*inputs.values()))
 
     def error(self, x: float, size: float) -> float:
+        """Return it as it is."""
         return x
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
+        """Return the outputs of a rule base."""
+        return [self.conclusion(sheet, output.name, inputs) for output in sheet.outputs]
 
 
 def rest_in_floats(
@@ -73,7 +61,7 @@ def rest_in_floats(
 ) -> dict[str, float]:
     """Return where a loop nearly rests: states of the plant, then memory."""
     names = [*problem.states, *memory]
-    period = ControlPeriod[float](problem, _Floats(conclusion))
+    period = LoopPeriod[float](problem, _Unlimited(conclusion))
 
     def motion(y: Vector) -> Vector:
         return np.array(_motion(problem, period, memory, dict(zip(names, y.tolist(), strict=True))))
@@ -117,7 +105,7 @@ def _guess(problem: LoopProblem) -> list[float]:
 
 def _motion(
     problem: LoopProblem,
-    period: ControlPeriod[float],
+    period: LoopPeriod[float],
     memory: Sequence[str],
     states: Mapping[str, float],
 ) -> list[float]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -335,15 +335,11 @@ class _Writer:
             for port in axes.ports(kind)
         )  # fmt: skip
         drives: dict[int, float | None] = {}
-        for line in axes.lines:
-            if isinstance(line, Drive):
-                cell = self.drives[self.axis, line.port]
-                start = self.wiring.starts.get((self.axis, line.port))
-                before = self.cells[cell] + line.idle if start is None else start
-                self.cells[cell] = self.arithmetic.hold(before)
-                sent = drives.setdefault(cell, None)
-                if line.on_nan is not None:
-                    drives[cell] = self.arithmetic.hold((sent or 0.0) + line.on_nan)
+        for port, (idle, sent) in skipped_drives(axes, self.arithmetic.hold).items():
+            cell = self.drives[self.axis, port]
+            start = self.wiring.starts.get((self.axis, port))
+            self.cells[cell] = idle if start is None else self.arithmetic.hold(start)
+            drives[cell] = sent
         if reads:
             end, count = 1 + len(self.code), self._cell(0.0)
             self.guards[self.axis] = Guard(begin, end, count, reads, drives)
@@ -709,6 +705,33 @@ class _Writer:
             table_ = replace(table, axes=tuple(axes), values=values)
             self.looked_up[self.tables[key].values] = (name, table_)
         return self.tables[key]
+
+
+def skipped_drives(
+    axes: Axes, hold: Callable[[float], float]
+) -> dict[str, tuple[float, float | None]]:
+    """Return of each port its value before the first period, and that of a skipped one.
+
+    Parameters
+    ----------
+    axes : Axes
+        Lines of an axis; several drives of a port add up.
+    hold : callable
+        Rounds a value as it is stored.
+
+    Returns
+    -------
+    dict
+        None as the second value is the last one before.
+    """
+    drives: dict[str, tuple[float, float | None]] = {}
+    for line in axes.lines:
+        if isinstance(line, Drive):
+            idle, sent = drives.get(line.port, (0.0, None))
+            if line.on_nan is not None:
+                sent = hold((sent or 0.0) + line.on_nan)
+            drives[line.port] = hold(idle + line.idle), sent
+    return drives
 
 
 class KernelRuleBlock(NamedTuple):
