@@ -36,8 +36,11 @@ def controllers():
 def courses(text, seed):
     """Return references and measured values: walks with jumps, some of them not a number."""
     generator = np.random.default_rng(seed)
-    names = [PortValue(kind, *address)
-             for kind in ("reference", "measured") for address in ports_of(text.model, kind)]  # fmt: skip
+    names = [
+        PortValue(kind, *address)
+        for kind in ("reference", "measured")
+        for address in ports_of(text.model, kind)
+    ]
     steps = generator.normal(0.0, 0.3, (PERIODS, len(names)))
     steps *= generator.choice([0.1, 1.0, 20.0], (PERIODS, 1))
     values = np.cumsum(steps, axis=0)

@@ -14,8 +14,8 @@ from functools import cache
 import numpy as np
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.closed_loop.period import LoopAlgebra
+from fuzzyarm.closed_loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.readings import pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked

@@ -20,8 +20,8 @@ from fuzzyarm.closed_loop.algebra import Number, Zonotopes
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.closed_loop.flow import Flow, Step
 from fuzzyarm.closed_loop.linear_flow import linear_flow
-from fuzzyarm.closed_loop.planes import RulePlanes
 from fuzzyarm.closed_loop.period import LoopPeriod
+from fuzzyarm.closed_loop.planes import RulePlanes
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.readings import read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, stacked

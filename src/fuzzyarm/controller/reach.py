@@ -1,33 +1,29 @@
-"""Where each signal of a controller can be: intervals from the ports on, line by line.
+"""Where each signal of a controller can be: a control period over ranges, from the ports on.
 
-The walk is that of :mod:`fuzzyarm.controller.program`, with intervals in place of cells. It is
-safe, not tight: signals count as independent. What nothing bounds reaches everywhere.
+It is safe, not tight: signals count as independent. What nothing bounds reaches everywhere.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import reduce
 
 from fuzzyarm.controller.on_plant import Site
-from fuzzyarm.controller.program import AXIS, Sheet, SourceError, of_axis
-from fuzzyarm.controller.text import ControllerText, input_names
+from fuzzyarm.controller.period import (
+    Algebra,
+    Call,
+    ControlPeriod,
+    Lesson,
+    PortValue,
+    Update,
+)
+from fuzzyarm.controller.program import AXIS, Sheet, SourceError
+from fuzzyarm.controller.text import ControllerText, input_names, ports_of
 from fuzzyarm.controller.updates import range_of_source
 from fuzzyarm.expression.operations import EVERYTHING, OPERATIONS, Interval
 from fuzzyarm.expression.sources import Surroundings
-from fuzzyarm.model.controller import (
-    Axes,
-    Drive,
-    Factor,
-    Learn,
-    Line,
-    Product,
-    SignalLine,
-    Source,
-    Zoom,
-)
+from fuzzyarm.model.controller import Axes, Drive, GainModel, Learn, SignalLine, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.model.units import Unit, described_unit, of_difference, product, read_unit
 from fuzzyarm.plant.plant import Address
@@ -60,6 +56,8 @@ class Reach:
         as ``r - lag``, which may cancel.
     scaled : bool
         Whether a gain with a unit is among its factors.
+    name : str
+        Of a signal or a gain, while a line reads it.
     """
 
     at: Interval = EVERYTHING
@@ -69,6 +67,7 @@ class Reach:
     origins: frozenset[str] = frozenset()
     tight: bool = True
     scaled: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -145,14 +144,7 @@ def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
     site : Site or None
         The plant, where it is known.
     """
-    walk = _LineWalk(text, site)
-    for axes in text.model.axes:
-        for name in axes.names:
-            walk.axis = name
-            for line in axes.lines:
-                walk.line(axes, line)
-            walk.index += 1
-    return walk.reaches
+    return Ranges(text, site).walk()
 
 
 def combine(operation: str, a: Interval, b: Interval) -> Interval:
@@ -187,164 +179,161 @@ def symmetric(size: float) -> Interval:
     return Interval(-size, size)
 
 
-class _LineWalk:
-    """What is known on the way; `axis` is the current one, `index` its number."""
+class Ranges(Algebra[Reach]):
+    """Ranges as the numbers of a control period; what is found on the way is noted.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    site : Site or None
+        The plant, where it is known.
+    """
 
     def __init__(self, text: ControllerText, site: Site | None) -> None:
         self.text = text
         self.site = site
         self.reaches = Reaches()
-        self.gains = {gain.name: gain for gain in text.model.gains}
-        self.axis = ""
-        self.index = 0
 
-    def line(self, axes: Axes, line: Line) -> None:
-        """Go on by one line."""
-        if isinstance(line, SignalLine):
-            self._signal(axes, line)
-        elif isinstance(line, Zoom):
-            for name in line.signals:
-                reach = self._named(name)
-                window = symmetric(largest(self._number(line.inside)))
-                # Within the window it is magnified; the others may be beyond theirs.
-                inside = overlap(reach.at, window)
-                large = combine("multiply", inside, self._number(line.by))
-                whole = hull(reach.at, large) if inside.low <= inside.high else reach.at
-                self.reaches.signals[self.axis, name] = replace(reach, at=whole)
-        elif isinstance(line, Learn):
-            self._look_up(axes, line, line.judge, line.inputs)
-        else:
-            reach = self._sum(line.products, line.span)
-            if line.within is not None:
-                reach = replace(reach, at=_clipped(reach.at, Interval(*line.within)))
-            self.reaches.drives.setdefault((self.axis, line.port), []).append((line, reach))
+    # --- numbers, products, sums ---
 
-    def _signal(self, axes: Axes, line: SignalLine) -> None:
-        if line.source is None:
-            reaches = [self._sum(line.products, line.span)]
-        else:
-            of = line.source
-            values = self._results(axes, of, line)
-            if of.record.of == "call":
-                self._look_up(axes, line, of.name, of.inputs)
-            else:
-                self.reaches.sources[self.axis, of] = values[0]
-            factors = line.products[0].factors if line.products else ()
-            reaches = [self._times(value, factors, line.span) for value in values]
-        for name, reach in zip(line.names, reaches, strict=False):
-            self.reaches.signals[self.axis, name] = reach
+    def number(self, value: float) -> Reach:
+        """Return the range of a number."""
+        return Reach(Interval(value, value), 0.0, MADE, {})
 
-    # --- Numbers, products, sums ---
-
-    def _number(self, value: str | float) -> Interval:
-        if not isinstance(value, str):
-            return Interval(value, value)
-        gain = self.gains.get(value)
-        if gain is None:
-            return EVERYTHING
-        amount = gain.values[self.index if len(gain.values) > 1 else 0].value(math.pi)
-        return Interval(amount, amount)
-
-    def _named(self, name: str) -> Reach:
-        """Return where a signal, a gain or a partner is."""
-        reach = self.reaches.signals.get((self.axis, name))
-        if reach is not None:
-            return reach
-        gain = self.gains.get(name)
-        if gain is None:
-            return Reach()
+    def gain(self, gain: GainModel, index: int) -> Reach:
+        """Return the range of a gain."""
+        amount = gain.values[index].value(math.pi)
         unit = read_unit(gain.unit) if gain.unit else None
-        return Reach(self._number(name), 0.0, MADE, unit, scaled=unit is not None)
+        at = Interval(amount, amount)
+        return Reach(at, 0.0, MADE, unit, scaled=unit is not None, name=gain.name)
 
-    def _times(self, reach: Reach, factors: Sequence[Factor], span: Span) -> Reach:
-        for factor in factors:
-            if isinstance(factor.value, str):
-                other = self._named(factor.value)
-            else:
-                other = Reach(self._number(factor.value), 0.0, MADE, {})
-            word = "divide" if factor.divides else "multiply"
-            power = -1 if factor.divides else 1
-            at = combine(word, reach.at, other.at)
-            pace = math.inf
-            # A product moves with its only factor that does; of two that move nothing is known.
-            if other.pace == 0.0:
-                pace = largest(combine(word, symmetric(reach.pace), other.at))
-            elif reach.pace == 0.0 and not factor.divides:
-                pace = largest(combine(word, symmetric(other.pace), reach.at))
-            if isinstance(factor.value, str) and reach.unit is not None and other.unit is not None:
-                brought = product({}, other.unit, power) or {}
-                self.reaches.meetings.append(Meeting(factor.value, reach.unit, brought, span))
-            unit = product(reach.unit, other.unit, power)
-            origins = reach.origins | other.origins
-            tight = reach.tight and other.tight
-            scaled = reach.scaled or other.scaled
-            reach = Reach(at, pace, max(reach.kept, other.kept), unit, origins, tight, scaled)
-        return reach
+    def unknown(self, name: str) -> Reach:
+        """Return everything."""
+        return Reach()
 
-    def _sum(self, products: Sequence[Product], span: Span) -> Reach:
-        parts = [self._product(product, span) for product in products]
-        units = [part.unit for part in parts]
-        origins = frozenset[str]().union(*(part.origins for part in parts))
-        # Two parts with an origin in common may cancel.
-        alone = len(origins) == sum(len(part.origins) for part in parts)
+    def add(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a sum."""
         return Reach(
-            reduce(lambda a, b: combine("add", a, b), [part.at for part in parts]),
-            sum(part.pace for part in parts),
-            max(part.kept for part in parts),
-            units[0] if all(unit == units[0] for unit in units) else None,
-            origins,
-            alone and all(part.tight for part in parts),
-            any(part.scaled for part in parts),
+            combine("add", a.at, b.at),
+            a.pace + b.pace,
+            max(a.kept, b.kept),
+            a.unit if a.unit == b.unit else None,
+            a.origins | b.origins,
+            # Two parts with an origin in common may cancel.
+            a.tight and b.tight and not a.origins & b.origins,
+            a.scaled or b.scaled,
         )
 
-    def _product(self, part: Product, span: Span) -> Reach:
-        first, *others = part.factors
-        if isinstance(first.value, str):
-            begin = self._named(first.value)
-        else:
-            begin = Reach(self._number(first.value), 0.0, MADE, {})
-        reach = self._times(begin, others, span)
-        if part.negative:
-            reach = replace(reach, at=Interval(-reach.at.high, -reach.at.low))
+    def negated(self, x: Reach) -> Reach:
+        """Return the range below 0 of one above, and the other way round."""
+        return replace(x, at=Interval(-x.at.high, -x.at.low))
+
+    def subtract(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a difference."""
+        return self.add(a, self.negated(b))
+
+    def multiply(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a product."""
+        return self._times(a, b, "multiply")
+
+    def divide(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a quotient."""
+        return self._times(a, b, "divide")
+
+    def _times(self, a: Reach, b: Reach, word: str) -> Reach:
+        power = -1 if word == "divide" else 1
+        pace = math.inf
+        # A product moves with its only factor that does; of two that move nothing is known.
+        if b.pace == 0.0:
+            pace = largest(combine(word, symmetric(a.pace), b.at))
+        elif a.pace == 0.0 and word == "multiply":
+            pace = largest(combine(word, symmetric(b.pace), a.at))
+        if b.name and a.unit is not None and b.unit is not None:
+            brought = product({}, b.unit, power) or {}
+            self.reaches.meetings.append(Meeting(b.name, a.unit, brought, self._span))
+        return Reach(
+            combine(word, a.at, b.at),
+            pace,
+            max(a.kept, b.kept),
+            product(a.unit, b.unit, power),
+            a.origins | b.origins,
+            a.tight and b.tight,
+            a.scaled or b.scaled,
+        )
+
+    @property
+    def _span(self) -> Span:
+        return self.period.line.span
+
+    def limit(self, x: Reach, low: float, high: float) -> Reach:
+        """Return a range between limits."""
+        return replace(x, at=_clipped(x.at, Interval(low, high)))
+
+    def near(self, x: Reach, before: Reach, most: float) -> Reach:
+        """Return it as it is: a slew arrives everywhere."""
+        return x
+
+    # --- what is noted ---
+
+    def walk(self) -> Reaches:
+        """Go over all lines."""
+        self.period = ControlPeriod(self.text, self)
+        ports = (
+            PortValue(kind, *address)
+            for kind in ("reference", "measured")
+            for address in ports_of(self.text.model, kind)
+        )
+        self.period.run({value: self._of_port(value) for value in ports}, {})
+        return self.reaches
+
+    def signal(self, axis: str, name: str, value: Reach, *, rounded: bool = True) -> Reach:
+        """Note a signal."""
+        self.reaches.signals[axis, name] = replace(value, name="")
+        return replace(value, name=name)
+
+    def drive(self, axis: str, line: Drive, value: Reach) -> Reach:
+        """Note a drive."""
+        self.reaches.drives.setdefault((axis, line.port), []).append((line, value))
+        return value
+
+    # --- sources ---
+
+    def compared(self, reference: Reach, measured: Reach, weight: Reach | None) -> Reach:
+        """Return the range of an error; the jumps of a reference are left out of its pace."""
+        share = Interval(1.0, 1.0) if weight is None else weight.at
+        at = combine("subtract", combine("multiply", reference.at, share), measured.at)
+        origins = reference.origins | measured.origins
+        return Reach(at, measured.pace, FED_BACK, of_difference(measured.unit), origins)
+
+    def source(self, update: Update[Reach]) -> Reach:
+        """Return the range of a source, by its record."""
+        self._meet_options(update)
+        reach = self._updated(update)
+        self.reaches.sources[self.period.axis, update.source] = reach
         return reach
 
-    # --- Sources ---
-
-    def _results(self, axes: Axes, of: Source, line: SignalLine) -> list[Reach]:
-        kind = of.record
-        if kind.of != "call":
-            reach = self._port(of) if kind.ports else self._named(of.name)
-            self._meet_options(of, reach, line.span)
-            return [self._updated(of, reach)]
-        if of.kind == "rules":
-            reaches = self._conclusions(of.name) or [Reach()] * len(line.names)
-        else:
-            reaches = [self._values(axes, of.name)]
-        return [replace(result, origins=_own(of)) for result in reaches]
-
-    def _meet_options(self, of: Source, reach: Reach, span: Span) -> None:
+    def _meet_options(self, update: Update[Reach]) -> None:
         """Note gains that have to be in the unit of what a source is taken of."""
-        for word, value in of.options:
-            if not isinstance(value, str) or not of.record.options[word].alike:
+        unit = update.x.unit
+        for word, value in update.source.options:
+            if not isinstance(value, str) or not update.kind.options[word].alike:
                 continue
-            unit = self._named(value).unit
-            if unit is not None and reach.unit is not None:
-                before, brought = of_difference(reach.unit), product({}, of_difference(unit), -1)
-                words = f"the {word} of {of.kind}"
+            own = self.period.operand(value).unit
+            if own is not None and unit is not None:
+                before, brought = of_difference(unit), product({}, of_difference(own), -1)
+                words = f"the {word} of {update.source.kind}"
                 self.reaches.meetings.append(
-                    Meeting(value, before or {}, brought or {}, span, words)
+                    Meeting(value, before or {}, brought or {}, self._span, words)
                 )
 
-    def _updated(self, of: Source, reach: Reach) -> Reach:
-        """Return where a source is that is taken of something."""
-        kind = of.record
+    def _updated(self, update: Update[Reach]) -> Reach:
+        kind, reach, options = update.kind, update.x, dict(update.source.options)
         if kind.function is None:
             return reach
-        options = dict(of.options)
-        near = Surroundings(
-            reach.at, reach.pace, self.text.model.period, self.text.model.every, options
-        )
-        settings = {name: self._number(value) for name, value in kind.settings(options).items()}
+        model = self.text.model
+        near = Surroundings(reach.at, reach.pace, model.period, model.every, options)
+        settings = {name: value.at for name, value in update.settings.items()}
         unit = of_difference(reach.unit) if kind.difference else reach.unit
         bounds = Reach(
             range_of_source(kind, near, settings, kind.starts(options)),
@@ -356,31 +345,18 @@ class _LineWalk:
             return replace(bounds, kept=reach.kept, origins=reach.origins, tight=reach.tight)
         kept_by = FED_BACK if kind.kept == "loop" else MADE
         # What the text alone keeps small goes wherever it can.
-        return replace(bounds, kept=kept_by, origins=_own(of), tight=kept_by == MADE or reach.tight)
+        tight = kept_by == MADE or reach.tight
+        return replace(bounds, kept=kept_by, origins=_own(update.source), tight=tight)
 
-    def _port(self, of: Source) -> Reach:
-        """Return where a value of a port is, or its error."""
-        ports = of.record.ports
-        if len(ports) == 1:
-            return self._of_port(ports[0], of.name)
-        measured, reach = self._of_port("measured", of.name), self._of_port("reference", of.name)
-        weight = of.option("weight")
-        share = self._number(weight) if isinstance(weight, str | float) else Interval(1.0, 1.0)
-        interval = combine("multiply", reach.at, share)
-        unit = of_difference(measured.unit)
-        both = reach.origins | measured.origins
-        return Reach(
-            combine("subtract", interval, measured.at), measured.pace, FED_BACK, unit, both
-        )
-
-    def _of_port(self, kind: str, name: str) -> Reach:
+    def _of_port(self, value: PortValue) -> Reach:
         """Return where a measured or reference value of the plant is."""
-        origins = frozenset({f"{kind} {name}"})
+        address = value.axis, value.port
+        origins = frozenset({f"{value.kind} {value.port}"})
         if self.site is None:
             return Reach(kept=PORT, origins=origins)
         outputs = self.site.interface.outputs
         try:
-            address = self.site.find(self.text.model, kind, (self.axis, name))
+            address = self.site.find(self.text.model, value.kind, address)
         except SourceError:
             return Reach(kept=PORT, origins=origins)
         port = outputs.get(address)
@@ -396,62 +372,79 @@ class _LineWalk:
         at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
         return Reach(at, pace, kept_by, read_unit(port.unit), origins)
 
-    # --- Rule bases and tables ---
+    # --- signals that change together ---
 
-    def _sheet(self, name: str) -> Sheet | None:
-        sheets = self.text.sheets.get(name)
-        return sheets[self.index if len(sheets) > 1 else 0] if sheets else None
+    def zoom(
+        self, line: Zoom, signals: Mapping[str, Reach], by: Reach, inside: Reach
+    ) -> dict[str, Reach]:
+        """Return the ranges of magnified signals."""
+        window = symmetric(largest(inside.at))
+        found = {}
+        for name, reach in signals.items():
+            # Within the window it is magnified; the others may be beyond theirs.
+            near = overlap(reach.at, window)
+            large = combine("multiply", near, by.at)
+            whole = hull(reach.at, large) if near.low <= near.high else reach.at
+            found[name] = replace(reach, at=whole)
+        return found
 
-    def _conclusions(self, name: str) -> list[Reach]:
-        sheet = self._sheet(name)
-        if not isinstance(sheet, RuleBase):
-            return []
-        reaches = []
-        for output in sheet.outputs:
-            at = Interval(output.low, output.high)
-            if isinstance(output.no_rule, float):
-                at = hull(at, Interval(output.no_rule, output.no_rule))
-            reaches.append(Reach(at, unit=described_unit(output.description)))
-        return reaches
+    # --- rule bases and tables ---
 
-    def _values(self, axes: Axes, name: str) -> Reach:
-        table = self._sheet(name)
-        if table is None or isinstance(table, RuleBase):
-            return Reach()
+    def called(self, call: Call[Reach]) -> list[Reach]:
+        """Return the ranges of a rule base or a table."""
+        self._look_up(call)
+        assert isinstance(call.line, SignalLine)
+        source = call.line.source
+        assert source is not None
+        if source.kind == "rules":
+            reaches = _conclusions(call.sheet) or [Reach()] * len(call.line.names)
+        else:
+            reaches = [self._values(call)]
+        return [replace(result, origins=_own(source)) for result in reaches]
+
+    def learn(self, lesson: Lesson[Reach]) -> None:
+        """Note the look-up in the performance table."""
+        self._look_up(lesson.judge)
+
+    def _values(self, call: Call[Reach]) -> Reach:
         try:
-            _, values = of_axis(table, self.index)
+            values = call.lattice().values
         except SourceError:
             return Reach()
         at = Interval(float(values.min()), float(values.max()))
-        for line in axes.lines:
-            if isinstance(line, Learn) and line.table == name:
-                at = hull(at, symmetric(largest(self._number(line.bound))))
+        if call.learner is not None:
+            at = hull(at, symmetric(largest(self.period.operand(call.learner.bound).at)))
         return Reach(at)
 
-    def _look_up(
-        self, axes: Axes, line: SignalLine | Learn, name: str, inputs: Sequence[str]
-    ) -> None:
-        sheet = self._sheet(name)
+    def _look_up(self, call: Call[Reach]) -> None:
+        sheet = call.sheet
         if sheet is None:
             return
-        names = [
-            input_name
-            for input_name in input_names(sheet)
-            if input_name != AXIS or input_name in inputs
-        ]
-        if len(names) != len(inputs):
+        names = [name for name in input_names(sheet) if name != AXIS or name in call.signals]
+        if len(names) != len(call.signals):
             return
-        for signal, input_name, universe in zip(
-            inputs, names, _universes(sheet, names), strict=True
+        for signal, reach, name, universe in zip(
+            call.signals, call.arguments, names, _universes(sheet, names), strict=True
         ):
             if math.isfinite(width(universe)) and width(universe) > 0.0:
-                reach = self._named(signal)
                 sheet_unit = None
                 if isinstance(sheet, RuleBase):
-                    sheet_unit = described_unit(sheet.variable(input_name).description)
+                    sheet_unit = described_unit(sheet.variable(name).description)
+                axes = self.period.axes
                 self.reaches.look_ups.append(
-                    LookUp(axes, name, signal, reach, universe, sheet_unit, line)
+                    LookUp(axes, call.name, signal, reach, universe, sheet_unit, call.line)
                 )
+
+
+def _conclusions(sheet: Sheet | None) -> list[Reach]:
+    """Return the ranges of the outputs of a rule base."""
+    reaches = []
+    for output in sheet.outputs if isinstance(sheet, RuleBase) else ():
+        at = Interval(output.low, output.high)
+        if isinstance(output.no_rule, float):
+            at = hull(at, Interval(output.no_rule, output.no_rule))
+        reaches.append(Reach(at, unit=described_unit(output.description)))
+    return reaches
 
 
 def _own(of: Source) -> frozenset[str]:
