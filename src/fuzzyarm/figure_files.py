@@ -12,9 +12,17 @@ from fuzzyarm.errors import UsageError
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["SUFFIXES", "FigureFileError", "figure_bytes", "require_figure_suffix", "save_figure"]
+__all__ = [
+    "SUFFIXES",
+    "FigureFileError",
+    "figure_bytes",
+    "plain_powers",
+    "require_figure_suffix",
+    "save_figure",
+]
 
 SUFFIXES = (".png", ".svg", ".pdf", ".jpg", ".webp")
 
@@ -91,3 +99,22 @@ def _settled(figure: Figure) -> Iterator[None]:
         yield
     finally:
         figure.set_layout_engine(engine)
+
+
+def plain_powers(axes: Axes, which: str, low: float, high: float) -> None:
+    """Write plain numbers along a logarithmic axis; on a narrow one between its powers, too.
+
+    Over less than two powers of ten 2 and 5 are written as well, over less than a third of one
+    all digits: more would run into each other.
+    """
+    from matplotlib.ticker import FuncFormatter
+
+    axis = axes.xaxis if which == "x" else axes.yaxis
+
+    def between(value: float, _position: int) -> str:
+        is_round = f"{value:e}"[0] in "25"
+        return f"{value:.4g}" if is_round or high < 2.5 * low else ""
+
+    axis.set_major_formatter(FuncFormatter(lambda value, _position: f"{value:.4g}"))
+    axis.set_minor_formatter(FuncFormatter(between if high < 100.0 * low else lambda *_: ""))
+    axes.tick_params(axis=which, which="minor", labelsize=8)  # type: ignore[arg-type]

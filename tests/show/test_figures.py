@@ -202,3 +202,19 @@ def test_milliseconds_are_written_as_they_are():
     axes.figure.canvas.draw()
     assert axes.xaxis.get_offset_text().get_text() == ""
     assert "0.0002" in [label.get_text() for label in axes.get_xticklabels()]
+
+
+def test_a_narrow_logarithmic_axis_has_plain_numbers_that_do_not_meet():
+    from matplotlib.figure import Figure
+
+    from fuzzyarm.figure_files import plain_powers
+
+    figure = Figure(figsize=(3.0, 2.0))
+    axes = figure.subplots()
+    axes.plot([25.0, 250.0], [0.0, 1.0])
+    axes.set_xscale("log")
+    plain_powers(axes, "x", *axes.get_xlim())
+    figure.draw_without_rendering()
+    labels = [*axes.get_xticklabels(which="both")]
+    shown = [each for each in labels if each.get_text() and 20 < each.get_position()[0] < 280]
+    assert {each.get_text() for each in shown} == {"50", "100", "200"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
+from fuzzyarm.figure_files import plain_powers
 from fuzzyarm.picture import (
     Area,
     Axis,
@@ -143,25 +144,6 @@ def draw_panel(axes: Axes, panel: Panel, room: tuple[float, float] = (3.4, 3.4))
     label_axes(axes, across, up, panel.title)
     if panel.key:
         axes.legend(fontsize=KEY, frameon=False, loc=panel.key)  # type: ignore[call-overload]
-
-
-def plain_powers(axes: Axes, which: str, low: float, high: float) -> None:
-    """Write plain numbers along a logarithmic axis; on a narrow one between its powers, too.
-
-    Over less than two powers of ten 2 and 5 are written as well, over less than a third of one
-    all digits: more would run into each other.
-    """
-    from matplotlib.ticker import FuncFormatter
-
-    axis = axes.xaxis if which == "x" else axes.yaxis
-
-    def between(value: float, _position: int) -> str:
-        is_round = f"{value:e}"[0] in "25"
-        return f"{value:.4g}" if is_round or high < 2.5 * low else ""
-
-    axis.set_major_formatter(FuncFormatter(lambda value, _position: f"{value:.4g}"))
-    axis.set_minor_formatter(FuncFormatter(between if high < 100.0 * low else lambda *_: ""))
-    axes.tick_params(axis=which, which="minor", labelsize=8)  # type: ignore[arg-type]
 
 
 def _words(axis: Axis, room: float, most: int = 4) -> str:

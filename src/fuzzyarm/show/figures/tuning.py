@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fuzzyarm.figure_files import plain_powers
 from fuzzyarm.picture import COLOURS
-from fuzzyarm.show.figures.panels import draw_panel, plain_powers
+from fuzzyarm.show.figures.panels import draw_panel
 from fuzzyarm.show.figures.style import label_axes, new_figure, safe, tidy
 from fuzzyarm.show.search import cost_panel, spreads
 from fuzzyarm.tuning.result import front_of
@@ -45,21 +46,20 @@ def _searches(tuned: Tuned) -> list[tuple[str, Found, str]]:
 
 
 def _draw_front(axes: Axes, tuned: Tuned) -> None:
-    for name, search, colour in _searches(tuned):
+    for _name, search, colour in _searches(tuned):
         front = front_of(search)
         error, chatter = np.array(front).T if front else np.zeros((2, 0))
-        axes.plot(error, chatter, "o-", color=colour, markersize=2.5, linewidth=0.8, label=name)
+        axes.plot(error, chatter, "o-", color=colour, markersize=2.5, linewidth=0.8)
     markers = {"as in the file": "s", "tuned": "*", "linear PD": "D"}
     for row in tuned.rows:
         score = row.scores["train"]
         colour = COLOURS[1] if row.name == "linear PD" else COLOURS[0]
         if row.name in markers and math.isfinite(score.error) and not score.diverged:
-            style = {"color": colour, "markeredgecolor": "#333333", "markersize": 8}
-            axes.plot(score.error, score.chatter, markers[row.name], **style)  # type: ignore[arg-type]
-            axes.annotate(
-                row.name, (score.error, score.chatter), xytext=(5, 4),
-                textcoords="offset points", fontsize=7,
+            axes.plot(
+                score.error, score.chatter, markers[row.name], color=colour,
+                markeredgecolor="#333333", markersize=8, linestyle="none", label=row.name,
             )  # fmt: skip
+    axes.legend(fontsize=7, frameon=False)
     pairs = [pair for _, search, _ in _searches(tuned) for pair in front_of(search)]
     _spread(axes, "x", [error for error, _ in pairs])
     _spread(axes, "y", [chatter for _, chatter in pairs])
