@@ -136,17 +136,20 @@ class ControllerProgram:
         Fraction bits of tables in whole numbers.
     proofs : tuple of str
         What is proved of it in its loop.
+    widened : bool
+        Whether rule bases compute in double precision within what is found in that only.
     """
 
     text: ControllerText
     precision: str = "mixed"
     q: int | None = None
     proofs: tuple[str, ...] = ()
+    widened: bool = False
 
     @cached_property
     def steps(self) -> Steps:
         """The steps of a period."""
-        return steps_of(self.text, self.precision, RoutineOptions(self.q))
+        return steps_of(self.text, self.precision, RoutineOptions(self.q, self.widened))
 
     @cached_property
     def tried(self) -> Tried:

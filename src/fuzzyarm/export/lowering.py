@@ -120,7 +120,10 @@ class _Rules:
                 body.append(self._statement(loop))
         result = replace(listing.result, self.instead)
         body.append(Return(cast(result, inside, outside)))
-        return Function(stem, parameters, outside, body, counters, inside, public=public)
+        return Function(
+            stem, parameters, outside, body, counters, inside, public=public,
+            result=self.routine.output.name, may_be_silent=True,
+        )  # fmt: skip
 
     def _called(self, call: Call, real: Kind) -> str:
         *body, last = function_body(call)
@@ -175,13 +178,14 @@ class _Table:
         value = self._interpolated() if self.core.linear else Element(self._values(), self._cell())
         self.body.append(Return(value))
         return Function(
-            stem, self.parameters, self.outside, self.body, self.local, self.wide, public=public
-        )
+            stem, self.parameters, self.outside, self.body, self.local, self.wide, public=public,
+            result=self.core.table.output,
+        )  # fmt: skip
 
     def cell_function(self, stem: str) -> Function:
         """Return the function that finds the number of a cell."""
         body = [Return(self._cell())]
-        return Function(stem, self.parameters, INDEX, body, {}, self.wide)
+        return Function(stem, self.parameters, INDEX, body, {}, self.wide, result="cell")
 
     def _number(self, value: float) -> Node:
         return Whole(int(value)) if self.fixed else constant(float(value))

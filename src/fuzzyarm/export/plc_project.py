@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ST_TYPES, Kind, st_literal, st_number
 from fuzzyarm.export.routine import Routine, number_lines
-from fuzzyarm.export.structured_text import structured_text
+from fuzzyarm.export.structured_text import controller_st, structured_text
 
 __all__ = [
     "ELEMENTARY",
@@ -260,6 +259,8 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_BlockTe
                 # Written as what has to be true: a comparison with not a number is false.
                 condition = f"NOT (ABS({block}.{name} - {place}) <= {tolerance})"
             lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]
+        for flag in unit.ports("VAR_OUTPUT")[len(drives) :]:  # of a rule base: whether one fires
+            lines += [f"    IF NOT {block}.{flag} THEN", "        passed := FALSE;", "    END_IF;"]
         lines.append("END_FOR;")
     name = names.new(f"{prefix}_test")
     head = "(* passed is TRUE after one cycle if the blocks agree with the model *)"

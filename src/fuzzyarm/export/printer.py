@@ -114,6 +114,8 @@ class Target:
     repeat: str = "for ({index} = 0; {index} < {count}; {index}++) {{"
     loop: str = "while ({}) {{"
     end: str = "}"
+    end_repeat: str | None = None
+    end_loop: str | None = None
     remark: str = "// {}"
     returned: str = "return {};"
     private: str = "{}"
@@ -248,15 +250,11 @@ class FunctionPrinter:
         self, printer: Printer, function: Function, *, declared: Iterable[str] = ()
     ) -> None:
         self.printer, self.target, self.function = printer, printer.target, function
-        self.names = printer.names.inner()
         self.times_set = Counter(_set_in(function.body))
         self.declared = {*function.parameters, *declared, *printer.members}
         self.rename = dict(printer.members)
-        for key, variable in {**function.parameters, **function.variables}.items():
-            self.rename[key] = self.names.new(variable.stem)
-        for key in self.times_set:
-            if key not in self.rename:
-                self.rename[key] = self.names.new(key)
+        self.names = printer.names.inner()
+        self.name_variables()
         self.arrays = {**printer.arrays, **self.rename}
         self.language = self.target.language._replace(
             text=lambda operation: self.target.operation(printer, operation),
@@ -264,6 +262,14 @@ class FunctionPrinter:
             rename=self.rename,
             leaf=self._leaf,
         )
+
+    def name_variables(self) -> None:
+        """Name parameters and local variables."""
+        for key, variable in {**self.function.parameters, **self.function.variables}.items():
+            self.rename[key] = self.names.new(variable.stem)
+        for key in self.times_set:
+            if key not in self.rename:
+                self.rename[key] = self.names.new(key)
 
     def kind_of(self, key: str) -> Kind:
         """Return the kind of a variable."""
@@ -326,11 +332,11 @@ class FunctionPrinter:
         count, kind = self.target.whole.format(line.times), self.target.types.get(INDEX, "")
         index = self.rename[line.variable]
         opening = self.target.repeat.format(index=index, count=count, type=kind)
-        return [opening, *self._inner(line.body), *self._end()]
+        return [opening, *self._inner(line.body), *self._end(self.target.end_repeat)]
 
     def _looped(self, line: While) -> list[str]:
         opening = self.target.loop.format(self.language.expression(line.condition))
-        return [opening, *self._inner(line.body), *self._end()]
+        return [opening, *self._inner(line.body), *self._end(self.target.end_loop)]
 
     def _stepped(self, line: Stepped) -> list[str]:
         arguments = ", ".join(map(self.language.expression, line.arguments))
@@ -362,8 +368,9 @@ class FunctionPrinter:
         pairs = enumerate((line.total, line.value))
         return [*lines, *(self._set(key, target.part.format(pair, i), "") for i, key in pairs)]
 
-    def _end(self) -> list[str]:
-        return [self.target.end] if self.target.end else []
+    def _end(self, end: str | None = None) -> list[str]:
+        end = self.target.end if end is None else end
+        return [end] if end else []
 
     def _set(self, key: str, value: str, remark: str) -> str:
         template = self.language.assign
@@ -457,5 +464,6 @@ def _set_in(body: Sequence[Line]) -> list[str]:
         elif isinstance(line, Stepped):
             names += line.targets
         elif isinstance(line, Repeat | While):
+            names += [line.variable] if isinstance(line, Repeat) else []
             names += _set_in(line.body)
     return names

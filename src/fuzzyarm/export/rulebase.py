@@ -306,8 +306,14 @@ def direct_routine(
     output: str | None = None,
     precision: str = "mixed",
     source: str | Path | None = None,
+    *,
+    widened: bool = False,
 ) -> DirectRoutine:
-    """Prepare the direct inference of one output; an ExportError names what cannot be exported."""
+    """Prepare the direct inference of one output; an ExportError names what cannot be exported.
+
+    With `widened` what is found in double precision only is computed so within, whatever the
+    precision.
+    """
     target = choose_output(rulebase, output)
     names = Names()
     arguments = [variable.name for variable in rulebase.inputs]
@@ -316,6 +322,8 @@ def direct_routine(
     parameters = [names.new(argument) for argument in arguments]
     program = make_program(rulebase, target.name, parameters)
     types = precision_named(precision, arithmetic=True)
+    if program.walks and widened:
+        types = precision_named("mixed" if precision == "float32" else precision, arithmetic=True)
     if program.walks and types.inside is not np.float64:
         way = target.defuzzifier
         raise refuse(

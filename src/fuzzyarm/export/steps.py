@@ -310,9 +310,18 @@ class Steps:
 
 
 class RoutineOptions(NamedTuple):
-    """How tables are exported: in whole numbers of so many bits, or as the signals are."""
+    """How rule bases and tables are exported.
+
+    Attributes
+    ----------
+    q : int or None
+        Tables in whole numbers of so many bits; else as the signals are.
+    widened : bool
+        Whether rule bases compute in double precision within what is found in that only.
+    """
 
     q: int | None = None
+    widened: bool = False
 
 
 def steps_of(
@@ -649,7 +658,9 @@ class _Walk:
             key = (id(rulebase), output.name)
             if key not in self.routine_names:
                 try:
-                    routine = direct_routine(rulebase, output.name, self._inner())
+                    routine = direct_routine(
+                        rulebase, output.name, self._inner(), widened=self.options.widened
+                    )
                 except ExportError as error:
                     hint = error.hint.replace(TABLE_HINT, "--table looks the rules up in a table")
                     raise error.in_file(self._file_of(name, rulebase), hint) from None

@@ -1,48 +1,134 @@
-"""Tables and rule bases as IEC 61131-3 Structured Text: a function block for each, for PLCs.
+"""Programs as IEC 61131-3 Structured Text: function blocks for PLCs.
 
-The constants of a function block are set once; those of a function would be copied at every
-call. The arithmetic is that of the C file.
+A rule base, a table and a controller are a block each, since the constants of a function would be
+copied at every call; what only calculates is a function. The language has no number for "none":
+where no rule fires and the rule base calls that an error, the output keeps its value and `fired` is
+false.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-from fuzzyarm.export.listing import WALKED, Loop, Walked, element, function_body
+import numpy as np
+
+from fuzzyarm.export.controller_lowering import controller_program
+from fuzzyarm.export.controllers import ControllerProgram
+from fuzzyarm.export.flattening import FIRED, RESULT, Call, flattened, result_of
+from fuzzyarm.export.listing import WALKED
+from fuzzyarm.export.lowering import routines_program
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import ST_TYPES, ExportError, Kind, rounded, st_literal, st_number
-from fuzzyarm.export.program import Call
-from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
+from fuzzyarm.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
+from fuzzyarm.export.printer import FunctionPrinter, Printer, Target
+from fuzzyarm.export.routine import Routine, comment, number_lines, plain, routine_words
 from fuzzyarm.export.rulebase import DirectRoutine
-from fuzzyarm.export.table import Side, TableCode, TableRoutine
-from fuzzyarm.export.walk_st import walk_in_st
-from fuzzyarm.expression.nodes import Constant, Node, symbols
-from fuzzyarm.expression.printing import (
-    STRUCTURED_TEXT,
-    Assign,
-    Choose,
-    Language,
-    NotPrintableError,
-    Statement,
-    setting,
-    statements,
-    variables,
+from fuzzyarm.export.typed_program import (
+    INDEX,
+    TRUTH,
+    Array,
+    Element,
+    Function,
+    Line,
+    Member,
+    Program,
+    Search,
+    Variable,
+    Walk,
+    every_node,
 )
+from fuzzyarm.export.walk_st import walk_in_st
+from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.expression.operations import Operation
+from fuzzyarm.expression.printing import STRUCTURED_TEXT, Assign, NotPrintableError
 from fuzzyarm.version import __version__
+
+__all__ = ["controller_st", "structured_text"]
+
+_TYPES = {**ST_TYPES, INDEX: "DINT", TRUTH: "BOOL"}
+
+
+def _operation(_printer: Printer, operation: Operation) -> str:
+    return {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}.get(
+        operation.name, operation.st
+    )
+
+
+def _number(_printer: Printer, value: float, kind: Kind) -> str:
+    if not math.isfinite(value):
+        raise ExportError("Structured Text has no infinite number", hint="export C")
+    return st_literal(value, kind)
+
+
+def _cast(text: str, before: Kind, after: Kind) -> str:
+    one, other = _TYPES[before], _TYPES[after]
+    if one == other:
+        return text
+    if np.issubdtype(before, np.floating) and not np.issubdtype(after, np.floating):
+        return f"TRUNC({text})"
+    return f"{one}_TO_{other}({text})"
+
+
+def _array(_printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int) -> str:
+    lines = number_lines([st_number(x, kind) for x in values], columns, indent="        ")
+    head = f"    {name} : ARRAY [0..{len(values) - 1}] OF {_TYPES[kind]} := ["
+    return "\n".join([head, *lines, "    ];"])
+
+
+TARGET = Target(
+    language=STRUCTURED_TEXT, names="st", operation=_operation, number=_number, array=_array,
+    cast=_cast, truths=("FALSE", "TRUE"), types=_TYPES, again="{name} := {value};", member="{}",
+    function=("", ""), when="IF {} THEN", otherwise="ELSE", end="END_IF;",
+    repeat="FOR {index} := 0 TO {count} - 1 DO", end_repeat="END_FOR;", loop="WHILE {} DO",
+    end_loop="END_WHILE;", remark="(* {} *)",
+)  # fmt: skip
 
 
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
     """Return a file with a function block for every routine, and the names of the blocks."""
-    names = Names("st")
-    blocks, block_names = [], []
-    for routine in routines:
-        name = names.new(f"{prefix}_{identifier(routine.output.name)}")
-        block_names.append(name)
-        with printable_only():
-            blocks.append(block_of(routine, name, names).text())
-    return "\n".join(blocks), block_names
+    with printable_only():
+        program = routines_program(routines)
+        blocks = [key for key, function in program.functions.items() if function.public]
+        words = {
+            key: _routine_words(routine) for key, routine in zip(blocks, routines, strict=True)
+        }
+        file = _File(program, prefix, words)
+        text = file.text()
+        return text, [file.called[key] for key in blocks]
+
+
+def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
+    """Return the text of a controller as a function block, and the name of the block.
+
+    Parameters
+    ----------
+    program : ControllerProgram
+        The controller.
+    prefix : str
+        The name of the block; it begins the names of those that it calls.
+
+    Raises
+    ------
+    ExportError
+        If the language lacks something that the controller needs.
+    """
+    with printable_only():
+        steps = program.steps
+        words = {
+            f"routine {name}": _routine_words(routine) for name, routine in steps.routines.items()
+        }
+        file = _File(controller_program(steps), prefix, words)
+        period = steps.model.period
+        use = [f"call it every {period:g} s; gains are inputs, with their values"]
+        if steps.needs_last:
+            use.append(
+                f"a set point lasts {steps.model.every} periods; where the next one comes off"
+                " that count, set_point_ends is TRUE in the last period of the present one"
+            )
+        if steps.learned:
+            use.append("tables that learn are RETAIN: they survive a loss of power")
+        return file.text([*program.head(), "", *use]), file.controller
 
 
 @contextmanager
@@ -54,429 +140,191 @@ def printable_only() -> Iterator[None]:
         raise ExportError(str(error), hint="export C, or a table") from None
 
 
-def block_of(routine: Routine, name: str, names: Names) -> TableBlock | RulesBlock:
-    """Return the function block of a routine; `names` are those of the file."""
-    if isinstance(routine, TableRoutine):
-        return TableBlock(routine, name)
-    assert isinstance(routine, DirectRoutine)
-    return RulesBlock(routine, name, names)
+def _routine_words(routine: Routine) -> list[str]:
+    """Return the comment of a block."""
+    words = routine_words(routine)
+    if isinstance(routine, DirectRoutine):
+        words = [line for line in words if line != routine.silence]
+        words.append("where no rule fires the output keeps its value, and fired is FALSE")
+    head = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
+    return [head, "", *words]
 
 
-def head_comment(words: Sequence[str]) -> list[str]:
-    """Return lines as a comment."""
-    return comment(words, "(*", " *", " *)")
+class _File(Printer):
+    """The units of a file: functions, and blocks for what has constants of its own."""
 
+    def __init__(self, program: Program, prefix: str, words: Mapping[str, list[str]]) -> None:
+        self.program, self.target, self.words = program, TARGET, words
+        self.names, self.members, self.arrays = Names("st"), {}, {}
+        self.controller = self.names.new(prefix) if program.step is not None else prefix
+        self.called = {}
+        functions = {key: f for key, f in program.functions.items() if not _takes_array(f)}
+        for key in sorted(functions, key=lambda key: key not in words):
+            self.called[key] = self.names.new(f"{prefix}_{identifier(functions[key].stem)}")
+        self.blocks = {key for key, f in functions.items() if key in words or _has_arrays(f)}
+        self.ports: dict[str, tuple[list[str], str]] = {}  # of blocks: inputs and output
 
-def st_numbers(real: Kind) -> Language:
-    """Return Structured Text with its own functions for the smaller and the greater of two."""
-    spellings = {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}
-
-    def number(value: float) -> str:
-        if not math.isfinite(value):
-            raise ExportError("Structured Text has no infinite number", hint="export C")
-        return st_literal(value, real)
-
-    return STRUCTURED_TEXT._replace(
-        text=lambda operation: spellings.get(operation.name, operation.st), number=number, rename={}
-    )
-
-
-class TableBlock(TableCode):
-    """The function block of a table: its variables are declared apart from the statements."""
-
-    types = ST_TYPES
-    number = staticmethod(st_number)
-
-    def __init__(self, routine: TableRoutine, name: str) -> None:
-        self.routine = routine
-        self.name = name
-        self.names = Names("st", {name})
-        core, table = routine.core, routine.core.table
-        self.inputs = [self.names.new(axis.name) for axis in table.axes]
-        self.output = self.names.new(table.output)
-        super().__init__(core, self.inputs)
-        self.language = st_numbers(core.precision[2])
-        self.constants: list[str] = []
-        self.variables: list[tuple[str, str]] = []
-        self.index = "INT" if core.values.size <= 0x7FFF else "DINT"
-
-    def text(self) -> str:
-        """Return the block."""
-        statements = self._interpolate() if self.core.linear else self._pick()
-        constants = ["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []
-        variables = [f"    {name} : {kind};" for name, kind in self.variables]
-        lines = [
-            *head_comment(
-                [
-                    f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
-                    "",
-                    *routine_words(self.routine),
-                ]
-            ),
-            f"FUNCTION_BLOCK {self.name}",
-            "VAR_INPUT",
-            *(f"    {name} : {self.outer};" for name in self.inputs),
-            "END_VAR",
-            "VAR_OUTPUT",
-            f"    {self.output} : {self.outer};",
-            "END_VAR",
-            *constants,
-            *(["VAR", *variables, "END_VAR"] if variables else []),
-            "",
-            *statements,
-            "END_FUNCTION_BLOCK",
-            "",
+    def text(self, words: Sequence[str] = ()) -> str:
+        """Return the file; `words` are those of the controller."""
+        units = [
+            _Unit(self, key, function, self.words.get(key, ())).unit()
+            for key, function in self.program.functions.items()
+            if key in self.called
         ]
-        return "\n".join(lines)
-
-    # ── parts ────────────────────────────────────────────────────────────────────────
-
-    def _variable(self, stem: str, kind: str) -> str:
-        name = self.names.new(stem)
-        self.variables.append((name, kind))
-        return name
-
-    def _array(self, stem: str, literals: Sequence[str], columns: int = 0) -> str:
-        name = self.names.new(stem)
-        lines = number_lines(literals, columns, indent="        ")
-        head = f"    {name} : ARRAY [0..{len(literals) - 1}] OF {self.inner} := ["
-        self.constants.append("\n".join([head, *lines, "    ];"]))
-        return name
-
-    def _values(self) -> str:
-        literals = self.literals(self.core.values)
-        return self._array(f"{self.output}_values", literals, self.core.table.shape[-1])
-
-    def _widened(self, expression: str) -> str:
-        same = self.inner == self.wide
-        return expression if same else f"{self.inner}_TO_{self.wide}({expression})"
-
-    def _narrowed(self, expression: str) -> str:
-        if self.wide == self.outer:
-            return expression
-        return f"{self.wide}_TO_{self.outer}({expression})"
-
-    def _search(
-        self, points: str, first: int, count: int, x: str, comparison: str
-    ) -> tuple[list[str], str]:
-        """Return a bisection; afterwards the variable `low` counts the points from `first`."""
-        if not hasattr(self, "bounds"):
-            self.bounds = [self._variable(role, self.index) for role in ("low", "high", "middle")]
-        low, high, middle = self.bounds
-        index = f"{middle} + {first}" if first else middle
-        return [
-            f"{low} := 0;",
-            f"{high} := {count};",
-            f"WHILE {low} < {high} DO",
-            f"    {middle} := ({low} + {high}) / 2;",
-            f"    IF {points}[{index}] {comparison} {x} THEN",
-            f"        {low} := {middle} + 1;",
-            "    ELSE",
-            f"        {high} := {middle};",
-            "    END_IF;",
-            "END_WHILE;",
-        ], low
-
-    def _pick(self) -> list[str]:
-        lines, cell = self._found_cell()
-        return [*lines, f"{self.output} := {self._values()}[{cell}];"]
-
-    def _found_cell(self) -> tuple[list[str], str]:
-        """Return how the number of the cell is found, and its variable."""
-        cell = self._variable("cell", self.index)
-        what = "bins" if self.core.mode == "bins" else "middles"
-        lines = [f"{cell} := 0;"]
-        for side in self.sides:
-            edges = self._array(f"{side.name}_{what}", self.points(side))
-            search, low = self._search(edges, 0, side.size - 1, side.name, "<")
-            lines += [*search, f"{cell} := {cell} * {side.size} + {low};"]
-        return lines, cell
-
-    def _interpolate(self) -> list[str]:
-        cell = self._variable("cell", self.index)
-        lines = [f"{cell} := 0;"]
-        shares = []
-        for side in self.sides:
-            part, share = self._neighbour(side, cell)
-            lines += part
-            shares.append(share)
-        values = self._values()
-        corners = [
-            self._widened(f"{values}[{cell} + {offset}]" if offset else f"{values}[{cell}]")
-            for offset in self.offsets
-        ]
-        targets = [self._variable(f"v{k}", self.wide) for k in range(len(corners) // 2)]
-        product = self._variable("product", "DINT") if self.fixed else ""
-
-        def assign(side: int, pair: int, near: str, far: str) -> str:
-            nonlocal lines
-            lines += self._blend(targets[pair], near, far, shares[side], product)
-            return targets[pair]
-
-        value = self.blended(corners, shares, assign)
-        return [*lines, f"{self.output} := {self._narrowed(value)};"]
-
-    def _neighbour(self, side: Side, cell: str) -> tuple[list[str], str]:
-        """Clamp one input, find its lower neighbour and the share of the way to the upper."""
-        name, points = side.name, self.points(side)
-        levels = self._array(f"{name}_levels", points)
-        x, share = self._variable(f"x_{name}", self.inner), self._variable(f"t_{name}", self.wide)
-        argument = name if self.inner == self.outer else f"{self.outer}_TO_{self.inner}({name})"
-        search, low = self._search(levels, 1, side.size - 2, x, "<=")
-        way = [self._widened(text) for text in (x, f"{levels}[{low}]", f"{levels}[{low} + 1]")]
-        value = self.share(*way)
-        if self.fixed:
-            value = f"({way[0]} - {way[1]}) * 32768 / ({way[2]} - {way[1]})"
-        step = low if side.stride == 1 else f"{low} * {side.stride}"
-        first, last = (
-            st_literal(float(text), self.core.precision[1]) for text in (points[0], points[-1])
-        )
-        return [
-            f"{x} := {first};",
-            f"IF {argument} > {x} THEN",
-            f"    {x} := {argument};",
-            "END_IF;",
-            f"IF {x} > {last} THEN",
-            f"    {x} := {last};",
-            "END_IF;",
-            *search,
-            f"{share} := {value};",
-            f"{cell} := {cell} + {step};",
-        ], share
-
-    def _blend(self, target: str, near: str, far: str, share: str, product: str) -> list[str]:
-        if not self.fixed:
-            return [f"{target} := {self.blend(near, far, share)};"]
-        # Rounded to the nearest, ties away from zero; DINT / DINT drops the remainder.
-        return [
-            f"{product} := ({far} - {near}) * {share};",
-            f"IF {product} >= 0 THEN",
-            f"    {target} := {near} + ({product} + 16384) / 32768;",
-            "ELSE",
-            f"    {target} := {near} - (16384 - {product}) / 32768;",
-            "END_IF;",
-        ]
+        if self.program.step is not None:
+            units.append(_Unit(self, "", self.program.step, words).unit())
+        return "\n".join(units)
 
 
-class CellBlock(TableBlock):
-    """A block whose result is the number of the cell that the inputs fall into, a DINT."""
-
-    def __init__(self, routine: TableRoutine, name: str) -> None:
-        super().__init__(routine, name)
-        self.index = "DINT"
-
-    def text(self) -> str:
-        """Return the block, without the values of the table."""
-        lines, cell = self._found_cell()
-        self.output = cell
-        self.variables = [variable for variable in self.variables if variable[0] != cell]
-        return "\n".join(
-            [
-                f"FUNCTION_BLOCK {self.name}",
-                "VAR_INPUT",
-                *(f"    {name} : {self.outer};" for name in self.inputs),
-                "END_VAR",
-                "VAR_OUTPUT",
-                f"    {cell} : {self.index};",
-                "END_VAR",
-                *(["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []),
-                "VAR",
-                *(f"    {name} : {kind};" for name, kind in self.variables),
-                "END_VAR",
-                "",
-                *lines,
-                "END_FUNCTION_BLOCK",
-                "",
-            ]
-        )
+def _takes_array(function: Function) -> bool:
+    return any(variable.of_array for variable in function.parameters.values())
 
 
-# --- Direct inference ---
+def _has_arrays(function: Function) -> bool:
+    return any(isinstance(node, Element | Search) for node in every_node(function.body))
 
 
-class RulesBlock:
-    """The function block of a rule base that is inferred directly.
+class _Unit(FunctionPrinter):
+    """A function or a block: its declarations in their sections, and its statements."""
 
-    The language has no number for "none": where no rule fires and the rule base calls that an
-    error, the output keeps its value and `fired` is false.
-    """
+    file: _File
 
-    def __init__(self, routine: DirectRoutine, name: str, names: Names) -> None:
-        self.routine, self.name, self.file_names = routine, name, names
-        inside = routine.precision.inside
-        self.outer, self.inner = ST_TYPES[routine.precision.outside], ST_TYPES[inside]
-        self.language = st_numbers(inside)
-        self.names = Names("st", {name})
-        self.inputs = [self.names.new(argument.name) for argument in routine.arguments]
-        self.output = self.names.new(routine.output.name)
-        self.fired = self.names.new("fired")
-        self.kind = inside
-        self.constants: list[str] = []
-        self.variables: dict[str, str] = {}
-        self.functions: list[str] = []
-        self.function_names: dict[str, str] = {}  # functions by their text
-        # No part of an expression is called as a variable of the listing is.
-        self.part_names: set[str] = set(routine.listing.names)
+    def __init__(self, file: _File, key: str, function: Function, words: Sequence[str]) -> None:
+        self.file, self.key, self.words = file, key, words
+        self.is_step = not key
+        self.is_block = self.is_step or key in file.blocks
+        self.name = file.called.get(key, file.controller)
+        titles = ("VAR_INPUT", "VAR_OUTPUT", "VAR CONSTANT", "VAR RETAIN", "VAR")
+        self.sections: dict[str, list[str]] = {title: [] for title in titles}
+        self.state_arrays: dict[str, str] = {}
+        self.instances: dict[str, str] = {}
+        self.before: list[str] = []
+        super().__init__(file, flattened(function, file.program, file.blocks.__contains__))
+        self.arrays = self.state_arrays
+        for node in every_node(self.function.body):
+            if isinstance(node, Element) and node.array not in self.arrays:
+                array = file.program.arrays[node.array]
+                self._array("VAR CONSTANT", node.array, array)
 
-    def text(self) -> str:
-        """Return the block, after the functions that it calls."""
-        statements = self._statements()
-        constants = ["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []
-        variables = [f"    {name} : {kind};" for name, kind in self.variables.items()]
-        words = [
-            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
-            "",
-            *(line for line in routine_words(self.routine) if line != self.routine.silence),
-            f"where no rule fires {self.output} keeps its value, and {self.fired} is FALSE",
-        ]
-        lines = [
-            *self.functions,
-            *head_comment(words),
-            f"FUNCTION_BLOCK {self.name}",
-            "VAR_INPUT",
-            *(f"    {name} : {self.outer};" for name in self.inputs),
-            "END_VAR",
-            "VAR_OUTPUT",
-            f"    {self.output} : {self.outer};",
-            f"    {self.fired} : BOOL;",
-            "END_VAR",
-            *constants,
-            "VAR",
-            *variables,
-            "END_VAR",
-            "",
-            *statements,
-            "END_FUNCTION_BLOCK",
-            "",
-        ]
-        return "\n".join(lines)
+    def unit(self) -> str:
+        """Return the unit, after the functions of its walks."""
+        body = self.lines(self.function.body)
+        sort = "FUNCTION_BLOCK" if self.is_block else "FUNCTION"
+        returned = "" if self.is_block else f" : {_TYPES[self.function.returned]}"
+        sections = [(title, lines) for title, lines in self.sections.items() if lines]
+        return "\n".join([
+            *self.before, *(comment(self.words, "(*", " *", " *)") if self.words else ()),
+            f"{sort} {self.name}{returned}",
+            *(line for title, lines in sections for line in (title, *lines, "END_VAR")),
+            "", *body, f"END_{sort}", "",
+        ])  # fmt: skip
 
-    def _statements(self) -> list[str]:
-        listing, same = self.routine.listing, self.outer == self.inner
-        lines = [f"{self.fired} := TRUE;"]
-        for symbol, parameter in zip(self.routine.program.symbols, self.inputs, strict=True):
-            if symbol in listing.reads:
-                text = parameter if same else f"{self.outer}_TO_{self.inner}({parameter})"
-                lines.append(f"{self._declared(symbol)} := {text};")
-        for step in listing.body:
-            lines += self._lines_of(step)
-        result = "result value"  # no variable of the listing has a space in it
-        lines += self._lines_of(Assign(result, listing.result))
-        back = self._declared(result)
-        value = back if same else f"{self.inner}_TO_{self.outer}({back})"
-        return [*lines, f"IF {self.fired} THEN", f"    {self.output} := {value};", "END_IF;"]
+    # ── declarations ─────────────────────────────────────────────────────────────────
 
-    def _declared(self, name: str) -> str:
-        """Return what a variable is called here; letters alone do not tell two apart."""
-        if name not in self.language.rename:
-            identifier = self.names.new(name)
-            self.language.rename[name] = identifier
-            self.variables[identifier] = self.inner
-        return self.language.rename[name]
+    def name_variables(self) -> None:
+        """Name and declare ports, state and local variables."""
+        function = self.function
+        self.names = Names("st", {self.name})
+        for key, variable in function.parameters.items():
+            self._declare_one("VAR_INPUT", key, variable.stem, variable.kind)
+        if self.is_step:
+            self._declare_state()
+        elif self.is_block:
+            self._declare_one("VAR_OUTPUT", RESULT, function.result, function.returned)
+            inputs = [self.rename[key] for key in function.parameters]
+            self.file.ports[self.key] = inputs, self.rename[RESULT]
+            if function.may_be_silent:
+                self._declare_one("VAR_OUTPUT", FIRED, "fired", TRUTH)
+        else:
+            self.rename[RESULT] = self.name
+        for key in self.times_set:
+            if key not in self.rename:
+                variable = function.variables.get(key, Variable(key, function.real))
+                self._declare_one("VAR", key, variable.stem, variable.kind)
 
-    def _lines_of(self, statement: Statement | Loop | Walked) -> list[str]:
-        if isinstance(statement, Walked):
-            return self._walk(statement)
-        if isinstance(statement, Loop):
-            return self._loop(statement)
-        if isinstance(statement, Choose):
-            condition = self._expression(statement.condition)
-            then = [line for part in statement.then for line in self._lines_of(part)]
-            otherwise = [line for part in statement.otherwise for line in self._lines_of(part)]
-            inner = [*(f"    {line}" for line in then), "ELSE", *(f"    {x}" for x in otherwise)]
-            return [f"IF {condition} THEN", *inner, "END_IF;"]
-        if isinstance(statement.value, Constant) and math.isnan(statement.value.value):
-            zero = self.language.number(0.0)
-            return [f"{self._declared(statement.name)} := {zero};", f"{self.fired} := FALSE;"]
-        body, value = statements(statement.value, prefix="part_", reserved=self.part_names)
-        self.part_names |= set(variables(body))
-        if body:  # choices, which the language has no expression for
-            parts = setting(statement.name, body, value, statement.remark)
-            return [line for part in parts for line in self._lines_of(part)]
-        target = self._declared(statement.name)
-        remark = self.language.remark.format(statement.remark) if statement.remark else ""
-        return [f"{target} := {self._expression(value)};{remark}"]
+    def _declare_one(
+        self, title: str, key: str, stem: str, kind: Kind, start: str = "", remark: str = ""
+    ) -> None:
+        name = self.rename[key] = self.names.new(stem)
+        start = f" := {start}" if start else ""
+        remark = f" (* {plain(remark)} *)" if remark else ""
+        self.sections[title].append(f"    {name} : {_TYPES[kind]}{start};{remark}")
 
-    def _expression(self, node: Node) -> str:
-        for name in symbols(node):
-            if name in self.routine.listing.calls and name not in self.language.rename:
-                call, argument = self.routine.listing.calls[name]
-                function = self._function(call)
-                self.language.rename[name] = f"{function}({self._expression(argument)})"
-        return self.language.expression(node)
+    def _array(self, title: str, key: str, array: Array) -> None:
+        name = self.arrays[key] = self.names.new(array.stem)
+        text = _array(self.file, name, array.kind, array.values, array.columns)
+        self.sections[title].append(text)
 
-    def _function(self, call: Call) -> str:
-        """Return the name of a function of the file."""
-        language = st_numbers(self.kind)
-        body = function_body(call)
-        *inner, last = body
-        local_names = [name for name in variables(inner) if name]
-        lines = [*language.lines(inner)]
-        assert isinstance(last, Assign)
-        text = "\n".join([*lines, language.expression(last.value)])
-        if text not in self.function_names:
-            name = self.file_names.new(f"{self.name}_{call.stem}")
-            self.function_names[text] = name
-            declarations = [
-                "VAR",
-                *(f"    {local} : {self.inner};" for local in local_names),
-                "END_VAR",
-            ]
-            self.functions += [
-                f"FUNCTION {name} : {self.inner}",
-                "VAR_INPUT",
-                f"    h : {self.inner};",
-                "END_VAR",
-                *(declarations if local_names else []),
-                "",
-                *lines,
-                f"{name} := {language.expression(last.value)};",
-                "END_FUNCTION",
-                "",
-            ]
-        return self.function_names[text]
+    def _declare_state(self) -> None:
+        program, self.arrays = self.file.program, self.state_arrays
+        for key, member in program.state.items():
+            retained = member.role in {"table", "visits"}
+            title = "VAR_INPUT" if member.role == "gain" else "VAR RETAIN" if retained else "VAR"
+            if isinstance(member.start, tuple):
+                self._array(title, key, Array(member.stem, member.kind, member.start))
+            elif member.role != "held":
+                start = "" if member.role == "signal" else _start(member)
+                self._declare_one(title, key, member.stem, member.kind, start, member.remark)
+        for key, variable in program.drives.items():
+            held = program.state.get(f"held {key}")
+            start = _start(held) if held is not None and held.start else ""
+            self._declare_one("VAR_OUTPUT", key, variable.stem, variable.kind, start)
+            self.rename[f"held {key}"] = self.rename[key]
 
-    def _walk(self, statement: Walked) -> list[str]:
+    # ── statements ───────────────────────────────────────────────────────────────────
+
+    def _line(self, line: Line) -> list[str]:
+        if isinstance(line, Call):
+            return [self._called_block(line)]
+        if isinstance(line, Walk):
+            return self._walked(line)
+        if isinstance(line, Assign) and line.value is symbol(f"held {line.name}"):
+            return []  # an output keeps its value by itself
+        return super()._line(line)
+
+    def _set(self, key: str, value: str, remark: str) -> str:
+        text = self.language.assign.format(name=self.rename[key], value=value)
+        return text + (self.language.remark.format(remark) if remark else "")
+
+    def _called_block(self, line: Call) -> str:
+        key = line.function
+        inputs, output = self.file.ports[key]
+        if key not in self.instances:
+            stem = self.file.program.functions[key].stem
+            taken = stem in {array.stem for array in self.file.program.arrays.values()}
+            name = self.instances[key] = self.names.new(f"the_{stem}" if taken else stem)
+            self.sections["VAR"].append(f"    {name} : {self.file.called[key]};")
+            self.rename[result_of(key)] = f"{name}.{output}"
+        values = map(self.language.expression, line.arguments)
+        passed = ", ".join(f"{x} := {value}" for x, value in zip(inputs, values, strict=True))
+        return f"{self.instances[key]}({passed});"
+
+    def _walked(self, line: Walk) -> list[str]:
         """Return the call of the functions of a walk; its tables are variables of the block."""
-        walk = statement.walk
-        text = walk_in_st(walk, self.file_names, f"{self.name}_{walk.output}_{WALKED}")
-        self.functions += [*text.types, *text.functions]
+        stem = f"{self.name}_{identifier(line.walk.output)}_{WALKED}"
+        text = walk_in_st(line.walk, self.file.names, stem)
+        self.before += [*text.types, *text.functions]
         arrays = {}
         # Not constants: a function takes by reference what may be written to.
-        for array, literals in text.tables.items():
-            arrays[array] = self.names.new(f"{walk.output}_{array}")
-            body = "\n".join(number_lines(literals, indent="        "))
-            self.variables[arrays[array]] = f"{text.type_names[array]} := [\n{body}\n    ]"
-        arrays["room"] = self.names.new(f"{walk.output}_room")
-        self.variables[arrays["room"]] = text.type_names["room"]
+        for array, literals in {**text.tables, "room": []}.items():
+            name = arrays[array] = self.names.new(f"{line.walk.output}_{array}")
+            body = "\n".join(number_lines(literals, indent="        ")) if literals else ""
+            start = f" := [\n{body}\n    ]" if body else ""
+            self.sections["VAR"].append(f"    {name} : {text.type_names[array]}{start};")
         flag = self.names.new("done")
-        self.variables[flag] = "BOOL"
-        lines = []
-        for index, part in enumerate(statement.parts):
-            body_of_part, value = statements(part, prefix="part_", reserved=self.part_names)
-            self.part_names |= set(variables(body_of_part))
-            lines += [line for inner in body_of_part for line in self._lines_of(inner)]
-            lines.append(f"{arrays['room']}[{index}] := {self._expression(value)};")
-        total, result = self._declared(walk.total), self._declared(walk.value)
-        return [*lines, text.call.format(**arrays, total=total, value=result, done=flag)]
-
-    def _loop(self, loop: Loop) -> list[str]:
-        sums = loop.sums
-        index = self._declared(sums.index)
-        self.variables[index] = "DINT"
-        for name, column in sums.columns.items():
-            literals = [st_number(value, self.kind) for value in rounded(column, self.kind, name)]
-            array = self.names.new(sums.stems[name])
-            head = f"    {array} : ARRAY [0..{len(literals) - 1}] OF {self.inner} := ["
-            body = number_lines(literals, indent="        ")
-            self.constants.append("\n".join([head, *body, "    ];"]))
-            self.language.rename[element(sums, name)] = f"{array}[{index}]"
-        zero = self.language.number(0.0)
-        lines = [f"{self._declared(name)} := {zero};" for name in (sums.area, sums.moment)]
-        inner = [line for part in loop.body for line in self._lines_of(part)]
-        return [
-            *lines,
-            f"FOR {index} := 0 TO {sums.count - 1} DO",
-            *(f"    {line}" for line in inner),
-            "END_FOR;",
+        self.sections["VAR"].append(f"    {flag} : BOOL;")
+        lines = [
+            f"{arrays['room']}[{index}] := {self.language.expression(part)};"
+            for index, part in enumerate(line.parts)
         ]
+        total, value = self.rename[line.total], self.rename[line.value]
+        return [*lines, text.call.format(**arrays, total=total, value=value, done=flag)]
+
+
+def _start(member: Member) -> str:
+    assert not isinstance(member.start, tuple)
+    if member.kind is TRUTH:
+        return TARGET.truths[bool(member.start)]
+    if not math.isfinite(member.start):
+        raise ExportError("Structured Text has no infinite number", hint="export C")
+    return st_number(member.start, member.kind)

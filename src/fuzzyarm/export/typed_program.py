@@ -16,7 +16,7 @@ printer finds a free identifier in its language. So no lowering knows reserved w
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -96,6 +96,7 @@ class Search(Node):
     first: int
     count: int
     value: Node
+    reached: bool = False
 
 
 def cast(value: Node, before: Kind, after: Kind) -> Node:
@@ -261,6 +262,10 @@ class Function:
         Whether it is called from outside.
     remark : str
         What it returns.
+    result : str
+        Stem of the name of its result, where that is a variable.
+    may_be_silent : bool
+        Whether it is a rule base, which returns NaN where no rule fires.
     """
 
     stem: str
@@ -271,6 +276,8 @@ class Function:
     real: Kind = REAL
     public: bool = False
     remark: str = ""
+    result: str = ""
+    may_be_silent: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -351,7 +358,7 @@ class Program:
         """Return the search of a value of a kind, counting what it has reached or passed."""
         key = f"count {np.dtype(kind)} {reached}"
         function = self.function(key, _counting(kind, reached=reached))
-        return Search(function, array, first, count, value)
+        return Search(function, array, first, count, value, reached)
 
 
 def _counting(kind: Kind, *, reached: bool) -> Function:
@@ -379,15 +386,11 @@ def _counting(kind: Kind, *, reached: bool) -> Function:
     return Function(stem, parameters, INDEX, body, local, kind, remark=remark)
 
 
-def every_node(lines: Sequence[Line]) -> Iterator[Node]:
+def every_node(lines: Iterable[Any]) -> Iterator[Node]:
     """Yield all nodes of some statements."""
-    for line in lines:
-        for value in line:
-            if isinstance(value, Node):
-                waiting = [value]
-                while waiting:
-                    node = waiting.pop()
-                    yield node
-                    waiting += parts(node)
-            elif isinstance(value, tuple):
-                yield from every_node(value)
+    for value in lines:
+        if isinstance(value, Node):
+            yield value
+            yield from every_node(parts(value))
+        elif isinstance(value, tuple | list):
+            yield from every_node(value)

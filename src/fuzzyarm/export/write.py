@@ -9,7 +9,6 @@ from types import MappingProxyType
 
 from fuzzyarm.export.c import c_header, c_pair
 from fuzzyarm.export.controller_c import controller_c
-from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
@@ -21,7 +20,7 @@ from fuzzyarm.export.plcopen import plcopen_xml
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.scl import scl_source
-from fuzzyarm.export.structured_text import structured_text
+from fuzzyarm.export.structured_text import controller_st, structured_text
 from fuzzyarm.export.table import MOST_CELLS, TableRoutine, fewer_levels
 from fuzzyarm.export.table_numbers import fixed_table, float_table
 from fuzzyarm.model.rulebase import RuleBase
@@ -65,6 +64,7 @@ def routines_of(
     precision: str = "mixed",
     source: str | Path | None = None,
     proved: Mapping[str, float | None] = MappingProxyType({}),
+    widened: bool = False,
 ) -> tuple[Routine, ...]:
     """Return the routines that a file exports.
 
@@ -84,6 +84,8 @@ def routines_of(
         The file of a rule base, for the head.
     proved : mapping of str to float or None
         What the table of an output, looked up so, nowhere differs from its rules by.
+    widened : bool
+        Whether what is found in double precision only is computed so within, whatever `precision`.
 
     Raises
     ------
@@ -103,7 +105,9 @@ def routines_of(
             raise ExportError(
                 f"'{model.name}' has no outputs", hint="add a line like  output u -1 .. 1"
             )
-        return tuple(direct_routine(model, name, precision, source) for name in names)
+        return tuple(
+            direct_routine(model, name, precision, source, widened=widened) for name in names
+        )
     tables = [model] if isinstance(model, LookupTable) else list(model)
     for table in tables:
         if table.values.size > MOST_CELLS:

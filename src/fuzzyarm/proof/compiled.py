@@ -249,6 +249,7 @@ def routines_for(
         precision=how.precision or default,
         source=how.source or None,
         proved=proved,
+        widened=how.precision is None,
     )
     return routines, reports
 
@@ -305,5 +306,6 @@ def controller_program(
 
     if how.table:
         controller = with_tables(controller, compile_output)
-    program = ControllerProgram(controller, how.precision or default, how.q, how.proofs)
+    precision, widened = how.precision or default, how.precision is None
+    program = ControllerProgram(controller, precision, how.q, how.proofs, widened)
     return program, tuple(reports)
