@@ -257,6 +257,12 @@ class _Unit(FunctionPrinter):
 
     def _declare_state(self) -> None:
         program, self.arrays = self.file.program, self.state_arrays
+        # A port has its name before what is inside.
+        for key, variable in program.drives.items():
+            held = program.state.get(f"held {key}")
+            start = _start(held) if held is not None and held.start else ""
+            self._declare_one("VAR_OUTPUT", key, variable.stem, variable.kind, start)
+            self.rename[f"held {key}"] = self.rename[key]
         for key, member in program.state.items():
             retained = member.role in {"table", "visits"}
             title = "VAR_INPUT" if member.role == "gain" else "VAR RETAIN" if retained else "VAR"
@@ -265,11 +271,6 @@ class _Unit(FunctionPrinter):
             elif member.role != "held":
                 start = "" if member.role == "signal" else _start(member)
                 self._declare_one(title, key, member.stem, member.kind, start, member.remark)
-        for key, variable in program.drives.items():
-            held = program.state.get(f"held {key}")
-            start = _start(held) if held is not None and held.start else ""
-            self._declare_one("VAR_OUTPUT", key, variable.stem, variable.kind, start)
-            self.rename[f"held {key}"] = self.rename[key]
 
     # ── statements ───────────────────────────────────────────────────────────────────
 
