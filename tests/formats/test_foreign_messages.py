@@ -202,3 +202,88 @@ def test_a_t2fis_is_read_by_its_suffix(capsys: pytest.CaptureFixture[str]) -> No
     assert main(["eval", str(DATA / "observer.t2fis"), "x1=-0.3", "x2=0.6"]) == 0
     value = float(capsys.readouterr().out.split("=")[1])
     assert value == infer(good(read(DATA / "observer.t2fis")), x1=-0.3, x2=0.6)["y"]
+
+
+BLIND = """FUNCTION_BLOCK blind
+VAR_INPUT
+ light : REAL;
+ k : REAL;
+END_VAR
+VAR_OUTPUT
+ mid : REAL;
+ shade : REAL;
+END_VAR
+FUZZIFY light
+ TERM dark := (0, 1) (10, 0);
+ TERM bright := (0, 0) (10, 1);
+END_FUZZIFY
+DEFUZZIFY mid
+ TERM lo := (0, 1) (1, 0);
+ METHOD : COG;
+ DEFAULT := 0;
+ RANGE := (0 .. 1);
+END_DEFUZZIFY
+DEFUZZIFY shade
+ TERM lo := (0, 0) (5, 1) (10, 0);
+ TERM hi := (20, 0) (25, 1) (30, 0);
+ METHOD : COG;
+ DEFAULT := 0;
+ RANGE := (0 .. 30);
+END_DEFUZZIFY
+RULEBLOCK a
+ AND : MIN;
+ ACT : MIN;
+ RULE 1 : IF light IS dark THEN mid IS lo WITH 0.5;
+ RULE 2 : IF light IS bright THEN shade IS hi;
+ RULE 3 : IF light IS dark THEN shade IS lo;
+END_RULEBLOCK
+END_FUNCTION_BLOCK
+"""
+
+
+def test_a_corner_that_moves_is_reported_once() -> None:
+    text = BLIND.replace("(0, 1) (10, 0)", "(0, 1) (k, 0)").replace("(10, 1)", "(k, 1)")
+    errors = parse_fcl(text).errors
+    assert [d.name for d in errors] == ["moving-corner"]
+    assert "'k' is a variable" in errors[0].message
+    assert "1 more time" in errors[0].message
+
+
+def test_an_accumulation_of_an_output_names_the_programs_that_have_it() -> None:
+    text = BLIND.replace("METHOD : COG;", "METHOD : COG;\n ACCU : MAX;")
+    errors = parse_fcl(text, dialect="jfuzzylogic").errors
+    assert [d.name for d in errors] == ["mixed-accumulation"] * 2  # once for each output
+    assert all("--from fuzzylite" in d.hint for d in errors)
+    assert not parse_fcl(text).errors
+
+
+def test_a_rule_that_cannot_be_put_in_is_named_and_scikits_activation_is_a_loss() -> None:
+    text = BLIND.replace("IF light IS dark THEN shade", "IF mid IS lo THEN shade")
+    text = text.replace("ACT : MIN;", "ACT : MIN;\n ACCU : MAX;")
+    (error,) = parse_fcl(text, dialect="fuzzylite").errors
+    assert error.name == "chained-output"
+    line = next(n for n, row in enumerate(text.split("\n"), 1) if "WITH 0.5" in row)
+    assert error.message.endswith(f"the rule in line {line} has the weight 0.5")
+    ranged = text.replace("FUZZIFY light", "FUZZIFY light\n RANGE := (0 .. 10);")
+    assert {d.name for d in parse_fcl(ranged, dialect="scikit-fuzzy").errors} == {"chained-output"}
+
+
+def test_the_method_cm_has_the_one_that_is_meant() -> None:
+    errors = parse_fcl(BLIND.replace("METHOD : COG", "METHOD : CM")).errors
+    assert [(d.name, d.hint) for d in errors] == [("unknown-defuzzifier", "write COG")] * 2
+
+
+@pytest.mark.parametrize(
+    ("formula", "refused"),
+    [("-light*2 + 1", True), ("2*(-light)", True), ("pow(+2, light)", True), ("2*-light", True),
+     ("~light*2 + 1", False), ("1 - light", False), ("2*(light) - 1", False)],
+)  # fmt: skip
+def test_a_sign_that_fuzzylite_refuses_is_a_warning(formula: str, refused: bool) -> None:
+    text = (
+        "InputVariable: light\nrange: 0 1\nterm: dark Ramp 1 0\nOutputVariable: y\nrange: -3 3\n"
+        f"defuzzifier: WeightedAverage\nterm: f Function {formula}\nRuleBlock:\n"
+        "rule: if light is dark then y is f\n"
+    )
+    imported = parse_fll(text)
+    good(imported)
+    assert bool(of_name(imported, "bad-formula")) is refused

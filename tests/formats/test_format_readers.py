@@ -505,6 +505,7 @@ def test_fcl_without_a_range_goes_as_far_as_the_terms(
         ("(0, 1) (2, 1)", "(0, 1) (2, flow)", "moving-corner"),
         ("(0, 1) (2, 1)", "(3, 1) (2, 1)", "unordered-points"),
         ("METHOD : COG;", "METHOD : COX;", "unknown-defuzzifier"),
+        ("METHOD : COG;", "METHOD : CM;", "unknown-defuzzifier"),
         ("ACCU : BSUM;", "ACCU : BSM;", "unknown-norm"),
         ("THEN power IS max,", "THEN power IS most,", "undefined-term"),
         ("THEN power IS max,", "THEN pwr IS max,", "undefined-variable"),

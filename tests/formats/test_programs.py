@@ -65,6 +65,7 @@ OUTCOMES = {
     "25_light_function": outcome("lighting", call="brightness(400, 10)"),
     "26_loan_streamlit": outcome("system", warnings="stand-in"),
     "27_fails_after": outcome("filling", warnings="failed-script"),
+    "29_pip_views": outcome("shading", warnings="stand-in"),
 }
 """Programs that systems come from, with what is called where they make none by themselves."""
 

@@ -258,3 +258,39 @@ def test_formats_import_no_array_library() -> None:
         "assert not {'numpy', 'skfuzzy', 'scipy'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def accumulating(norm: Any) -> control.ControlSystem:
+    """Three rules of one term, another term with one."""
+    x = control.Antecedent(np.linspace(0, 10, 11), "x")
+    z = control.Antecedent(np.linspace(0, 10, 11), "z")
+    y = control.Consequent(np.linspace(0, 20, 41), "y")
+    y.accumulation_method = norm
+    x.automf(3)
+    z.automf(3)
+    y["low"] = skfuzzy.trimf(y.universe, [0, 0, 13])
+    y["high"] = skfuzzy.trimf(y.universe, [5, 20, 20])
+    rules = [
+        control.Rule(x["good"], y["high"]),
+        control.Rule(x["average"] & z["good"], y["high"]),
+        control.Rule(~z["good"], y["high"]),
+        control.Rule(x["poor"], y["low"]),
+    ]
+    return control.ControlSystem(rules)
+
+
+@pytest.mark.parametrize("norm", [np.add, lambda a, b: a + b - a * b, np.fmax])
+def test_rules_of_a_term_accumulate_by_the_norm_of_its_output(norm: Any) -> None:
+    made = accumulating(norm)
+    rulebase = good(made)
+    assert parse(write(rulebase)).rulebase is not None
+    for x in np.linspace(0, 10, 9):
+        for z in np.linspace(0, 10, 9):
+            expected = computed(made, x=float(x), z=float(z))["y"]
+            found = infer(rulebase, x=float(x), z=float(z))["y"]
+            assert found == pytest.approx(expected, abs=2e-9), (x, z)
+
+
+def test_other_accumulations_are_refused() -> None:
+    found = from_skfuzzy(accumulating(lambda a, b: 0.5 * a + 0.5 * b))
+    assert [d.name for d in found.errors] == ["unsupported-norm"]

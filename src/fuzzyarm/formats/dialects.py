@@ -214,6 +214,9 @@ FLL = Dialect(
 _OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
 """Words of other programs for the methods of FCL."""
 
+METHODS_MEANT = {"CM": "COG"}
+"""Methods that no program has, and which one is meant."""
+
 FCL = {
     "jfuzzylogic": Dialect(
         suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
@@ -231,7 +234,8 @@ FCL = {
         suffix=".fcl", producer="fuzzylite", program="fuzzylite", kinds="fcl",
         samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
-        assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
+        assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires and no DEFAULT is "
+        "given",
         any_case=True, separators=("and", ","), heights=True, unordered=True,
         case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), method="COG",
         methods_of_others=_OF_OTHERS, silent="nothing", has_ties=True, inverts=True, estimates=True,
@@ -279,7 +283,7 @@ FIS = {
         threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",), heights=True,
         unordered=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
-        "fires",
+        "fires and no Default is given",
         case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="nothing",
         holds=True, defaults=True, has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS,
         needs_range=True,

@@ -14,6 +14,7 @@ from fuzzyarm.formats.meaning import BlockDraft
 from fuzzyarm.formats.sentences import RuleText, read_sentences
 from fuzzyarm.formats.system_reader import SystemReader
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term
+from fuzzyarm.text.diagnostic import Span
 
 _S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
 
@@ -44,6 +45,8 @@ class FunctionBlock(SystemReader):
         super().__init__(dialect, findings)
         self.word = word
         self.accumulations: dict[str, str] = {}
+        self._own_accumulations: set[str] = set()  # of outputs with ACCU in DEFUZZIFY
+        self._mixed: set[str] = set()
         self.texts: list[BlockText] = []
 
     @property
@@ -64,6 +67,7 @@ class FunctionBlock(SystemReader):
         norm = self.snorm(word, "the accumulation")
         if norm is not None:
             self.accumulations[draft.name] = norm
+            self._own_accumulations.add(draft.name)
 
     # --- Rule blocks ---
 
@@ -110,9 +114,17 @@ class FunctionBlock(SystemReader):
                     continue
                 draft.aggregation = self.accumulations.setdefault(draft.name, norm)
                 draft.aggregates = True
-                if draft.aggregation != norm and not self.own:
-                    message = f"two blocks accumulate '{draft.name}' by different norms"
-                    self.findings.loss("mixed-accumulation", message, conclusion.span)
+                if draft.aggregation != norm and not self.own and draft.name not in self._mixed:
+                    self._mixed.add(draft.name)
+                    self._note_mixed(draft.name, conclusion.span)
+
+    def _note_mixed(self, name: str, at: Span) -> None:
+        """Report an output with two accumulations."""
+        message, hint = f"two blocks accumulate '{name}' by different norms", ""
+        if name in self._own_accumulations:
+            message = f"the ACCU of '{name}' is not that of its rules, which is SUM unless given"
+            hint = "--from fuzzylite, whose files have ACCU inside DEFUZZIFY"
+        self.findings.loss("mixed-accumulation", message, at, hint)
 
     # --- From the text to the model ---
 

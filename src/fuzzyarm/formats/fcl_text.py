@@ -294,10 +294,8 @@ def _numbers(cursor: WordCursor, findings: Findings) -> list[float] | None:
 def _moving(word: TextPiece, findings: Findings) -> None:
     if not word.text[0].isalpha():
         raise FaultError(f"'{word.text[:40]}' is not a number", word, "not-a-number")
-    message = (
-        f"the corner '{word.text[:40]}' is a variable; a term whose shape moves cannot be carried"
-    )
-    findings.error("moving-corner", message, word)
+    ending = " is a variable; a term whose shape moves cannot be carried"
+    findings.unknown("moving-corner", "the corner", word, (), ending=ending)
 
 
 def _points(cursor: WordCursor, dialect: Dialect, findings: Findings) -> Shape | None:

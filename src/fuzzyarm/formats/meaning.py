@@ -97,8 +97,9 @@ def blocks_in_model(
         rules = []
         for text in block.rules:
             conclusions = text.conclusions
+            if dialect.suffix == ".fcl":
+                _note_outputs(text, variables, dialect, findings)
             if dialect.producer == "jfuzzylogic":
-                _note_outputs(text, variables, findings)
                 conclusions = tuple(same_value(conclusion, variables) for conclusion in conclusions)
             rule = Rule(text.antecedent, conclusions, text.weight, text.span)
             if dialect.suffix == ".fis":
@@ -115,12 +116,16 @@ def _concluded(blocks: list[BlockDraft]) -> frozenset[str]:
     return frozenset(conclusion.variable for text in texts for conclusion in text.conclusions)
 
 
-def _note_outputs(text: RuleText, variables: dict[str, VariableDraft], findings: Findings) -> None:
+def _note_outputs(
+    text: RuleText, variables: dict[str, VariableDraft], dialect: Dialect, findings: Findings
+) -> None:
+    is_scikits = dialect.producer == "scikit-fuzzy"
+    what = "the activation of its term" if is_scikits else "the value it had before the rules"
     for variable in sorted({part.variable for part in propositions(text.antecedent)}):
         if variable in variables and variables[variable].is_output:
             message = (
-                f"'{variable}' is an output; jFuzzyLogic takes the value it had before the "
-                "rules, which cannot be converted"
+                f"'{variable}' is an output; {dialect.program} takes {what}, which cannot be "
+                "converted"
             )
             findings.loss("chained-output", message, text.span)
 
@@ -431,8 +436,9 @@ class _Activations:
     ) -> str:
         if any(other.threshold > block.threshold for _, other in fired):
             return "the block that leads to it has a threshold"
-        if any(rule.weight != 1.0 for rule, _ in fired):
-            return "a rule that leads to it has a weight"
+        for rule, _ in fired:
+            if rule.weight != 1.0:
+                return f"the rule in line {rule.span.line} has the weight {rule.weight:g}"
         if len(fired) > 1 and output.aggregation != block.disjunction:
             return f"the aggregation {output.aggregation} is not the disjunction of the block"
         for rule, other in fired:

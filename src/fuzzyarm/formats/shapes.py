@@ -139,7 +139,21 @@ def formula_shape(
     except FormulaError as fault:
         findings.error("bad-formula", f"in '{formula.text[:60]}': {fault}", formula)
         return None
+    if dialect is formulas.FUZZYLITE and _has_plain_sign(formula.text):
+        message = "a sign before an operand is refused by fuzzylite, which has '~' for the minus"
+        findings.warn("bad-formula", message, formula, "write ~x for -x, and x for +x")
     return Shape("formula", (), 1.0, text)
+
+
+def _has_plain_sign(text: str) -> bool:
+    """Whether `-` or `+` stands where no operand is before it."""
+    before = "("
+    for match in formulas.FUZZYLITE.token.finditer(text):
+        sign = match["sign"] or ""
+        if sign in ("-", "+") and before and before != ")":
+            return True
+        before = sign
+    return False
 
 
 def make_shape(

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 from fuzzyarm.expression.records import Norm
-from fuzzyarm.formats.dialects import Dialect, words
+from fuzzyarm.formats.dialects import METHODS_MEANT, Dialect, words
 from fuzzyarm.formats.drafts import (
     INFERENCES,
     VALUES,
@@ -167,6 +167,9 @@ class SystemReader:
         elif not name:
             message = f"the output '{draft.name}' has no defuzzifier"
             self.findings.error("no-defuzzifier", message, at)
+        elif (meant := METHODS_MEANT.get(name)) in dialect.integral:
+            message = f"the method '{at.text}' is not known"
+            self.findings.error("unknown-defuzzifier", message, at, f"write {meant}")
         else:
             methods = (*dialect.integral, *dialect.weighted)
             self.findings.unknown("unknown-defuzzifier", "the method", at, methods)

@@ -167,10 +167,18 @@ def _no_files(figures: Any) -> None:
     figures.Figure.savefig = lambda *_, **__: None
 
 
+def _no_views(pictures: Any) -> None:
+    """Let rules and systems be shown nowhere: some releases of scikit-fuzzy fail at it."""
+    stand_in = sys.modules["stand_ins"].StandIn("view()")
+    for name in ("view", "view_n"):
+        setattr(pictures.ControlSystemVisualizer, name, lambda *_: (stand_in, stand_in))
+
+
 _AFTER_IMPORT: dict[str, Callable[[ModuleType], None]] = {
     "numpy": _old_names,
     "matplotlib": _no_windows,
     "matplotlib.figure": _no_files,
+    "skfuzzy.control.visualization": _no_views,
     "skfuzzy.control.controlsystem": _keep(ControlSystem="", ControlSystemSimulation=""),
     "fuzzylite.engine": _keep(Engine="process"),
     "simpful.simpful": _keep(FuzzySystem="inference"),

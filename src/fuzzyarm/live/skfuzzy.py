@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import reduce
 from itertools import chain, pairwise, product
 from types import SimpleNamespace
@@ -68,6 +69,9 @@ __all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
 _TNORMS, _SNORMS = ("min", "product"), ("max", "probor")
 """Norms that a rule is given there; it clips by the minimum and joins terms by the maximum."""
 
+_ACCUMULATIONS = (*_SNORMS, "sum", "bounded")
+"""Norms by which the rules of one term add up there, before it is clipped."""
+
 
 def from_skfuzzy(
     system: Any,
@@ -117,7 +121,8 @@ def from_skfuzzy(
     outputs = tuple(
         _output(consequent, terms[id(consequent)], findings) for consequent in system.consequents
     )
-    blocks = _blocks(list(system.rules), findings)
+    accumulations = {str(v.label): _norm_name(v.accumulation_method) for v in system.consequents}
+    blocks = _blocks(list(system.rules), accumulations, findings)
     if not blocks and not findings.failed:
         findings.error("no-rules", "the control system has no rules")
     return findings.imported(RuleBase(name, inputs, outputs, blocks), "scikit-fuzzy")
@@ -155,10 +160,6 @@ def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Outpu
     if method is None:
         message = f"'{variable.label}' has the defuzzifier '{variable.defuzzify_method}'"
         findings.error("unknown-defuzzifier", message)
-    aggregation = _norm_name(variable.accumulation_method)
-    if aggregation != "max":
-        message = f"'{variable.label}' accumulates by something other than the maximum"
-        findings.loss("unsupported-norm", message)
     return Output(
         str(variable.label),
         low,
@@ -258,7 +259,9 @@ def _note_between(variable: Any, labels: list[str], findings: Findings) -> None:
     findings.info("between-samples", message, hint="--points keeps the straight lines")
 
 
-def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
+def _blocks(
+    rules: list[Any], accumulations: Mapping[str, str], findings: Findings
+) -> tuple[RuleBlock, ...]:
     """Return a block for each run of rules with the same norms."""
     readings: list[tuple[tuple[str, str], Rule]] = []
     for rule in rules:
@@ -271,7 +274,63 @@ def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
             continue
         with reading(f"the rule '{rule.label}'"):
             readings += [(norms, rule_read) for rule_read in _rules(rule)]
-    return blocks_by_norms(readings)
+    return blocks_by_norms(_accumulated(readings, accumulations, findings))
+
+
+def _accumulated(
+    readings: list[tuple[tuple[str, str], Rule]],
+    accumulations: Mapping[str, str],
+    findings: Findings,
+) -> list[tuple[tuple[str, str], Rule]]:
+    """Join the rules of a term into one by the norm of its output, if that is not the maximum."""
+    groups: dict[tuple[str, str], list[tuple[tuple[str, str], Rule]]] = {}
+    for norms, rule in readings:
+        for end in rule.consequents:
+            groups.setdefault((end.variable, end.term), []).append((norms, rule))
+    joined_terms: dict[tuple[str, str], list[tuple[tuple[str, str], Rule]]] = {}
+    for (variable, term), group in groups.items():
+        norm = accumulations[variable]
+        if len(group) == 1 or norm == "max":
+            continue
+        if _can_join(group, norm):
+            joined_terms[variable, term] = group
+        else:
+            message = f"'{variable}' accumulates the rules of '{term}' by another norm than maximum"
+            findings.loss("unsupported-norm", message)
+    kept = [
+        (norms, replace(rule, consequents=ends))
+        for norms, rule in readings
+        if (ends := tuple(c for c in rule.consequents if (c.variable, c.term) not in joined_terms))
+    ]
+    for (variable, term), group in joined_terms.items():
+        (conjunction, _), first = group[0]
+        antecedent = Or(tuple(rule.antecedent for _, rule in group))
+        ends = (Consequent(variable, term),)
+        # Above 1 a sum clips nothing more, as no degree is above 1.
+        norm = accumulations[variable]
+        norms = (conjunction, "bounded" if norm == "sum" else norm)
+        kept.append((norms, replace(first, antecedent=antecedent, consequents=ends)))
+    return kept
+
+
+def _can_join(group: list[tuple[tuple[str, str], Rule]], norm: str) -> bool:
+    """Whether one disjunction can stand for rules: of one conjunction, unweighted, without *or*."""
+    return (
+        bool(norm)
+        and len({norms[0] for norms, _ in group}) == 1
+        and all(rule.weight == 1.0 and not _has_or(rule.antecedent) for _, rule in group)
+    )
+
+
+def _has_or(expression: Expression) -> bool:
+    match expression:
+        case Or():
+            return True
+        case And(operands=operands):
+            return any(map(_has_or, operands))
+        case Hedged(operand=operand):
+            return _has_or(operand)
+    return False
 
 
 def _note_intermediates(rule: Any, findings: Findings) -> None:
@@ -288,7 +347,7 @@ def _norm_name(function: Callable[..., Any]) -> str:
     """Return the norm that a function computes at three points; empty for any other."""
     points = ((0.25, 0.5), (0.75, 0.25), (0.5, 1.0))
     values = [float(function(a, b)) for a, b in points]
-    for kind in (*map(TNORMS.get, _TNORMS), *map(SNORMS.get, _SNORMS)):
+    for kind in (*map(TNORMS.get, _TNORMS), *map(SNORMS.get, _ACCUMULATIONS)):
         if kind is not None and values == [kind.scalar(a, b) for a, b in points]:
             return kind.name
     return ""

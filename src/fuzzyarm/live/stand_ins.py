@@ -13,9 +13,10 @@ import dis
 import importlib.abc
 import importlib.machinery
 import os
+import re
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import FrameType, FunctionType, ModuleType
 from typing import Any, Self
 
@@ -228,11 +229,23 @@ class StandInFinder(importlib.abc.MetaPathFinder):
         used.append(top)
         return importlib.machinery.ModuleSpec(name, _Loader(), is_package=True)
 
+    def guarded(self, imports: Callable[..., Any]) -> Callable[..., Any]:
+        """Hide stand-ins from libraries: `msvcrt` would have `subprocess` take this for Windows."""
+
+        def guarded_import(name: str, *arguments: Any, **options: Any) -> Any:
+            top = name.partition(".")[0]
+            is_stand_in = isinstance(sys.modules.get(top), _Module) and top not in REPLACED
+            if is_stand_in and not self._is_asked_by_script():
+                raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+            return imports(name, *arguments, **options)
+
+        return guarded_import
+
     def _is_asked_by_script(self) -> bool:
         frame: FrameType | None = sys._getframe(2)
         while frame is not None:
             file = frame.f_code.co_filename
-            if "importlib" not in file:
+            if "importlib" not in file and file != __file__:
                 full = os.path.realpath(file)
                 return full.startswith(self.home) and "site-packages" not in full
             frame = frame.f_back
@@ -266,7 +279,9 @@ def prepare(home: str) -> Answers:
     """
     # In front of all finders for what is replaced in any case, behind them for what is missing.
     sys.meta_path.insert(0, StandInFinder(home, replaced=True))
-    sys.meta_path.append(StandInFinder(home, replaced=False))
+    missing = StandInFinder(home, replaced=False)
+    sys.meta_path.append(missing)
+    builtins.__import__ = missing.guarded(builtins.__import__)
     answers = Answers()
     builtins.input = answers
     notebook = {"get_ipython": lambda: StandIn("notebook"), "display": lambda *_, **__: None}
@@ -299,7 +314,11 @@ def compiled(source: bytes, name: str) -> Any:
 def _plain(line: str) -> str:
     """Return a line without what only a notebook understands: ``%magic`` and ``!command``."""
     rest = line.lstrip()
-    return line[: len(line) - len(rest)] + "pass" if rest[:1] in ("%", "!", "?") else line
+    is_command = rest[:1] in ("%", "!", "?") or _INSTALLS.match(rest)
+    return line[: len(line) - len(rest)] + "pass" if is_command else line
+
+
+_INSTALLS = re.compile(r"(?:python3? -m )?(?:pip3?|conda|mamba) install\b")
 
 
 def _free_names(tree: ast.AST) -> list[str]:
