@@ -30,6 +30,22 @@ def of_name(imported: Imported, name: str) -> list[str]:
 # ── FIS ──────────────────────────────────────────────────────────────────────────────
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ("[Input1]", "[Inpt1]", "syntax"),
+        (":'trimf',[0 5 10]", ":'trimf',[0 5 10", "syntax"),
+        ("[6 9]", "[6 9", "syntax"),
+        ("Range=[0 30]", "Range=[0 30", "syntax"),
+        ("[Output1]\n", "", "wrong-count"),
+    ],
+)
+def test_damage_in_one_line_is_one_error(old: str, new: str, name: str) -> None:
+    text = TIPPER.replace(old, new, 1)
+    assert text != TIPPER
+    assert [d.name for d in parse_fis(text).errors] == [name]
+
+
 def test_fewer_rules_than_the_file_says_are_a_warning() -> None:
     count = TIPPER.partition("[Rules]")[2].count(":")
     text = TIPPER.replace(f"NumRules={count}", f"NumRules={count + 12}")
@@ -259,12 +275,14 @@ def test_an_accumulation_of_an_output_names_the_programs_that_have_it() -> None:
 
 def test_a_rule_that_cannot_be_put_in_is_named_and_scikits_activation_is_a_loss() -> None:
     text = BLIND.replace("IF light IS dark THEN shade", "IF mid IS lo THEN shade")
-    text = text.replace("ACT : MIN;", "ACT : MIN;\n ACCU : MAX;")
+    second = "END_RULEBLOCK\nRULEBLOCK b\n AND : MIN;\n ACT : MIN;\n RULE 3"
+    text = text.replace("RULE 3", second).replace("ACT : MIN;", "ACT : MIN;\n ACCU : MAX;")
     (error,) = parse_fcl(text, dialect="fuzzylite").errors
     assert error.name == "chained-output"
     line = next(n for n, row in enumerate(text.split("\n"), 1) if "WITH 0.5" in row)
     assert error.message.endswith(f"the rule in line {line} has the weight 0.5")
     ranged = text.replace("FUZZIFY light", "FUZZIFY light\n RANGE := (0 .. 10);")
+    ranged = ranged.replace(" k : REAL;\n", "")
     assert {d.name for d in parse_fcl(ranged, dialect="scikit-fuzzy").errors} == {"chained-output"}
 
 

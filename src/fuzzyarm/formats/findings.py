@@ -201,6 +201,15 @@ class Findings:
         """Whether there was an error."""
         return self._errors > 0
 
+    def has(self, *names: str) -> bool:
+        """Whether there is an error of one of these names."""
+        return any(item.name in names and item.is_error for item in self._items)
+
+    @property
+    def is_damaged(self) -> bool:
+        """Whether parts of the file are missing, from which other faults follow."""
+        return self.has("syntax", "wrong-count")
+
     def error(
         self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = ""
     ) -> None:

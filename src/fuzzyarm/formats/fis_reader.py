@@ -437,7 +437,7 @@ class _Reader(SystemReader):
             self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
         rules = self.rules[:MAX_RULES]
         block.rules = [text for line in rules if (text := self._rule(line)) is not None]
-        if self.unequal:
+        if self.unequal and not self.findings.is_damaged:
             counts = f"{len(self.inputs)} inputs and {len(self.outputs)} outputs"
             more = f" (and {len(self.unequal) - 1} other rules)" if len(self.unequal) > 1 else ""
             message = f"the rule does not have a number for each of {counts}{more}"
@@ -504,7 +504,8 @@ class _Reader(SystemReader):
         if index not in table:
             count = len(table)
             message = f"'{draft.name}' has {count} term(s), so none has the number {index}"
-            self.findings.error("undefined-term", message, word)
+            if not self.findings.is_damaged:
+                self.findings.error("undefined-term", message, word)
             return None
         return table[index], ((NOT, *hedges) if value < 0.0 else hedges)
 
@@ -571,7 +572,8 @@ class _Reader(SystemReader):
         if what == "rules" and self.rules and _ENDING.search(self.rules[-1].text):
             self.findings.warn("wrong-count", message, word, "is the file cut off?")
             return True
-        self.findings.error("wrong-count", message, word, "is the file cut off?")
+        if not self.findings.has("syntax"):  # else what could not be read is missing
+            self.findings.error("wrong-count", message, word, "is the file cut off?")
         return False
 
 

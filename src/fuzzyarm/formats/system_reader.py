@@ -250,7 +250,7 @@ class SystemReader:
             values_as_sets(draft, self.implication(), at, self.findings)
         else:
             self._refuse_values(draft, at)
-        if self.dialect.needs_range and not draft.bounded:
+        if self.dialect.needs_range and not draft.bounded and not self.findings.is_damaged:
             message = f"the output '{draft.name}' needs a range to be integrated over"
             self.findings.error("bad-range", message, draft.word)
 
