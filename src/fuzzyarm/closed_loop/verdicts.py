@@ -145,7 +145,7 @@ class LoopVerdict(Shown):
                 )
             for name, (low, high) in self.region.items():
                 alone = self.start_region.get(name)
-                words = "" if alone is None else f" (± {alone:.4g} along it alone)"
+                words = "" if alone is None else f" (± {alone:.4g} with the others at rest)"
                 lines.append(f"    {name} in {low:.4g} .. {high:.4g}{words}")
             if self.tube is None and not self.start_region:
                 lines.append(

@@ -193,7 +193,8 @@ class _LoopProof:
                 return [claim_of(self._with_plant(), dashes="")]
         if not self.text.model.claims:
             raise TextRefusedError(
-                "the text has no `prove` lines", hint="write one, or a claim such as stable"
+                "the text has no `prove` lines",
+                hint="write one, or a claim such as `stable on motor`",
             )
         return list(self.text.model.claims)
 

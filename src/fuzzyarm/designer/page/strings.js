@@ -54,7 +54,7 @@ export const S = {
     tolerance: ["Within", "0.01"],
     budget: ["Seconds at most", "60"],
     exact: ["In exact fractions"],
-    claim: ["Claim", "stable"],
+    claim: ["Claim", "stable on motor"],
     stable: ["Stability"],
     from: ["Starts", "position in -1 .. 1"],
     with: ["Parameters of the plant", "J in 0.01 .. 0.02"],
