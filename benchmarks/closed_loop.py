@@ -225,18 +225,26 @@ class Ours(NamedTuple):
     rms: tuple[float, float]
 
 
+def begun(course: Any, program: Any, taps: Any) -> Callable[[], None]:
+    """Return what runs a loop once: a record that is full is not run again."""
+    record = RunRecord(course, program.memory, taps)
+    loop = loop_for(program, course, record)
+    if hasattr(record, "block"):
+        block = record.block(program)
+        return lambda: loop(block)
+    arrays = (*course.inputs(), *program.inputs(), *record.outputs)  # a tree of before
+    return lambda: loop(*arrays)
+
+
 def ours_of(made: Any) -> Ours:
     """Return what measures a controller: seconds of the loop, and of a whole call."""
     bench = Bench(experiment_of(made, reach_return()), ["payload"])
     course, program = bench.loop.course, bench.loop.program
-    first = RunRecord(course, program.memory, bench.loop.taps)
-    inner, inputs = loop_for(program, course, first), program.inputs()
 
     def loop() -> float:
-        # A record that is full is not run again: each time a new one, made before the clock starts.
-        record = RunRecord(course, program.memory, bench.loop.taps)
+        run = begun(course, program, bench.loop.taps)
         begin = time.thread_time()
-        inner(*course.inputs(), *inputs, *record.outputs)
+        run()
         return time.thread_time() - begin
 
     def call() -> float:

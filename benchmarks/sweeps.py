@@ -26,11 +26,10 @@ from fuzzyarm.controller import controller
 from fuzzyarm.loop import simulate_many
 from fuzzyarm.loop.blocks import packed
 from fuzzyarm.loop.many import Bench, cut
-from fuzzyarm.loop.program import loop_for
 from fuzzyarm.plant import reach_return
 
 sys.path.insert(0, str(Path(__file__).parent))
-from closed_loop import CONTROLS, RunRecord, compile_c, experiment_of, write_data
+from closed_loop import CONTROLS, begun, compile_c, experiment_of, write_data
 
 GOALS = {"fuzzy-lut": 20.0, "soc-zero": 20.0, "fuzzy-direct": 60.0, "stfc": 60.0}
 """Seconds for 10,000 runs on two cores: 20 for tables, 60 for rules."""
@@ -68,14 +67,10 @@ def measure(name: str, count: int, folder: Path) -> list[str]:
     bench = Bench(experiment_of(name, reach_return()), list(runs))
     bench.rows(0, cut(runs, 0, 2), 2)
     loop = bench.loop
-    first = RunRecord(loop.course, loop.program.memory, loop.taps)
-    inner, inputs = loop_for(loop.program, loop.course, first), loop.program.inputs()
     few = cut(runs, 0, 20)
 
     def only_loop() -> float:
-        # A record that is full is not run again: each time a new one, made before the clock starts.
-        record = RunRecord(loop.course, loop.program.memory, loop.taps)
-        return processor_seconds(lambda: inner(*loop.course.inputs(), *inputs, *record.outputs))
+        return processor_seconds(begun(loop.course, loop.program, loop.taps))
 
     program = compile_c(folder, CONTROLS[name])
     alone, whole, c = [], [], []

@@ -28,7 +28,7 @@ from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from threading import RLock
 from types import FunctionType, ModuleType
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast, get_type_hints
 
 from fuzzyarm.errors import FuzzyarmError
 
@@ -250,6 +250,12 @@ def is_built(function: Callable[..., None], arrays: int | str, bindings: _Bindin
 def letters_of(arrays: int | str) -> str:
     """Return a letter for each array."""
     return "f" * arrays if isinstance(arrays, int) else arrays
+
+
+def letters_of_parts(block: type[tuple[Any, ...]]) -> str:
+    """Return a letter for each array of a named tuple of arrays, by its annotations."""
+    letters = {list[float]: "f", list[int]: "i"}
+    return "".join(letters[kind] for kind in get_type_hints(block).values())
 
 
 def _machine_address(

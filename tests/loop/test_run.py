@@ -13,6 +13,7 @@ from fuzzyarm import kernels
 from fuzzyarm.controller import CATALOGUE, Controller, controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop import Options, Sensor, program, simulate
+from fuzzyarm.loop.loop import LoopBlock
 from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.program import RunRecord, loop_for
 from fuzzyarm.plant import (
@@ -254,13 +255,6 @@ def test_maximum_counts_as_the_conventions_do():
     np.testing.assert_array_equal(study.maximum, study.error_matrix.max(axis=0))
 
 
-def test_the_old_name_of_the_package_still_leads_there() -> None:
-    from fuzzyarm import control, controller, loop
-
-    assert control.Controller is controller.Controller
-    assert control.simulate is loop.simulate
-
-
 class FromTheFront(np.ndarray):
     """An array that counts from its front only, as machine code takes every index as it is."""
 
@@ -284,6 +278,6 @@ def test_no_kernel_counts_from_the_end_of_an_array(name):
     loop = Bench(Experiment(controller(name), way, options=options), []).loop
     record = RunRecord(loop.course, loop.program.memory, loop.taps)
     loop.program.controller.prepare(loop.arithmetic)
-    arrays = (*loop.course.inputs(), *loop.program.inputs(as_array=False), *record.outputs)
+    block = record.block(loop.program)
     run = loop_for(loop.program, loop.course, record)
-    run(*(np.array(each).view(FromTheFront) for each in arrays))
+    run(LoopBlock(*(np.array(each).view(FromTheFront) for each in block)))

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from fuzzyarm.kernels import call, kernel
+from fuzzyarm.loop.loop import LoopBlock
 from fuzzyarm.native import build as building
 from fuzzyarm.native import printing
 from fuzzyarm.native.build import BuildError, Compiler, build, find_compiler
 from fuzzyarm.native.printing import kernels_in_c
-from fuzzyarm.native.roots import Root
+from fuzzyarm.native.roots import Root, roots
 from fuzzyarm.table import lookup
 
 ONE = [Root(lookup.gather, "fsf", over_rows=True)]
@@ -72,6 +73,16 @@ def test_which_arrays_a_kernel_fills_in():
     # At the address may stand either of the two above, or a program, which fills in the last.
     assert found["filled_by_address"] == {0, 1}
     assert found["filled_as_whole_numbers"] == {0}
+
+
+def test_a_loop_fills_in_what_is_its_own_run_s_and_nothing_that_runs_share():
+    unit = printing._Unit()
+    loop = next(root for root in roots() if root.block is not None)
+    unit.add(loop)
+    positions = dict(printing.filled_arrays(unit.entries))[loop.key]
+    filled = {LoopBlock._fields[position] for position in positions}
+    # The memory is what laws fill in, which this unit does not have.
+    assert filled == {"sensors", "limits", "board", "state", "clock", "record", "progress"}
 
 
 def test_a_named_compiler_comes_first(monkeypatch):

@@ -101,7 +101,6 @@ def trained(
     compiled = program.compiled and is_compiled(motion.plants[0])
     driven = driven_by(chosen, site)
     course = Course(motion, conventions, options, driven=driven, as_array=compiled)
-    program_inputs = program.inputs(as_array=compiled)
     memory = program.memory
     count = len(motion.time)
     step = every or count
@@ -112,11 +111,11 @@ def trained(
             record.memory[begin:end] = program.memory[begin:end]  # no cell is responsible yet
         # Each pass is disturbed in its own way.
         seed = options.seed + count * (passage - 1) if options.disturbance else None
-        inputs = course.inputs(seed)
+        block = record.block(program, course.parts(seed))
         for end in [*range(step, count, step), count]:
             record.go_on(end)
             with np.errstate(all="ignore"):
-                loop(*inputs, *program_inputs, *record.outputs)
+                loop(block)
             lost = record.lost
             yield Snapshot(
                 passage=passage,

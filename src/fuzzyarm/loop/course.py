@@ -401,20 +401,19 @@ class Course:
         # Indices of the set points that are sampled, if a run gets so far: those of all periods.
         self.whole = np.flatnonzero(motion.iterations == motion.every)
         self.dynamics = self._dynamics()
-        self._links = self._write_links()
-        self._points = (
-            self._flat(motion.references),
-            self._flat(motion.iterations, np.int64),
-        )
-        self.plants = (self._flat(motion.block, np.int64), self._blocks())
-        self._fixed = (
-            self._flat(self._links, np.int64),
-            *map(self._flat, self._sensing(self.options.seed)),
-            self._flat(self._pushes()),
-        )
         cells, bounds = self._checks()
         path: Any = [] if motion.path is None else motion.path
-        self._judged = (self._flat(cells, np.int64), self._flat(bounds), self._flat(path))
+        self._parts: dict[str, Any] = {
+            "references": self._flat(motion.references),
+            "iterations": self._flat(motion.iterations, np.int64),
+            "links": self._flat(self._write_links(), np.int64),
+            "pushes": self._flat(self._pushes()),
+            "checks": self._flat(cells, np.int64),
+            "bounds": self._flat(bounds),
+            "path": self._flat(path),
+            **self._meeting(),
+            **self._sensing(self.options.seed),
+        }
         self._setting = LoopConstants(
             motion.step,
             conventions.single,
@@ -474,33 +473,37 @@ class Course:
         finely = self.options.runge_kutta > 0
         return dynamics_of(self.plant, self.arithmetic, finely=finely)
 
-    def _blocks(self) -> Any:
-        return self._flat(
-            [
-                numbers_of(plant, self.driven, self.arithmetic)
-                for plant in (self.plant, *self.motion.plants[1:])
-            ]
-        )
+    def _meeting(self) -> dict[str, Any]:
+        """Return the plants, and which of them each set point meets."""
+        plants = self.plant, *self.motion.plants[1:]
+        blocks = [numbers_of(plant, self.driven, self.arithmetic) for plant in plants]
+        return {
+            "plant_of": self._flat(self.motion.block, np.int64),
+            "plants": self._flat(blocks),
+        }
 
     def with_plants(self, motion: Motion) -> Course:
         """Return the same set points for other plants of the kind."""
         other = copy(self)
         other.motion = motion
         other.plant = for_runs(motion.plants[0])
-        other.plants = (other._flat(motion.block, np.int64), other._blocks())
+        other._parts = {**self._parts, **other._meeting()}
         return other
 
     def with_options(self, options: Options) -> Course:
         """Return the same experiment with other sensors and disturbances of the states."""
         other = copy(self)
         other.options = options
-        sensing = map(other._flat, other._sensing(options.seed))
-        other._fixed = (self._fixed[0], *sensing, self._fixed[3])
+        other._parts = {**self._parts, **other._sensing(options.seed)}
         other._setting = self._setting._replace(disturbance=float(options.disturbance))
         return other
 
-    def _sensing(self, seed: int) -> tuple[Any, Any]:
-        """Write sensors and their noise down; both are empty where all sensors are exact."""
+    def _sensing(self, seed: int) -> dict[str, Any]:
+        """Return sensors and their noise; both are empty where all sensors are exact."""
+        sensors, noise = self._sensor_numbers(seed)
+        return {"sensors": self._flat(sensors), "noise": self._flat(noise)}
+
+    def _sensor_numbers(self, seed: int) -> tuple[list[float], Any]:
         interface = self.site.interface
         sensors = {
             port: record
@@ -582,37 +585,27 @@ class Course:
 
     # --- What is handed over ---
 
-    def inputs(self, seed: int | None = None, loads: Any = None) -> tuple[Any, ...]:
-        """Return what the loop reads of the experiment, for a seed other than that of the options.
+    def parts(self, seed: int | None = None, loads: Any = None) -> dict[str, Any]:
+        """Return what is the experiment's of a :class:`LoopBlock`, by name, for one run.
 
-        The limits of the drives remember the last values, so each run has its own. `loads` stand
-        in the place of those of the options.
+        Limits and sensors remember, so each run has its own. `seed` and `loads` take the place of
+        those of the options.
         """
         run_seed = self._setting.seed if seed is None else seed
         # The generator works with 31 bits; more would not fit into a float.
         setting = self._flat(self._setting._replace(seed=run_seed % 2**31))
-        links, sensors, noise, pushes = self._fixed
-        if len(sensors):
-            # What sensors remember is each run's own; noise is drawn again for another seed only.
-            if run_seed == self.options.seed:
-                sensors = self._flat(sensors)
-            else:
-                sensors, noise = map(self._flat, self._sensing(run_seed))
-        return (
-            *self._points,
-            *self.plants,
-            setting,
-            links,
-            sensors,
-            noise,
-            pushes if loads is None else loads,
-            self._flat(self._limits()),
-            *self._judged,
-        )
+        parts = {**self._parts, "setting": setting, "limits": self._flat(self._limits())}
+        if len(parts["sensors"]):
+            # Noise is drawn again for another seed only.
+            own = {"sensors": self._flat(parts["sensors"])}
+            parts |= own if run_seed == self.options.seed else self._sensing(run_seed)
+        if loads is not None:
+            parts["pushes"] = loads
+        return parts
 
     def loads(self) -> Any:
         """Return the disturbances of the drives with room for a hand's: for each control period."""
-        load_array = self._fixed[3]
+        load_array = self._parts["pushes"]
         if len(load_array):
             return self._flat(load_array)
         # To add -0 changes no bit of any drive; to add 0 would make 0 of -0.

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import summed_drives
 from fuzzyarm.controller.on_plant import drives_of_text
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.kernels import call, kernel, letters_of_parts
 from fuzzyarm.plant.plant import (
     ACTUATE,
     ADVANCE,
@@ -71,109 +71,131 @@ class LoopConstants(NamedTuple):
     states: int
 
 
-# The array `links` has the address of the plant, the size of its block of numbers, and whether it
-# makes its drives itself and derives more than its outputs.
-ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
+class LoopBlock(NamedTuple):
+    """All the numbers of a run, part by part: the only argument of :func:`run_loop`.
 
-# The array `progress` has the number of samples; where the run diverged, the set point and the
-# iteration in which it did (-1 otherwise); control periods since the start; the set point that is
-# next and the one before which to stop; the state of the generator of disturbances.
+    The parts have no memory in common. Their shapes, with `n` set points, `m` control periods, `R`
+    references, `D` drives, `k` tracked outputs:
+
+    ==============  ==================  ======================================================
+    the experiment, read only, the same arrays for all its runs
+    ------------------------------------------------------------------------------------------
+    references      R n                 set points
+    iterations      n, whole            control periods of each
+    plant_of        n, whole            which block of the plant each meets
+    plants          blocks, flat        parameters of the plant
+    setting         7                   a :class:`LoopConstants`
+    links           4, whole            :data:`ADDRESS` of the plant and what it does itself
+    noise           columns m, or 0     added to outputs before they are quantised
+    pushes          D m, or 0           added to drives behind their limits
+    checks          2 each, whole       cells of the board: a reference (-1: none), an output
+    bounds          1 each              largest difference, or magnitude, that is no divergence
+    path            k m, or 0           what a run is to follow between held set points
+    the controller, read only
+    ------------------------------------------------------------------------------------------
+    laws            whole               see :func:`fuzzyarm.controller.law.summed_drives`
+    numbers                             their constants: gains, terms, rules, tables
+    the run, read and written
+    ------------------------------------------------------------------------------------------
+    sensors         10 each, or 0       see :data:`SENSOR`; behind them the rings of delays
+    limits          4 D                 lowest, highest, largest change in a period, last value
+    memory                              of the laws
+    taps            whole               cells of the board that are recorded: tracked outputs,
+                                        their references, others
+    board                               see the head of this module
+    state                               states of the plant, room of its integrator
+    clock           see below           for the plant; then sums of changes and of errors
+    record          taps n              a row for each tap, an entry for each sampled set point
+    progress        7, whole            how far the run has come: :data:`SAMPLES` and following
+    ==============  ==================  ======================================================
+
+    Many runs share what is read only, in all threads: none of it is copied for a run.
+    """
+
+    references: list[float]
+    iterations: list[int]
+    plant_of: list[int]
+    plants: list[float]
+    setting: list[float]
+    links: list[int]
+    noise: list[float]
+    pushes: list[float]
+    checks: list[int]
+    bounds: list[float]
+    path: list[float]
+    laws: list[int]
+    numbers: list[float]
+    sensors: list[float]
+    limits: list[float]
+    memory: list[float]
+    taps: list[int]
+    board: list[float]
+    state: list[float]
+    clock: list[float]
+    record: list[float]
+    progress: list[int]
+
+
+ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
+"""Of `links`: the address of the plant, the size of one block of its parameters, whether it makes
+its drives itself, and whether it derives more than its outputs."""
+
 SAMPLES, LOST, LOST_AT, TICK, NEXT, UNTIL, RANDOM = range(7)
+"""Of `progress`: number of samples; set point and iteration at which the run diverged (-1: it did
+not); control periods since the start; the next set point, and the one to stop before; state of the
+generator of disturbances."""
 
 
 @kernel
-def run_loop(
-    references: list[float],
-    iterations: list[int],
-    plant_of: list[int],
-    plants: list[float],
-    setting_numbers: list[float],
-    links: list[int],
-    sensors: list[float],
-    noise: list[float],
-    pushes: list[float],
-    limits: list[float],
-    checks: list[int],
-    bounds: list[float],
-    path: list[float],
-    laws: list[int],
-    numbers: list[float],
-    memory: list[float],
-    taps: list[int],
-    board: list[float],
-    state: list[float],
-    clock: list[float],
-    record: list[float],
-    progress: list[int],
-) -> None:
-    """Follow the set points from where `progress` stands; all arrays are flat.
+def run_loop(block: LoopBlock) -> None:
+    """Step a sampled closed loop from the next set point to the one before which to stop.
 
-    All that the run needs to go on is in the arrays: a run in parts has the bits of a whole one.
+    A fixed-step loop at the control period T: the controller is a difference equation, the plant
+    is integrated over T by its own kernel with all drives held. In each period `i`, in this order:
 
-    Parameters
-    ----------
-    references : float, length R n
-        Set points, each R numbers.
-    iterations, plant_of : int, length n
-        Control periods of each set point, and which block of the plant it meets.
-    plants : float
-        Blocks of numbers of the plant.
-    setting_numbers : float
-        A :class:`LoopConstants`.
-    links : int
-        See above.
-    sensors, noise
-        See :func:`sense`.
-    pushes : float
-        Disturbances of the drives at each control period; empty for none.
-    limits : float, length 4 D
-        Lowest and highest value, largest change in a control period and last value of each
-        drive; where the plant drives itself, unused.
-    checks : int
-        Pairs of cells of the board: a reference and an output, or -1 and an output.
-    bounds : float
-        For each pair the largest difference, or magnitude; beyond it the run has diverged.
-    path : float
-        What the tracked outputs should be in each control period, where the set points that stand
-        for it are held for several; empty where they are it.
-    laws, numbers, memory
-        Passed on to the laws, see :func:`fuzzyarm.controller.law.summed_drives`.
-    taps : int
-        Cells of the board that are recorded: the tracked outputs, their references, and others.
-    board : float
-        See the head of this module.
-    state : float
-        States of the plant and room; holds those at the end afterwards.
-    clock : float
-        Time, control period, steps of the integrator and precision, for the plant; behind them
-        what :func:`note_changes` and :func:`note_errors` add up.
-    record : float
-        Filled with the taps in the last period of each set point: a row for each of them, with room
-        for a sample of every set point.
-    progress : int, length 7
-        In and out, see above.
+    1. the references of the period, held or on the straight line to the next set point;
+    2. sensors: outputs of time i T with noise, resolution and delay, and what the plant derives of
+       them; exact sensors pass the outputs on;
+    3. the laws, their drives added up; state of the laws advances;
+    4. actuators: range, then slew, from the drive of the period before;
+    5. sums of drive changes and of squared errors; in the last period of a set point the sample:
+       outputs of i T and the drives that answer them;
+    6. loads, behind the actuators;
+    7. the plant from i T to (i + 1) T; its time is that product, not a running sum;
+    8. random disturbance of the states, if any, then outputs of (i + 1) T;
+    9. the test for divergence, which ends the run: an output or error beyond its bound.
+
+    NaN in an output comes from the plant or its equations, NaN in a drive from a law; both pass
+    sensors and actuators unchanged. A NaN output ends the run unless states and drives are all
+    finite: then it is a lost sample, and the law decides. A plant without states cannot tell, and
+    ends.
+
+    All that a run goes on from is in `block`: a run in parts has the bits of a whole one.
     """
-    # Read once: as scalars of a tuple they stay in registers over the whole run.
-    s = setting_numbers
-    setting = LoopConstants(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
+    # Named once: a scalar of a tuple stays in a register, and an interpreter finds it sooner.
+    setting = constants_of(block.setting)
+    references, iterations, pushes = block.references, block.iterations, block.pushes
+    plants, links, sensors, noise = block.plants, block.links, block.sensors, block.noise
+    limits, checks, bounds = block.limits, block.checks, block.bounds
+    laws, numbers, memory, taps = block.laws, block.numbers, block.memory, block.taps
+    board, state, clock, progress = block.board, block.state, block.clock, block.progress
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
     # Where all sensors are exact the plant measures into what a law is told.
     drives = board[frame.driven :]
     outputs = board[frame.true : frame.driven]
     if len(sensors) == 0:
         outputs = board[frame.seen : frame.told]
-    block = links[BLOCK]
+    size = links[BLOCK]
     random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
     samples, tick = progress[SAMPLES], progress[TICK]
-    progress[LOST] = -1
-    progress[LOST_AT] = -1
+    progress[LOST] = progress[LOST_AT] = -1
     board[0] = setting.step
     board[2] = 1.0 if setting.single else 0.0
-    first = plant_of[0] * block
-    ask_plant(MEASURE, links, state, outputs, drives, plants[first : first + block], clock)
+    first = block.plant_of[0] * size
+    ask_plant(MEASURE, links, state, outputs, drives, plants[first : first + size], clock)
     for point in range(progress[NEXT], progress[UNTIL]):
-        first = plant_of[point] * block
-        constants = plants[first : first + block]
+        first = block.plant_of[point] * size
+        constants = plants[first : first + size]
         # A set point is held for its periods. Where a segment ends with one period only (the
         # study's clock does that) the last one is not reached, and there is no sample.
         for iteration in range(iterations[point]):
@@ -188,9 +210,9 @@ def run_loop(
             control(board, frame.told, frame.drives, laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
             note_changes(drives, frame.drives, clock, tick)
-            note_errors(board, taps, path, tick, clock[CLOCK_SIZE + CHANGES * frame.drives :])
+            note_errors(board, taps, block.path, tick, clock[CLOCK_SIZE + CHANGES * frame.drives :])
             if last:  # before the plant moves: the error that these drives answer
-                tap(board, taps, record, samples)
+                tap(board, taps, block.record, samples)
                 samples += 1
             push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
@@ -201,18 +223,15 @@ def run_loop(
             ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
             # Asked after every step: a lost plant reaches infinity within a few set points.
             if not within(board, checks, bounds, state[: setting.states], drives):
-                progress[LOST] = point
-                progress[LOST_AT] = iteration
+                progress[LOST], progress[LOST_AT] = point, iteration
                 break
         progress[NEXT] = point + 1
         if progress[LOST] >= 0:
             break
-    progress[SAMPLES] = samples
-    progress[TICK] = tick
-    progress[RANDOM] = random
+    progress[SAMPLES], progress[TICK], progress[RANDOM] = samples, tick, random
 
 
-LOOP_ARRAYS = "fiiffiffffiffiffiffffi"
+LOOP_ARRAYS = letters_of_parts(LoopBlock)
 """Of floats and of integers, see :func:`fuzzyarm.kernels.routine`."""
 
 
@@ -286,6 +305,12 @@ def known_frame(references: int, outputs: int, drives: int) -> Callable[[int, in
     function: Any = kernel(space[name])
     function.__source__ = source
     return function  # type: ignore[no-any-return]
+
+
+@kernel
+def constants_of(s: list[float]) -> LoopConstants:
+    """Read the constants of a run."""
+    return LoopConstants(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
 
 
 @kernel

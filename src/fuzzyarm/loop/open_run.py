@@ -67,7 +67,7 @@ class OpenRun:
         self._shares: dict[int, float] = {}
         if not course.as_array:
             program.controller.prepare(program.arithmetic)
-        self._inputs = course.inputs(record.seed, self._loads)
+        self._experiment = course.parts(record.seed, self._loads)
         self._use(program)
 
     @property
@@ -89,7 +89,7 @@ class OpenRun:
         self.record.go_on(end)
         begin = time.perf_counter()
         with np.errstate(all="ignore"), plain_errors(self.course.plant):
-            self._loop(*self._inputs, *self._program_inputs, *self.record.outputs)
+            self._loop(self._block)
         self.seconds += time.perf_counter() - begin
 
     # --- Changes during a run ---
@@ -132,5 +132,5 @@ class OpenRun:
 
     def _use(self, program: LoopProgram) -> None:
         self.program = program
-        self._program_inputs = program.inputs(as_array=self.course.as_array)
+        self._block = self.record.block(program, self._experiment)
         self._loop = loop_for(program, self.course, self.record)

@@ -28,6 +28,7 @@ from fuzzyarm.loop.loop import (
     SAMPLES,
     TICK,
     UNTIL,
+    LoopBlock,
     loop_bindings,
     run_loop,
     within,
@@ -54,7 +55,10 @@ from fuzzyarm.text.names import near_hint
 # --- A controller as the loop takes it ---
 
 
-def loop_of_laws(program: LoopProgram, course: Course) -> Callable[..., None]:
+Loop = Callable[[LoopBlock], None]
+
+
+def loop_of_laws(program: LoopProgram, course: Course) -> Loop:
     """Return the loop around laws and plant, as machine code or as plain Python.
 
     Of several that do the same it is the one into which most is compiled: plant and controller, or
@@ -67,12 +71,14 @@ def loop_of_laws(program: LoopProgram, course: Course) -> Callable[..., None]:
                 bindings = loop_bindings(dynamics, single=single, of_text=of_text)
                 if is_built(run_loop, LOOP_ARRAYS, bindings):
                     return _routine(tuple(sorted(bindings.items())))
-    return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=program.compiled)
+        return _routine(tuple(sorted(_held(single).items())))
+    return with_names(run_loop, _held(single))
 
 
 @cache
-def _routine(bindings: tuple[tuple[str, Callable[..., Any]], ...]) -> Callable[..., None]:
-    return routine(run_loop, LOOP_ARRAYS, dict(bindings), compiled=True)
+def _routine(bindings: tuple[tuple[str, Callable[..., Any]], ...]) -> Loop:
+    machine_code = routine(run_loop, LOOP_ARRAYS, dict(bindings), compiled=True)
+    return lambda block: machine_code(*block)
 
 
 def _held(single: bool) -> dict[str, Callable[..., Any]]:
@@ -85,7 +91,7 @@ class LoopProgram:
     Attributes
     ----------
     numbers, memory : ndarray
-        See :func:`fuzzyarm.loop.loop.run_loop`.
+        See :class:`fuzzyarm.loop.loop.LoopBlock`.
     compilable : bool
         Whether every addend is a compiled law.
     """
@@ -102,7 +108,7 @@ class LoopProgram:
         )
         self.numbers = np.concatenate([[], *(block.numbers for block in self._blocks)])
         self.memory = np.concatenate([[], *(block.memory for block in self._blocks)])
-        self._inputs: dict[bool, tuple[Any, Any]] = {}
+        self._parts: dict[bool, dict[str, Any]] = {}
 
     @property
     def compiled(self) -> bool:
@@ -114,14 +120,16 @@ class LoopProgram:
         """Whether one controller as text is all of it."""
         return len(self._laws) == 1 and isinstance(self._laws[0], on_plant.TextLaw)
 
-    def inputs(self, *, as_array: bool | None = None) -> tuple[Any, Any]:
-        """Return laws and constants as the loop takes them."""
+    def parts(self, *, as_array: bool | None = None) -> dict[str, Any]:
+        """Return laws and constants by their names in a :class:`LoopBlock`; all runs share them."""
         as_array = self.compiled if as_array is None else as_array
-        if as_array not in self._inputs:  # the loop only reads them: all runs share them
+        if as_array not in self._parts:
             laws = law_integers(self._laws, self._blocks, self.arithmetic)
-            numbers = flat(self.numbers, as_array=as_array)
-            self._inputs[as_array] = flat(laws, np.int64, as_array=as_array), numbers
-        return self._inputs[as_array]
+            self._parts[as_array] = {
+                "laws": flat(laws, np.int64, as_array=as_array),
+                "numbers": flat(self.numbers, as_array=as_array),
+            }
+        return self._parts[as_array]
 
     def memory_of(self, law: Law, memory: Any) -> Any:
         """Return the stretch of a memory that belongs to a law."""
@@ -226,17 +234,23 @@ class RunRecord:
         self.record: Any = room if course.as_array else view(room)
         self.progress = new([0, -1, -1, 0, 0, count, 0], np.int64)
 
-    @property
-    def outputs(self) -> tuple[Any, ...]:
-        """The last arguments of the loop, from the memory on."""
-        return (
-            self.memory,
-            self.taps,
-            self.board,
-            self.state,
-            self.clock,
-            self.record,
-            self.progress,
+    def block(self, program: LoopProgram, experiment: Mapping[str, Any] | None = None) -> LoopBlock:
+        """Return what the loop takes: the parts of an experiment, of a program, and these.
+
+        `experiment` is what :meth:`Course.parts` returned at the start of a run that goes on.
+        """
+        if experiment is None:
+            experiment = self.course.parts(self.seed)
+        return LoopBlock(
+            **experiment,
+            **program.parts(as_array=self.course.as_array),
+            memory=self.memory,
+            taps=self.taps,
+            board=self.board,
+            state=self.state,
+            clock=self.clock,
+            record=self.record,
+            progress=self.progress,
         )
 
     @property
@@ -328,7 +342,7 @@ def shown_units(course: Course) -> tuple[str, ...]:
 # --- Loops in which something is plain Python ---
 
 
-def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Callable[..., None]:
+def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Loop:
     """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
     single = course.conventions.single
     if program.compilable and is_compiled(course.plant):
@@ -489,11 +503,12 @@ def _named(part: Controller) -> Iterator[None]:
 
 def compiled_law(program: LoopProgram, course: Course, record: RunRecord) -> Callable[..., None]:
     """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
-    laws, numbers = program.inputs(as_array=True)
+    parts = program.parts(as_array=True)
     board = np.asarray(record.board)
     size = len(course.site.interface.inputs)
     signals = board[: course.site.told + size]
-    arrays = (signals, laws, numbers, np.asarray(record.memory), board[len(board) - size :])
+    drives, memory = board[len(board) - size :], np.asarray(record.memory)
+    arrays = (signals, parts["laws"], parts["numbers"], memory, drives)
     precision = _held(course.conventions.single)
     step = bound_routine(drives_of_laws, "fifff", arrays, precision, brief=True)
 

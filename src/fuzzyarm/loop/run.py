@@ -502,7 +502,7 @@ class ClosedLoop:
         )
         if self.compiled:  # so that a run begins at once
             loop_of_laws(self.program, self.course)
-            self.program.inputs()
+            self.program.parts()
         self.taps = [
             *error_taps(self.course),
             *map(self.course.output_cell, self.site.interface.outputs),

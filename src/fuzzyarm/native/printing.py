@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.native.roots import Root
 from fuzzyarm.native.walker import WALKER
-from fuzzyarm.translation.functions import Translation
+from fuzzyarm.translation.functions import Translation, part_name
 from fuzzyarm.translation.targets import C99, HEAD_OF_C, POINTERS
-from fuzzyarm.translation.types import ARRAYS, Array
+from fuzzyarm.translation.types import ARRAYS, Array, TupleType
 
 __all__ = ["UNITS", "filled_arrays", "kernels_in_c"]
 
@@ -54,6 +54,15 @@ class TranslatedKernel(NamedTuple):
     types: tuple[Array, ...]
     function: Any
     in_one: bool
+    block: TupleType | None = None
+
+    @property
+    def arguments(self) -> list[str]:
+        """Names of its arrays: of parameters, or of the parts of its block."""
+        parameters: list[str] = self.function.parameters
+        if self.block is None:
+            return parameters
+        return [part_name(parameters[0], part) for part in self.block.names]
 
 
 class _Unit:
@@ -66,14 +75,19 @@ class _Unit:
     def add(self, root: Root) -> None:
         """Translate a kernel."""
         types = tuple(ARRAYS[letter] for letter in root.types)
-        function = self.translation.function(root.function, types, root.bindings)
-        self.entries.append(TranslatedKernel(root.key, types, function, root.in_one))
+        fields = getattr(root.block, "_fields", ())
+        block = TupleType(types, fields) if fields else None
+        taken = types if block is None else (block,)
+        function = self.translation.function(root.function, taken, root.bindings)
+        self.entries.append(TranslatedKernel(root.key, types, function, root.in_one, block))
 
     def text(self, filled: dict[str, set[int]]) -> str:
         """Return the file."""
         entries, rows = [], []
-        for index, (key, types, function, in_one) in enumerate(self.entries):
-            entries.append(_entries(index, function.name, types, in_one=in_one))
+        for index, entry in enumerate(self.entries):
+            key, block = entry.key, entry.block
+            record = "" if block is None else self.translation.type_name(block)
+            entries.append(_entries(index, entry, record))
             bits = sum(1 << position for position in filled[key])
             both = f"(void (*)(void))entry_{index}, spread_{index}"
             rows.append(f"  {{{json.dumps(key)}, {both}, {bits}u}},")
@@ -102,11 +116,11 @@ def _filled_by(
     entry: TranslatedKernel, by_types: dict[tuple[Array, ...], set[int]]
 ) -> Iterator[int]:
     """Iterate over what a kernel fills in, by itself or by what it calls by address."""
-    parameters = entry.function.parameters
-    yield from map(parameters.index, entry.function.writes)
+    arguments = entry.arguments
+    yield from map(arguments.index, entry.function.writes)
     for request in entry.function.asks:
         for position in by_types[tuple(type_ for type_, _ in request)]:
-            yield from map(parameters.index, request[position][1])
+            yield from map(arguments.index, request[position][1])
 
 
 _WALK = """\
@@ -126,8 +140,12 @@ typedef struct {
 """
 
 
-def _entries(index: int, function: str, types: Sequence[Array], *, in_one: bool) -> str:
-    """Return a function as kernels call it, with each array by itself; and as Python does."""
+def _entries(index: int, entry: TranslatedKernel, record: str) -> str:
+    """Return a function as kernels call it, with each array by itself; and as Python does.
+
+    `record` is the type of the block in which the function takes the arrays, if it takes one.
+    """
+    types, in_one = entry.types, entry.in_one
     # A loop has its arrays apart from each other. Told so, the compiler keeps in registers what a
     # control period writes and reads again, though it writes to other arrays between.
     apart = "restrict " if in_one else ""
@@ -136,9 +154,12 @@ def _entries(index: int, function: str, types: Sequence[Array], *, in_one: bool)
     )
     names = [C99.types[type_] for type_ in types]
     passed = ", ".join(f"({name}){{at_{k}, length_{k}}}" for k, name in enumerate(names))
+    if record:
+        passed = f"({record}){{{passed}}}"
     spread = ", ".join(f"at[{k}], lengths[{k}]" for k in range(len(types)))
+    name, flatten = entry.function.name, "FLATTEN " * in_one
     return (
-        f"{'FLATTEN ' * in_one}static void entry_{index}({listed}) {{ {function}({passed}); }}\n"
+        f"{flatten}static void entry_{index}({listed}) {{ {name}({passed}); }}\n"
         f"static void spread_{index}(void *const *at, const int64_t *lengths) "
         f"{{ entry_{index}({spread}); }}\n"
     )

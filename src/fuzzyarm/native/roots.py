@@ -39,7 +39,7 @@ from fuzzyarm.inference.row_functions import (
     norm_row,
 )
 from fuzzyarm.kernels import key_of, letters_of
-from fuzzyarm.loop.loop import LOOP_ARRAYS, loop_bindings, run_loop
+from fuzzyarm.loop.loop import LOOP_ARRAYS, LoopBlock, loop_bindings, run_loop
 from fuzzyarm.model.rulebase import Hedge
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
@@ -67,6 +67,8 @@ class Root(NamedTuple):
     in_one : bool
         Whether all that it calls by name is compiled into it, and its arrays have no memory in
         common.
+    block : type, optional
+        The named tuple in which it takes its arrays; without one it takes each by itself.
     """
 
     function: Callable[..., Any]
@@ -74,6 +76,7 @@ class Root(NamedTuple):
     bindings: Mapping[str, Callable[..., Any]] = {}
     over_rows: bool = False
     in_one: bool = False
+    block: type[tuple[Any, ...]] | None = None
 
     @property
     def key(self) -> str:
@@ -149,8 +152,10 @@ def _loops() -> Iterator[Root]:
     every = [dynamics_of(plant, RunArithmetic(), address=lambda *_, **__: 0) for plant in plants]
     for dynamics, of_text in product((None, *(d for d in every if d.actuates)), (False, True)):
         bindings = loop_bindings(dynamics, single=False, of_text=of_text)
-        yield Root(run_loop, LOOP_ARRAYS, bindings, in_one=dynamics is not None)
-    yield Root(run_loop, LOOP_ARRAYS, loop_bindings(None, single=True, of_text=False))
+        in_one = dynamics is not None
+        yield Root(run_loop, LOOP_ARRAYS, bindings, in_one=in_one, block=LoopBlock)
+    bindings = loop_bindings(None, single=True, of_text=False)
+    yield Root(run_loop, LOOP_ARRAYS, bindings, block=LoopBlock)
 
 
 def _plants() -> Iterator[Root]:

@@ -135,6 +135,11 @@ class Translation:
         return "\n".join(function.text for function in self._finished)
 
 
+def part_name(parameter: str, part: str) -> str:
+    """Return the name of an array that is part of a parameter."""
+    return f"{parameter}.{part}"
+
+
 @cache
 def _source_of(function: Callable[..., Any]) -> ast.FunctionDef:
     text = getattr(function, "__source__", None) or textwrap.dedent(inspect.getsource(function))
@@ -159,7 +164,7 @@ class _Function:
     text : str
         The definition.
     writes : set of str
-        Arguments that it writes into.
+        Arguments that it writes into, or their parts, see :func:`part_name`.
     asks : set of tuple of (Array, frozenset of str)
         For each call by address, the arrays that are handed over: type, and the arguments in which
         they may lie.
@@ -474,7 +479,10 @@ class _Function:
             return self.length(whole)
         if not isinstance(whole.type, TupleType) or node.attr not in whole.type.names:
             raise NotTranslatedError(node, self.target.name)
-        return self.part_of(whole, whole.type.names.index(node.attr))
+        part = self.part_of(whole, whole.type.names.index(node.attr))
+        if isinstance(node.value, ast.Name) and node.value.id in self.parameters and part.memory:
+            return part._replace(memory=frozenset((part_name(node.value.id, node.attr),)))
+        return part
 
     def length(self, whole: TypedText) -> TypedText:
         if isinstance(whole.type, TupleType):
