@@ -66,7 +66,13 @@ def stand_in() -> tuple[ModuleType, ModuleType]:
         vars(module).update(_own_names(part))
     vars(module).update({name: getattr(kinds, name) for name in kinds.__all__})
     vars(module).update(broadcast_to=array.broadcast_to, broadcast_shapes=array.broadcast_shapes)
-    vars(module).update(ndarray=array.ndarray, intp=kinds.int64, complex128=_Any, dtype=kinds.dtype)
+    vars(module).update(
+        ndarray=array.ndarray,
+        intp=kinds.int64,
+        uintp=kinds.int64,
+        complex128=_Any,
+        dtype=kinds.dtype,
+    )
 
     def missing(name: str) -> Any:
         if name.startswith("__"):
