@@ -19,7 +19,7 @@ import budget
 import pytest
 from hypothesis import settings
 
-from fuzzyarm.kernels import digest_of_sources
+from fuzzyarm.kernels import digest_of_c
 from fuzzyarm.model.rulebase import RuleBase
 
 # Tests that are collected and trees of syntax that are kept end with the process. To search them
@@ -72,7 +72,7 @@ def build_kernels() -> None:
     module = importlib.util.find_spec("fuzzyarm._kernels")
     # Its bytes are looked at: a module that is loaded stays what it is.
     there = module and module.origin and Path(module.origin).read_bytes()
-    if there and digest_of_sources().encode() in there:
+    if there and digest_of_c().encode() in there:
         return
     command = [sys.executable, "-m", "fuzzyarm.native.build"]
     subprocess.run(command, env={**os.environ, "FUZZYARM_NATIVE": "0"}, check=False)

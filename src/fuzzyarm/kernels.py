@@ -20,9 +20,12 @@ kinds, the equations of a user's plant) is a program of operations
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib
+import math
 import os
+import sys
 import warnings
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -94,7 +97,7 @@ def _module() -> ModuleType | None:
     except ImportError:
         _warn("no machine code was built")
         return None
-    if _is_checkout() and digest_of_sources() != module.SOURCES:
+    if _is_checkout() and digest_of_c() != module.SOURCES:
         _warn("the machine code is of other sources; `make native` builds it anew")
         return None
     return module
@@ -122,8 +125,44 @@ SOURCE_FOLDERS = (
 """Packages whose modules have kernels or decide how they are printed."""
 
 
+def digest_of_c() -> str:
+    """Return a digest of the C that the sources at hand are printed as.
+
+    Printed once after an edit, by another process; then it is noted beside the package.
+    """
+    if noted := _noted_digest():
+        return noted
+    import subprocess
+
+    command = [sys.executable, "-P", str(_here() / "native" / "build.py"), "--note"]
+    path = os.pathsep.join([str(_here().parent), *filter(None, sys.path)])
+    environment = {**os.environ, "PYTHONPATH": path, SWITCH: "0"}
+    subprocess.run(command, env=environment, capture_output=True, check=False)
+    return _noted_digest()
+
+
+def _noted_digest() -> str:
+    try:
+        sources, digest = _note().read_text(encoding="ascii").split()
+    except (OSError, ValueError):
+        return ""
+    return digest if sources == digest_of_sources() else ""
+
+
+def note_digest(digest: str) -> None:
+    """Note the digest of the C that the sources at hand are printed as."""
+    unfinished = _note().with_name(f".{_note().name}.{os.getpid()}")
+    with contextlib.suppress(OSError):  # a package that cannot be written to is printed anew
+        unfinished.write_text(f"{digest_of_sources()} {digest}\n", encoding="ascii")
+        unfinished.replace(_note())
+
+
+def _note() -> Path:
+    return _here() / "_kernels.digest"
+
+
 def digest_of_sources() -> str:
-    """Return a digest of all that machine code is made from."""
+    """Return a digest of the text that the C of kernels is printed from."""
     from hashlib import sha256
 
     here = _here()
@@ -402,6 +441,44 @@ def sweep_routine(
 # --- Several processors ---
 
 
+@functools.cache
+def processors() -> int:
+    """Return how many processors this process may keep busy.
+
+    Those it may run on, and no more than the share of them that a container grants it.
+    """
+    try:
+        count = len(os.sched_getaffinity(0))
+    except AttributeError:  # not on macOS and Windows
+        count = os.cpu_count() or 1
+    quota = _quota()
+    return max(1, math.ceil(quota)) if quota < count else count
+
+
+def _quota() -> float:
+    """Return how many processors a control group of Linux grants; infinite without a limit."""
+    for limit, period in _QUOTA_FILES:
+        try:
+            with open(limit, encoding="ascii") as file:
+                words = file.read().split()
+            if period:
+                with open(period, encoding="ascii") as file:
+                    words += file.read().split()
+            granted, of = float(words[0]), float(words[1])
+        except (OSError, ValueError, IndexError):  # no such file, or the word "max"
+            continue
+        if granted > 0.0 and of > 0.0:
+            return granted / of
+    return math.inf
+
+
+_QUOTA_FILES = (
+    ("/sys/fs/cgroup/cpu.max", ""),
+    ("/sys/fs/cgroup/cpu/cpu.cfs_quota_us", "/sys/fs/cgroup/cpu/cpu.cfs_period_us"),
+)
+"""Of control groups of version 2, and of version 1: the time granted, and the period."""
+
+
 def in_threads(
     job: Callable[[Iterator[_Item]], _Result], items: Iterable[_Item], workers: int
 ) -> list[_Result]:
@@ -437,7 +514,7 @@ def in_threads(
 def _threads() -> Any:
     from concurrent.futures import ThreadPoolExecutor
 
-    return ThreadPoolExecutor(os.cpu_count() or 1, "fuzzyarm")
+    return ThreadPoolExecutor(processors(), "fuzzyarm")
 
 
 if hasattr(os, "register_at_fork"):  # a forked process has none of them

@@ -25,7 +25,9 @@ from fuzzyarm.inference import (
     prepare,
 )
 from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference.cells import _buckets
 from fuzzyarm.inference.errors import NotANumberError
+from fuzzyarm.inference.kernel import bucket_of
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.prepared import MOST, prepared
@@ -593,3 +595,13 @@ def test_infinite_values_of_an_endless_input_lie_in_no_cell() -> None:
         expected = [infer(rulebase, x=value, y=y)["u"] for value in x]
         assert fast(x=x, y=np.full(7, y))["u"].tolist() == expected
         assert [fast(x=value, y=y)["u"] for value in x] == expected
+
+
+def test_an_input_with_one_edge_has_a_bucket_on_either_side():
+    for edge in (0.0, 0.5, -3.0, 1e12, 1e-300):
+        first, scale, starts = _buckets([-math.inf, edge, math.inf])
+        below, above = math.nextafter(edge, -math.inf), math.nextafter(edge, math.inf)
+        for x in (-1e300, -1e13, below, edge, above, 1e13, 1e300):
+            bucket = int(bucket_of(x, first, scale, len(starts) - 1.0))
+            # Rounding may lead next to an edge into the other one, from where a step is taken.
+            assert starts[bucket] == (x >= edge) or x in {below, above}

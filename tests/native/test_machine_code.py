@@ -3,9 +3,11 @@
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -288,10 +290,59 @@ def test_where_none_was_built_one_line_says_that_it_is_slow(monkeypatch):
 
 
 def test_machine_code_of_other_sources_is_not_used(monkeypatch):
-    monkeypatch.setattr(kernels, "digest_of_sources", lambda: "0" * 64)
+    monkeypatch.setattr(kernels, "digest_of_c", lambda: "0" * 64)
     kernels._module.cache_clear()
     try:
         with pytest.warns(RuntimeWarning, match="of other sources; `make native`"):
             assert not kernels.has_machine_code()
     finally:
         kernels._module.cache_clear()
+
+
+@pytest.mark.slow
+def test_the_digest_is_of_the_c_and_not_of_the_text_it_is_printed_from(tmp_path):
+    source = Path(kernels.__file__).parent
+    package = tmp_path / "fuzzyarm"
+    skipped = shutil.ignore_patterns("__pycache__", "_kernels.*", "page", "files")
+    shutil.copytree(source, package, ignore=skipped)
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "FUZZYARM_NATIVE": "0"}
+
+    def noted():
+        command = [sys.executable, "-m", "fuzzyarm.native.build", "--note"]
+        subprocess.run(command, env=environment, check=True)
+        return (package / "_kernels.digest").read_text(encoding="ascii").split()
+
+    def edit(old, new):
+        module = package / "inference" / "kernel.py"
+        text = module.read_text(encoding="utf-8")
+        assert old in text
+        module.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    text, c = noted()
+    assert c == machine().SOURCES
+    edit('"""Return the mean of what', '"""Give the mean of what')
+    other_text, same_c = noted()
+    assert (other_text != text, same_c) == (True, c)
+    edit("return centre + moment / total", "return centre - moment / total")
+    assert noted()[1] != c
+
+
+@pytest.mark.parametrize(
+    ("files", "wanted"),
+    [
+        ({}, 8),
+        ({"cpu.max": "max 100000"}, 8),
+        ({"cpu.max": "150000 100000"}, 2),
+        ({"cpu.max": "50000 100000"}, 1),
+        ({"quota": "-1", "period": "100000"}, 8),
+        ({"quota": "300000", "period": "100000"}, 3),
+    ],
+)
+def test_processors_are_those_that_a_process_may_keep_busy(tmp_path, monkeypatch, files, wanted):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text + "\n", encoding="ascii")
+    names = (("cpu.max", ""), ("quota", "period"))
+    paths = tuple(tuple(str(tmp_path / name) if name else "" for name in pair) for pair in names)
+    monkeypatch.setattr(kernels, "_QUOTA_FILES", paths)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)), raising=False)
+    assert kernels.processors.__wrapped__() == wanted

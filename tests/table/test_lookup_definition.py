@@ -125,7 +125,7 @@ def test_threads_give_what_one_thread_gives(mode, monkeypatch):
     monkeypatch.setattr(lookup, "worthwhile", lambda points: True)
     monkeypatch.setattr(lookup, "_machine", lambda function, compiled: function)
     monkeypatch.setattr(lookup, "WORTH_THREADS", 1)
-    monkeypatch.setattr(lookup.os, "cpu_count", lambda: 3)
+    monkeypatch.setattr(lookup, "processors", lambda: 3)
     for x, y in ((e, ce), (e.T, ce[:, None])):
         found = table.lookup(x, y, mode=mode)
         np.testing.assert_array_equal(found, plain if x is e else plain.T)

@@ -80,8 +80,11 @@ def _reaches(lines: dict[int, StraightLine], degrees: dict[int, float], x: float
 def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:
     """Return the even buckets that need the fewest steps from there to the cell."""
     inner = edges[1:-1]
-    if len(inner) < 2:
+    if not inner:
         return 0.0, 0.0, (0,)
+    if len(inner) == 1:  # two cells, a bucket each: the processor foresees neither
+        width = max(1.0, abs(inner[0]))
+        return inner[0] - width, 1.0 / width, (0, 1)
     first, width = inner[0], inner[-1] - inner[0]
     if not math.isfinite(width / (FINENESS * len(inner))) or not width > 0.0:
         return 0.0, 0.0, (0,)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
@@ -40,6 +39,7 @@ from fuzzyarm.kernels import (
     has_machine_code,
     in_threads,
     point_routines,
+    processors,
     sweep_routine,
 )
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
@@ -286,7 +286,7 @@ class _Engine:
         working = working_shape(arrays, shape)
         size = math.prod(shape)
         results = np.empty((len(self.rulebase.outputs), *working))
-        workers = (os.cpu_count() or 1) if size >= MANY and self._compiled else 1
+        workers = processors() if size >= MANY and self._compiled else 1
         few = max(len(arrays), len(results)) <= MOST_COLUMNS
         if (
             self._compiled

@@ -6,7 +6,6 @@ how many workers there are, nor on the blocks in which they take the runs.
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
@@ -20,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.errors import FuzzyarmError, demand_extra
+from fuzzyarm.kernels import processors
 from fuzzyarm.loop.along import AnyWay, FollowedPlant, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.blocks import (
     Block,
@@ -540,7 +540,7 @@ def stream(
     """
     check_extremes(bench, changes)
     if workers is None:
-        workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+        workers = getattr(executor, "_max_workers", None) or processors()
     if executor is not None:
         yield from _elsewhere(bench, changes, begin, count, executor, workers)
     elif bench.loop.compiled or workers == 1:

@@ -16,12 +16,13 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from fuzzyarm.kernels import digest_of_sources
+from fuzzyarm.kernels import note_digest, processors
 from fuzzyarm.native.abroad import definition_of_python3, headers_for_any_platform
 from fuzzyarm.native.printing import UNITS, kernels_in_c
 from fuzzyarm.native.roots import roots
@@ -205,7 +206,7 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
         work = Path(room)
         jobs = list(_jobs(work, compiler))
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # the compiler is another process
+        with ThreadPoolExecutor(processors()) as pool:  # the compiler is another process
             list(pool.map(lambda job: compiler.compile(job.source, job.result, *job.flags), jobs))
         linked = work / result.name
         libraries = [_python3(work, compiler)] if compiler.system == "windows" else []
@@ -226,18 +227,30 @@ class Compilation(NamedTuple):
 
 def _jobs(work: Path, compiler: Compiler) -> Iterator[Compilation]:
     """Write the files that are compiled; iterate over what is to be done with them."""
-    for unit, text in kernels_in_c(roots()).items():
+    units = kernels_in_c(roots())
+    for unit, text in units.items():
         source = work / f"{unit}.c"
         source.write_text(text, encoding="utf-8")
         for level, flags in compiler.levels.items():
             words = (f"-DTABLE={level}_{unit}", f"-DRUN_PROGRAM={level}_{unit}_program")
             yield Compilation(source, work / f"{level}_{unit}.o", (*flags, *UNITS[unit], *words))
     module = work / "module.c"
-    sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
-    module_source = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
-    module.write_text(module_source + sources, encoding="utf-8")
+    digest = digest_of(units)
+    note_digest(digest)
+    sources = f'const char fuzzyarm_sources[] = "{digest}";\n'
+    module.write_text(_module_source() + sources, encoding="utf-8")
     v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
     yield Compilation(module, work / "module.o", (f"-I{_headers(work, compiler)}", *v3))
+
+
+def digest_of(units: Mapping[str, str]) -> str:
+    """Return a digest of what is compiled, and of how: C of kernels, the module, the flags."""
+    whole = [*sorted(units.items()), _module_source(), FLAGS, sorted(LEVELS.items()), UNITS]
+    return sha256(repr(whole).encode()).hexdigest()
+
+
+def _module_source() -> str:
+    return Path(__file__).with_name("module.c").read_text(encoding="utf-8")
 
 
 def _headers(work: Path, compiler: Compiler) -> Path:
@@ -267,7 +280,13 @@ def main() -> None:
     parser.add_argument(
         "--platform", metavar="MACHINE-SYSTEM", help="by ziglang for another: aarch64-macos"
     )
+    parser.add_argument(
+        "--note", action="store_true", help="note the digest of the C, and build nothing"
+    )
     words = parser.parse_args()
+    if words.note:
+        note_digest(digest_of(kernels_in_c(roots())))
+        return
     build(words.folder, zig(*words.platform.split("-")) if words.platform else None)
 
 

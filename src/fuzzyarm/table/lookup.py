@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import has_machine_code, in_threads, kernel, routine
+from fuzzyarm.kernels import has_machine_code, in_threads, kernel, processors, routine
 from fuzzyarm.table.axis import Axis, TableError
 
 __all__ = [
@@ -606,7 +605,7 @@ def look_up_arrays(
     if evaluate is None:
         evaluate = _plain(axes, cells, mode)
     elif values.size >= WORTH_THREADS:
-        threads = os.cpu_count() or 1
+        threads = processors()
     if threads == 1:
         _fill(axes, evaluate, inputs, values)
         return values

@@ -7,7 +7,6 @@ many workers there are nor on what was examined before.
 from __future__ import annotations
 
 import math
-import os
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -23,6 +22,7 @@ from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.kernels import processors
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.loop.blocks import (
     default_processes,
@@ -312,7 +312,7 @@ class ExaminerPool:
         self.examiner = Examiner(problem)
         self.design = self.examiner.design
         count = getattr(executor, "_max_workers", None)
-        self.workers = workers or count or os.cpu_count() or 1
+        self.workers = workers or count or processors()
         self.executor = executor
         self._own_pool: Executor | None = None
         self._question = b""
