@@ -22,9 +22,9 @@ from fuzzyarm.closed_loop.form import Assumptions, Form, row_of
 from fuzzyarm.closed_loop.outward import exact_bounds
 from fuzzyarm.closed_loop.period import LoopPeriod
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.program_walk import ProgramWalk
 from fuzzyarm.closed_loop.resting import rest_in_floats
 from fuzzyarm.closed_loop.sampled_plant import SampledPlant, require_still
-from fuzzyarm.export.steps import steps_of
 from fuzzyarm.expression.nodes import Symbol
 from fuzzyarm.plant.plant import Address, Port
 from fuzzyarm.proof.arithmetic import Stop
@@ -336,8 +336,8 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
     """Return what memory is called in the program: only a guess, which the checker proves."""
     states = [
         name
-        for name, variable in steps_of(problem.text).variables.items()
-        if variable.sort == "state" and not name.endswith("_excess")
+        for name in ProgramWalk(problem).states
+        if name.startswith("state:") and not name.endswith("_excess")
     ]
     # Both list the sources in the order of the lines.
     program = iter(states)

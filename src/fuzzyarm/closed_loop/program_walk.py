@@ -1,24 +1,30 @@
-"""One control period by the controller's program, over any kind of number: the checker's reading.
+"""One control period by the instructions of a controller, over any kind of number: for the checker.
 
 The search reads the lines of a controller (:class:`fuzzyarm.controller.period.ControlPeriod`).
-The checker does not: it walks the instructions that ``simulate`` runs and ``compile`` prints
-(:mod:`fuzzyarm.export.steps`), and does what is outside the controller, sensors and actuators,
+The checker does not: it carries out the instructions that ``simulate`` runs
+(:mod:`fuzzyarm.controller.kernel`), and does what is outside the controller, sensors and actuators,
 itself.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, Protocol
 
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
-from fuzzyarm.export.steps import LAST, Ask, Set, first_of, steps_of
-from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.controller import kernel as code
+from fuzzyarm.controller.program import ControllerCode, SourceError, Wiring, write_down
+from fuzzyarm.controller.text import wiring_of
+from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol
+from fuzzyarm.expression.sources import VALUE
 from fuzzyarm.loop.course import Sensor, periods_of
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
 from fuzzyarm.table import LookupTable
+from fuzzyarm.table.lookup import INPUTS, VALUES
 
 __all__ = ["NumberSystem", "ProgramWalk"]
 
@@ -62,18 +68,21 @@ class ProgramWalk:
 
     def __init__(self, problem: LoopProblem) -> None:
         self.problem = problem
-        self.steps = steps_of(problem.text)
+        model = problem.text.model
+        self._wiring = wiring_of(model)
+        try:
+            # No inference is called while the instructions are read: any address will do.
+            self._program = write_down(
+                model, problem.text.sheets, {}, self._wiring, RunArithmetic()
+            )
+        except SourceError as error:
+            raise LoopProofError(str(error)) from error
+        self._cell_names = _names_of_states(self._program, self._wiring)
         self.states = {
-            name: variable.start
-            for name, variable in self.steps.variables.items()
-            if variable.sort == "state"
+            name: float(self._program.cells[cell]) for cell, name in self._cell_names.items()
         }
-        self.begun: set[str] = set()
-        for step in self.steps.steps:
-            if isinstance(step, Set):
-                self.begun |= _unseen(step.value)
-            elif not isinstance(step, Ask):
-                raise LoopProofError("a controller that learns: nothing is proved about it")
+        self.begun = {name for name, start in self.states.items() if math.isnan(start)}
+        self.states |= dict.fromkeys(self.begun, 0.0)
         for (axis, port), sensor in problem.sensors.items():
             self._collect(f"{axis}.{port}", sensor)
         for address, actuator in problem.site.interface.inputs.items():
@@ -130,32 +139,12 @@ class ProgramWalk:
         }
         self._after: dict[str, Any] = {}
         measurements = self._sensed(outputs)
-        self._values: dict[str, Any] = {
-            **dict.fromkeys(map(first_of, self.steps.needs_first), first),
-            LAST: self.problem.text.model.every == 1,
-        }
+        self._cells = self._given(measurements)
+        for instruction in _instructions(self._program):
+            self._carry_out(*instruction)
         drives: dict[Address, Any] = {}
-        for name, variable in self.steps.variables.items():
-            key = (variable.axis, variable.name)
-            if variable.sort == "gain":
-                self._values[name] = numbers.number(variable.start)
-            elif variable.sort == "measured":
-                self._values[name] = measurements[self._port("measured", key)]
-            elif variable.sort == "reference":
-                set_point = self.problem.set_point[self._port("reference", key)]
-                self._values[name] = numbers.number(set_point)
-        for step in self.steps.steps:
-            if isinstance(step, Set):
-                value = self._value(step.value)
-                if step.target in self.states:
-                    self._after[step.target] = value
-                self._values[step.target] = value
-            else:
-                assert isinstance(step, Ask)
-                self._values[step.target] = self._asked(step)
-        for variable in self.steps.of_sort("drive"):
-            port = self._port("drive", (variable.axis, variable.name))
-            value = self._values[variable.symbol]
+        for address, cell in self._wiring.drives.items():
+            port, value = self._port("drive", address), self._load(cell)
             earlier = drives.get(port)
             drives[port] = value if earlier is None else numbers.apply("add", [earlier, value])
         inputs = {address: self._actuated(address, drives) for address in self._inputs}
@@ -176,58 +165,161 @@ class ProgramWalk:
 
     # ── the program ──────────────────────────────────────────────────────────────────
 
-    def _value(self, root: Node) -> Any:
+    def _given(self, measurements: Mapping[Address, Any]) -> dict[int, Any]:
+        """Return the cells that the loop fills in."""
+        set_point, period = self.problem.set_point, self.problem.text.model
+        cells = {
+            PERIOD: self._numbers.number(period.period),
+            LAST: self._numbers.number(float(period.every == 1)),
+        }
+        for address, cell in self._wiring.measured.items():
+            cells[cell] = measurements[self._port("measured", address)]
+        for address, cell in self._wiring.references.items():
+            cells[cell] = self._numbers.number(set_point[self._port("reference", address)])
+        return cells
+
+    def _load(self, cell: int) -> Any:
+        """Return a cell: filled in, remembered, or a number of the program."""
+        if cell in self._cells:
+            return self._cells[cell]
+        if cell in self._cell_names:
+            return self._state(self._cell_names[cell])
+        value = float(self._program.cells[cell])
+        # No rational is infinite: such a number stays a float until something is compared with it.
+        return value if math.isinf(value) else self._numbers.number(value)
+
+    def _keep(self, cell: int, value: Any) -> None:
+        """Leave a cell for the next period, where anything reads it."""
+        if cell in self._cell_names:
+            self._after[self._cell_names[cell]] = value
+
+    def _carry_out(self, what: int, into: int, a: int, b: int, c: int) -> None:
+        """Carry out one instruction; a, b and c are cells, or where a list begins."""
+        if what in _ARITHMETIC:
+            value = self._load(a)
+            for operation, cell in zip(_ARITHMETIC[what], (b, c), strict=False):
+                value = self._numbers.apply(operation, [value, self._load(cell)])
+        elif what == code.LIMIT:
+            value = self._limited(self._load(a), b)
+        elif what == code.SLEW:
+            value = self._slewed(self._load(a), b)
+        elif what == code.UPDATE:
+            value = self._updated(a, b, c)
+        elif what == code.LOOK_UP:
+            value = self._looked_up(a, b)
+        elif what == code.INFER:
+            self._infer(a)
+            return
+        else:
+            raise LoopProofError("a controller that learns or switches: nothing is proved about it")
+        self._cells[into] = value
+
+    def _limited(self, x: Any, state: int) -> Any:
+        low, high = (float(self._program.cells[state + k]) for k in (code.LOW, code.HIGH))
+        value = self._numbers.limit(x, low, high)
+        if state + code.OVER in self._cell_names:
+            self._keep(state + code.OVER, self._numbers.apply("subtract", [value, x]))
+        return value
+
+    def _slewed(self, x: Any, state: int) -> Any:
+        steepest = float(self._program.cells[state + code.STEEPEST])
+        value = self._near(x, self._load(state + code.LAST_DRIVE), steepest)
+        self._keep(state + code.LAST_DRIVE, value)
+        return value
+
+    def _near(self, value: Any, before: Any, steepest: float) -> Any:
+        """Return a value whose change in a period is limited."""
+        numbers = self._numbers
+        most = numbers.number(steepest * self.problem.period)
+        least = numbers.apply("subtract", [before, most])
+        value = numbers.apply("maximum", [value, least])
+        return numbers.apply("minimum", [value, numbers.apply("add", [before, most])])
+
+    def _updated(self, begin: int, frame: int, x: int) -> Any:
+        """Return the value of a source; its memory is left for the next period."""
+        kind = self._program.updates[frame]
+        inputs = frame + 1 + len(kind.states)
+        pairs = self._program.code[begin + code.FETCHES :][
+            : 2 * self._program.code[begin + code.FETCHED]
+        ]
+        fetched = {inputs: x, inputs + 1: PERIOD, **dict(zip(pairs[::2], pairs[1::2], strict=True))}
+        cells = {name: fetched.get(k, k) for k, name in enumerate(kind.symbols, frame + 1)}
+        names = {
+            name
+            for name, cell in cells.items()
+            if self._first and self._cell_names.get(cell) in self.begun
+        }
+        results: dict[str, Any] = {}
+
+        def argument(name: str) -> Any:
+            return results[name] if name in results else self._load(cells[name])
+
+        def value(root: Node) -> Any:
+            return self._value(root, argument, names)
+
+        results[VALUE] = value(kind.expression)
+        for cell, root in enumerate(kind.nexts, frame + 1):
+            self._keep(cell, value(root))
+        return results[VALUE]
+
+    def _infer(self, begin: int) -> None:
+        """Ask a rule base, output by output."""
+        program = self._program.code
+        count, results = program[begin + code.COUNT_INPUTS], program[begin + code.COUNT_RESULTS]
+        cells = program[begin + code.INFER_CELLS :][: count + results]
+        _, rulebase = self._program.rulebases[cells[count]]
+        inputs = {
+            variable.name: self._load(cell)
+            for variable, cell in zip(rulebase.inputs, cells[:count], strict=True)
+        }
+        for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
+            self._cells[cell] = self._numbers.rules(rulebase, output.name, inputs)
+
+    def _looked_up(self, begin: int, grid: int) -> Any:
+        program = self._program
+        _, table = program.tables[program.code[begin + VALUES]]
+        cells = program.code[begin + INPUTS :][: int(program.cells[grid])]
+        inputs = dict(zip(table.names, map(self._load, cells), strict=True))
+        return self._numbers.table(table, inputs)
+
+    # ── expressions ──────────────────────────────────────────────────────────────────
+
+    def _value(self, root: Node, argument: Callable[[str], Any], unseen: Collection[str]) -> Any:
         """Return an expression; of a choice only the branch that is taken is looked at."""
         results: dict[Node, Any] = {}
 
         def value(node: Node) -> Any:
             if node not in results:
-                results[node] = self._computed(node, value)
+                results[node] = computed(node)
             return results[node]
+
+        def computed(node: Node) -> Any:
+            if isinstance(node, Constant):
+                return node.value if math.isinf(node.value) else self._numbers.number(node.value)
+            if isinstance(node, Symbol):
+                return argument(node.name)
+            assert isinstance(node, Apply)
+            operation, arguments = node.operation, node.arguments
+            if operation == "where":
+                return value(arguments[1] if value(arguments[0]) else arguments[2])
+            # The program asks so whether x is NaN: only memory is that has seen nothing yet.
+            if operation == "equal" and arguments[0] is arguments[1]:
+                return getattr(arguments[0], "name", "") not in unseen
+            if operation in _CONDITIONS:
+                return _CONDITIONS[operation](value, *arguments)
+            return self._applied(node, value)
 
         return value(root)
 
-    def _computed(self, node: Node, value: Callable[[Node], Any]) -> Any:
-        if isinstance(node, Constant):
-            # No rational is infinite: such a number stays a float until something is compared with
-            # it.
-            return node.value if math.isinf(node.value) else self._numbers.number(node.value)
-        if isinstance(node, Symbol):
-            # A state that a line has set is read anew from then on; before that, as the last period
-            # left it.
-            is_value = node.name in self._values and node.name not in self.states
-            return self._values[node.name] if is_value else self._state(node.name)
-        assert isinstance(node, Apply)
-        operation, arguments = node.operation, node.arguments
-        if operation == "where":
-            return value(arguments[1] if value(arguments[0]) else arguments[2])
-        if operation in _CONDITIONS:
-            return _CONDITIONS[operation](value, *arguments)
-        return self._applied(node, value)
-
     def _applied(self, node: Apply, value: Callable[[Node], Any]) -> Any:
-        operation, arguments = node.operation, node.arguments
-        # The program asks so whether x is NaN. No number here is; the first period, in which a
-        # state may be, has a flag of its own.
-        if operation == "equal" and arguments[0] is arguments[1]:
-            return True
         limits = _limits(node)
         if limits is not None:
             x, low, high = limits
             return self._numbers.limit(value(x), low, high)
-        operands = [value(argument) for argument in arguments]
+        operands = [value(argument) for argument in node.arguments]
         if any(isinstance(x, float) for x in operands):
-            return _against_infinity(operation, operands)
-        return self._numbers.apply(operation, operands)
-
-    def _asked(self, step: Ask) -> Any:
-        arguments = [self._values[name] for name in step.inputs]
-        sheet = self.steps.sheets[step.routine]
-        if isinstance(sheet, LookupTable):
-            return self._numbers.table(sheet, dict(zip(sheet.names, arguments, strict=True)))
-        rulebase, output = sheet
-        names = [variable.name for variable in rulebase.inputs]
-        return self._numbers.rules(rulebase, output, dict(zip(names, arguments, strict=True)))
+            return _against_infinity(node.operation, operands)
+        return self._numbers.apply(node.operation, operands)
 
     # ── sensors and actuators ────────────────────────────────────────────────────────
 
@@ -279,10 +371,7 @@ class ProgramWalk:
         value = numbers.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"driven:{address[0]}.{address[1]}"
-            before, most = self._state(name), numbers.number(port.slew * self.problem.period)
-            least = numbers.apply("subtract", [before, most])
-            value = numbers.apply("maximum", [value, least])
-            value = numbers.apply("minimum", [value, numbers.apply("add", [before, most])])
+            value = self._near(value, self._state(name), port.slew)
             self._after[name] = value
         return value
 
@@ -295,16 +384,57 @@ _CONDITIONS: dict[str, Callable[..., bool]] = {
 """Conditions that are joined: the second one is looked at where the first does not tell."""
 
 
-def _unseen(root: Node) -> set[str]:
-    """Return the symbols of states of which an expression asks whether they have seen anything."""
-    # Such a state begins as NaN, the one number that x == x is false of.
-    names = set()
-    for node in postorder(root):
-        if isinstance(node, Apply) and node.operation == "equal":
-            first, second = node.arguments
-            if first is second and isinstance(first, Symbol):
-                names.add(first.name)
-    return names
+_ARITHMETIC: dict[int, tuple[str, ...]] = {
+    code.COPY: (),
+    code.ADD: ("add",),
+    code.SUBTRACT: ("subtract",),
+    code.MULTIPLY: ("multiply",),
+    code.DIVIDE: ("divide",),
+    code.MULTIPLY_BOTH: ("multiply", "multiply"),
+    code.MULTIPLY_DIVIDE: ("multiply", "divide"),
+    code.SUBTRACT_MULTIPLY: ("subtract", "multiply"),
+}
+"""Of an instruction, what is done to its first cell with the others in turn."""
+
+
+def _instructions(program: ControllerCode) -> Iterator[list[int]]:
+    """Yield instructions without their rounding."""
+    for at in range(1, 1 + code.INSTRUCTION * program.code[0], code.INSTRUCTION):
+        yield program.code[at : at + code.INSTRUCTION - 1]
+
+
+def _fetched(program: ControllerCode, begin: int) -> dict[int, int]:
+    """Return where arguments of an update come from, which are no numbers."""
+    pairs = program.code[begin + code.FETCHES :][: 2 * program.code[begin + code.FETCHED]]
+    return dict(zip(pairs[::2], pairs[1::2], strict=True))
+
+
+def _names_of_states(program: ControllerCode, wiring: Wiring) -> dict[int, str]:
+    """Return the cells that last and are read, each after the signal or drive that it works for."""
+    signals = {cell: key for key, cell in program.signals.items()}
+    signals |= {cell: key for key, cell in wiring.drives.items()}
+    instructions = list(_instructions(program))
+    limits = {
+        b + code.OVER: k for k, (what, _, _, b, _) in enumerate(instructions) if what == code.LIMIT
+    }
+    names, found = Names(), dict[int, str]()
+
+    def name(cell: int, suffix: str, at: int) -> None:
+        axis, base = next(signals[into] for _, into, *_ in instructions[at:] if into in signals)
+        if cell not in found:
+            stem = names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
+            found[cell] = f"state:{axis}:{stem}"
+
+    for at, (what, _, a, b, _) in enumerate(instructions):
+        if what == code.SLEW:
+            name(b + code.LAST_DRIVE, "before_slew", at)
+        elif what == code.UPDATE:
+            for cell, state in enumerate(program.updates[b].states, b + 1):
+                name(cell, state.name, at)
+            for cell in _fetched(program, a).values():
+                if cell in limits:
+                    name(cell, "excess", limits[cell])
+    return found
 
 
 def _limits(node: Apply) -> tuple[Node, float, float] | None:

@@ -40,6 +40,7 @@ class _LearningTable:
     table: LookupTable
     values: list[float]
     ring: list[int] = field(default_factory=list)
+    taught: tuple[tuple[str, ...], int] = ((), 0)
 
     def cell(self, inputs: Sequence[float]) -> int:
         """Return the index of a cell, the last input fastest."""
@@ -119,6 +120,10 @@ class Floats(Algebra[float]):
 
     # --- what is stored ---
 
+    def hold(self, value: float) -> float:
+        """Return a number as the run stores it."""
+        return self.arithmetic.hold(value)
+
     def rounded(self, value: float) -> float:
         """Return a value as the run stores it."""
         return self.arithmetic.hold(value)
@@ -156,15 +161,19 @@ class Floats(Algebra[float]):
         return self.tables[key]
 
     def learned(self, call: Call[float], table: LookupTable, inputs: Mapping[str, float]) -> float:
-        """Return the value of a cell."""
+        """Return the value of a cell: that of the lesson, where it has the same signals."""
         learning = self._learning(call)
-        return learning.values[learning.cell(list(inputs.values()))]
+        taught, cell = learning.taught
+        if taught != tuple(call.signals):
+            cell = learning.cell(list(inputs.values()))
+        return learning.values[cell]
 
     def learn(self, lesson: Lesson[float]) -> None:
         """Correct the cell that was in use some periods ago."""
         learning, inputs = self._learning(lesson.table), lesson.table.arguments
         judge = lesson.judge.lattice()
         cell = learning.cell(inputs)
+        learning.taught = tuple(lesson.line.inputs), cell
         learning.ring.append(cell)
         responsible = learning.ring.pop(0)
         if responsible >= 0 and lesson.rate != 0.0:

@@ -16,7 +16,7 @@ than numbers overrides what is made of them: a source (:meth:`Algebra.source`), 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Generic, NamedTuple, TypeVar
@@ -315,6 +315,10 @@ class Algebra(Generic[T]):
         """Return a value as signals are stored."""
         return value
 
+    def hold(self, value: float) -> float:
+        """Return a number of the text as it is stored."""
+        return value
+
     def source(self, update: Update[T]) -> T:
         """Return the value of a source, and have its states remembered."""
         kind = update.kind
@@ -369,7 +373,8 @@ class Algebra(Generic[T]):
         names = tuple(signals)
         values = {**{f"signal {k}": signals[n] for k, n in enumerate(names)},
                   "by": by, "inside": inside}  # fmt: skip
-        roots = zoomed(len(names), wait=line.wait)
+        times = tuple(line.signals.count(name) for name in names)
+        roots = zoomed(times, wait=line.wait)
         return dict(zip(names, (self.expression(root, values) for root in roots), strict=True))
 
     # --- what lasts ---
@@ -470,7 +475,7 @@ class ControlPeriod(Generic[T]):
         return ((axes, axis) for axes in self.model.axes for axis in axes.names)
 
     def _one_axis(self) -> dict[str, T]:
-        guard = guard_of(self.axes, self.axis)
+        guard = guard_of(self.axes, self.axis, self.algebra.hold)
         self.signals, self._drives = {}, dict[str, T]()
         sent = self.algebra.skipped(guard, self._given)
         if sent is not None:
@@ -638,14 +643,14 @@ class ControlPeriod(Generic[T]):
         return Call(self, line, name, sheet, signals, next(learners, None))
 
 
-def guard_of(axes: Axes, axis: str) -> Guard:
+def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> Guard:
     """Return when an axis is skipped, and what its drives are then."""
     reads = tuple(
         PortValue(kind, axis, port)
         for kind in ("reference", "measured")
         for port in axes.ports(kind)
     )
-    drives = skipped_drives(axes, float)
+    drives = skipped_drives(axes, hold)
     idle = {port: value for port, (value, _) in drives.items()}
     return Guard(axis, reads, idle, {port: value for port, (_, value) in drives.items()})
 
@@ -693,9 +698,12 @@ def seen(root: Node, kind: SourceKind, first: bool | None) -> Node:
 
 
 @cache
-def zoomed(count: int, *, wait: bool) -> tuple[Node, ...]:
-    """Return what zoom makes of ``signal 0`` …: magnified while all are ``inside`` the window."""
-    signals = [symbol(f"signal {k}") for k in range(count)]
+def zoomed(times: tuple[int, ...], *, wait: bool) -> tuple[Node, ...]:
+    """Return what zoom makes of ``signal 0`` …: magnified while all are ``inside`` the window.
+
+    A signal that the line names several times is magnified as often.
+    """
+    signals = [symbol(f"signal {k}") for k in range(len(times))]
     by, inside = symbol("by"), symbol("inside")
     size: Node = constant(0.0)
     for signal in signals:
@@ -703,4 +711,11 @@ def zoomed(count: int, *, wait: bool) -> tuple[Node, ...]:
     factor: Node = by
     if wait:
         factor = op.where(inside < size * by, inside / size, by)
-    return tuple(op.where(size <= inside, factor * signal, signal) for signal in signals)
+    large: list[Node] = list(signals)
+    for k, count in enumerate(times):
+        for _ in range(count):
+            large[k] = factor * large[k]
+    return tuple(
+        op.where(size <= inside, value, signal)
+        for value, signal in zip(large, signals, strict=True)
+    )

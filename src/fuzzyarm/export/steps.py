@@ -1,31 +1,36 @@
-"""A controller as steps with named variables: a walk over the instructions of its kernel.
+"""A controller as steps with named variables: a control period over lines of a program.
 
-What an instruction computes is read from the kernel itself (:mod:`fuzzyarm.export.reading`);
-here its cells get names, and what is more than arithmetic (asking a rule base, looking up,
-learning) becomes its own step. C and Structured Text print the steps; run in Python
-(:mod:`fuzzyarm.export.replica`) they are the model of the exported program, to the bit and in
-its precision.
+What is more than arithmetic (asking a rule base, looking up, learning) is its own step. C and
+Structured Text print the steps; run in Python (:mod:`fuzzyarm.export.replica`) they are the model
+of the exported program, to the bit and in its precision.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from dataclasses import replace as with_values
 from functools import cached_property, reduce
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fuzzyarm.controller import kernel as at
-from fuzzyarm.controller.program import ControllerCode, SourceError, Wiring, write_down
-from fuzzyarm.controller.text import ControllerText, sheet_path, wiring_of
+from fuzzyarm.controller.period import (
+    Algebra,
+    Call,
+    ControlPeriod,
+    Lesson,
+    PortValue,
+    Remembered,
+)
+from fuzzyarm.controller.period import Guard as AxisGuard
+from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.text import ControllerText, ports_of, sheet_path
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, Precision, precision_named
-from fuzzyarm.export.reading import read
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.sets import TABLE_HINT
@@ -44,8 +49,8 @@ from fuzzyarm.expression.nodes import (
     Node,
     Symbol,
     apply,
-    as_node,
     children,
+    constant,
     postorder,
     replace,
     substituted,
@@ -53,17 +58,15 @@ from fuzzyarm.expression.nodes import (
     symbols,
 )
 from fuzzyarm.expression.operations import OPERATIONS
-from fuzzyarm.expression.sources import VALUE, unseen
-from fuzzyarm.model.controller import ControllerModel
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import LAST as LAST_PERIOD
-from fuzzyarm.plant.setting import PERIOD, RunArithmetic
+from fuzzyarm.expression.sources import unseen
+from fuzzyarm.model.controller import ControllerModel, Drive, GainModel, SignalLine, Zoom
+from fuzzyarm.model.rulebase import Output, RuleBase
+from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.table import LookupTable
-from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, THRESHOLDS, VALUES, next_axis
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 MOST_STEPS = 20_000
-"""Instructions of a controller, which are written out one after the other."""
+"""Steps of a controller, which are written out one after the other."""
 
 MOST_LEARNED = 0xFFFF
 """Cells of a table that learns: an `unsigned` holds their index on every machine."""
@@ -354,156 +357,195 @@ def steps_of(
             span=partner.span,
             path=text.path,
         )
-    types = precision_named(precision, arithmetic=True)
-    wiring = wiring_of(model)
-    arithmetic = RunArithmetic(types.outside is np.float32, math.pi, False)
+    lines = Lines(text, precision_named(precision, arithmetic=True), options or RoutineOptions())
     try:
-        # No inference is called while the instructions are read: any address will do.
-        program = write_down(model, text.sheets, {}, wiring, arithmetic)
+        return lines.steps()
     except SourceError as error:
         raise ExportError(error.message, hint=error.hint, path=text.path) from None
-    if program.code[0] > MOST_STEPS:
-        raise ExportError(
-            f"{program.code[0]:,} instructions are more than {MOST_STEPS:,}",
-            hint="export parts of it as separate controllers",
-        )
-    return _Walk(text, program, wiring, types, options or RoutineOptions()).steps()
 
 
-class _Walk:
-    """The walk over the instructions; it is also what kernels take for their cells."""
+class Lines(Algebra[Node]):
+    """Lines of a program as the numbers of a control period: expressions over its variables.
 
-    def __init__(
-        self,
-        text: ControllerText,
-        program: ControllerCode,
-        wiring: Wiring,
-        types: Precision,
-        options: RoutineOptions,
-    ) -> None:
-        self.text, self.program, self.options = text, program, options
+    A value is an expression until it is stored: then it becomes a step, together with the memory
+    that is left with it.
+    """
+
+    def __init__(self, text: ControllerText, types: Precision, options: RoutineOptions) -> None:
+        self.text, self.options = text, options
         self.result = Steps(text.model, types)
-        self.code = program.code
-        self.symbols: dict[int, str] = {PERIOD: "period"}
+        self.arithmetic = RunArithmetic(self.result.single)
         self.unseen: set[str] = set()  # states that are NaN before the first period
         self.locals = 0
-        self.stored: list[tuple[int, Node, bool]] = []
-        self.scratch: dict[int, str] = {}  # of cells without a name, the local that has the value
+        self.pending: list[tuple[str, Node, bool]] = []
+        self.states: dict[str, str] = {}  # by the name of a memory
         self.routine_names: dict[tuple[int, str], str] = {}
+        self.responsible: dict[str, tuple[tuple[str, ...], str]] = {}
         self.names = Names()
         self.state_names = Names()
-        for sort, cells in (
-            ("reference", wiring.references),
-            ("measured", wiring.measured),
-            ("drive", wiring.drives),
-        ):
-            for (axis, port), cell in cells.items():
-                self._variable(cell, StepVariable(sort, axis, port))
-        self.drives = {self.symbols[cell]: cell for cell in wiring.drives.values()}
-        self._gains()
-        self.signals = {cell: key for key, cell in program.signals.items()}
+        self.first_step = 0
 
     def steps(self) -> Steps:
-        """Walk."""
-        begin = 1
-        for axis, guard in self.program.guards.items():
-            self._run(begin, guard.begin)
-            first_step = len(self.result.steps)
-            self._run(guard.begin, guard.end)
-            guarded = self._guard(axis)
-            self._drive(guarded.drives)
-            self.result.guards.append((guarded, first_step, len(self.result.steps)))
-            begin = guard.end
-        self._run(begin, 1 + at.INSTRUCTION * self.code[0])
-        driven = {name for guard, *_ in self.result.guards for name in guard.drives}
-        self._drive(name for name in self.drives if name not in driven)
+        """Walk over the lines."""
+        model = self.text.model
+        ports = [
+            (kind, axis, port)
+            for kind in ("reference", "measured", "drive")
+            for axis, port in ports_of(model, kind)
+        ]
+        for key in ports:
+            self._variable(StepVariable(*key))
+        for gain in model.gains:
+            several = len(gain.values) > 1
+            for number, amount in enumerate(gain.values):
+                start = self.hold(amount.value(math.pi))
+                axis_number = number if several else -1
+                self._variable(StepVariable("gain", "", gain.name, start, number=axis_number))
+        given = {PortValue(*key): symbol(StepVariable(*key).symbol) for key in ports}
+        self.period = ControlPeriod(self.text, self)
+        self.period.run(given, {})
+        if len(self.result.steps) > MOST_STEPS:
+            raise ExportError(
+                f"{len(self.result.steps):,} steps are more than {MOST_STEPS:,}",
+                hint="export parts of it as separate controllers",
+            )
         return self.result
 
-    def _run(self, begin: int, end: int) -> None:
-        for first in range(begin, end, at.INSTRUCTION):
-            self._instruction(first, *self.code[first : first + at.INSTRUCTION])
+    # --- variables ---
 
-    def _guard(self, axis: str) -> Guard:
-        guard = self.program.guards[axis]
-        drives = {self.symbols[cell]: value for cell, value in guard.drives.items()}
-        for name in drives:
-            variable = self.result.variables[name]
-            start = float(self.program.cells[self.drives[name]])
-            self.result.variables[name] = variable._replace(start=start)
-        return Guard(axis, tuple(self.symbols[cell] for cell in guard.reads), drives)
-
-    def _drive(self, names: Iterable[str]) -> None:
-        """Drives of one port add up in the arithmetic of the run; the sum is rounded once."""
-        for name in names:
-            value = symbol(self.scratch[self.drives[name]])
-            self.result.steps.append(Set(name, value, rounded=True))
-
-    # --- Names ---
-
-    def _variable(self, cell: int, variable: StepVariable) -> str:
+    def _variable(self, variable: StepVariable) -> str:
         self.result.variables[variable.symbol] = variable
-        self.symbols[cell] = variable.symbol
         return variable.symbol
-
-    def _gains(self) -> None:
-        for gain in self.text.model.gains:
-            several = len(gain.values) > 1
-            for number, cell in enumerate(self.program.gains[gain.name]):
-                start = float(self.program.cells[cell])
-                axis_number = number if several else -1
-                self._variable(cell, StepVariable("gain", "", gain.name, start, number=axis_number))
-
-    def _state(self, cell: int, suffix: str, begin: int) -> None:
-        """Name a cell that an instruction changes, after the signal that it works for."""
-        if cell in self.symbols:  # the excess of a limit that an integral reads
-            return
-        axis, base = self._works_for(begin)
-        start = float(self.program.cells[cell])
-        name = self.state_names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
-        # No language has NaN for what has seen nothing yet: the first period is known.
-        nothing = math.isnan(start)
-        variable = StepVariable("state", axis, name, 0.0 if nothing else start, wide=True)
-        symbol = self._variable(cell, variable)
-        if nothing:
-            self.unseen.add(symbol)
-
-    def _works_for(self, begin: int) -> tuple[str, str]:
-        """Return axis and name of the next signal or drive that is written."""
-        for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
-            into = self.code[other + 1]
-            if into in self.signals:
-                return self.signals[into]
-            variable = self.result.variables.get(self.symbols.get(into, ""))
-            if variable is not None:
-                return variable.axis, variable.name
-        raise AssertionError("the result of an instruction is not used")
 
     def _local(self, name: str = "") -> str:
         """Return the symbol of a new local variable."""
         self.locals += 1
         return f"local:{name or 't'}:{self.locals}"
 
-    # --- What kernels ask for (`Cells`) ---
+    def _set(self, target: str, value: Node, *, rounded: bool = False) -> Node:
+        self.result.steps.append(Set(target, value, rounded))
+        return symbol(target)
 
-    def load(self, index: int) -> Any:
-        """Return the symbol of a cell that changes, else its number."""
-        if index in self.scratch:
-            return symbol(self.scratch[index])
-        if index == LAST_PERIOD:
-            self.result.needs_last = True
-            return symbol(LAST)
-        if index == PERIOD:
-            return self.text.model.period
-        if index in self.symbols:
-            return symbol(self.symbols[index])
-        return float(self.program.cells[index])
+    def begins(self, cell: Remembered) -> Node:
+        """Return the variable of a memory."""
+        if cell.name not in self.states:
+            stem = f"{cell.axis}_{cell.of}_{_SUFFIXES.get(cell.what, cell.what)}"
+            name = self.state_names.new(stem).removeprefix(f"{identifier(cell.axis)}_")
+            # No language has NaN for what has seen nothing yet: the first period is known.
+            nothing = math.isnan(cell.start)
+            start = 0.0 if nothing else cell.start
+            self.states[cell.name] = self._variable(
+                StepVariable("state", cell.axis, name, start, wide=True)
+            )
+            if nothing:
+                self.unseen.add(self.states[cell.name])
+        return symbol(self.states[cell.name])
 
-    def is_nan(self, value: Node) -> Node:
-        """Return the condition that a value is not a number, or nothing yet."""
-        nan: Node = ~op.equal(value, value)
-        if isinstance(value, Symbol) and value.name in self.unseen:
-            return self._first(value.name) | nan
-        return nan
+    def remember(self, cell: Remembered, value: Node) -> Node:
+        """Take a memory down, to be set with what is stored next."""
+        variable = self.begins(cell)
+        assert isinstance(variable, Symbol)
+        self.pending.append((variable.name, value, False))
+        return value
+
+    def signal(self, axis: str, name: str, value: Node, *, rounded: bool = True) -> Node:
+        """Set a signal."""
+        variable = StepVariable("signal", axis, name, wide=not rounded)
+        target = symbol(variable.symbol)
+        if value is not target:
+            self.result.variables.setdefault(variable.symbol, variable)
+            self._store([(variable.symbol, value, rounded)])
+        return target
+
+    def zoom(
+        self, line: Zoom, signals: Mapping[str, Node], by: Node, inside: Node
+    ) -> dict[str, Node]:
+        """Set signals that are magnified together."""
+        zoomed = super().zoom(line, signals, by, inside)
+        writes = []
+        for name, value in zoomed.items():
+            key = StepVariable("signal", self.period.axis, name).symbol
+            # It is not rounded again: it is kept as it is.
+            self.result.variables[key] = self.result.variables[key]._replace(wide=True)
+            writes.append((key, value, False))
+        self._store(writes)
+        return dict(signals)
+
+    def drive(self, axis: str, line: Drive, value: Node) -> Node:
+        """Set a local variable to the value of a drive's line."""
+        local = self._local(f"{axis}_{line.port}")
+        self._store([(local, value, False)])
+        return symbol(local)
+
+    def _store(self, writes: list[tuple[str, Node, bool]]) -> None:
+        """Add the steps that write values and pending memory: each value is of the time before."""
+        writes, self.pending = [*writes, *self.pending], []
+        values = [value for _, value, _ in writes]
+        while (node := _shared(values)) is not None:
+            name = self._local()
+            self._set(name, node)
+            values = [substituted(value, node, symbol(name)) for value in values]
+        set_before: set[str] = set()
+        ready = []
+        for (target, _, rounded), value in zip(writes, values, strict=True):
+            safe = set_before.isdisjoint(symbols(value))
+            ready.append((target, value if safe else self._set(self._local(), value), rounded))
+            set_before.add(target)
+        for target, value, rounded in ready:
+            self._set(target, value, rounded=rounded)
+
+    # --- numbers ---
+
+    def number(self, value: float) -> Node:
+        """Return a constant."""
+        return constant(value)
+
+    def gain(self, gain: GainModel, index: int) -> Node:
+        """Return the variable of a gain."""
+        number = index if len(gain.values) > 1 else -1
+        return symbol(StepVariable("gain", "", gain.name, number=number).symbol)
+
+    def hold(self, value: float) -> float:
+        """Return a number as it is stored."""
+        return self.arithmetic.hold(value)
+
+    def add(self, a: Node, b: Node) -> Node:
+        """Return a sum."""
+        return _folded(a + b)
+
+    def subtract(self, a: Node, b: Node) -> Node:
+        """Return a difference."""
+        return _folded(a - b)
+
+    def multiply(self, a: Node, b: Node) -> Node:
+        """Return a product."""
+        return _folded(a * b)
+
+    def divide(self, a: Node, b: Node) -> Node:
+        """Return a quotient."""
+        return _folded(a / b)
+
+    def limit(self, x: Node, low: float, high: float) -> Node:
+        """Return ``min(max(x, low), high)``; a limit at infinity changes no number."""
+        above: Node = x if low == -math.inf else op.maximum(x, low)
+        return above if high == math.inf else op.minimum(above, high)
+
+    def near(self, x: Node, before: Node, most: float) -> Node:
+        """Return ``min(max(x, before - most), before + most)``."""
+        nearest: Node = op.minimum(op.maximum(x, before - most), before + most)
+        return nearest
+
+    def expression(self, root: Node, values: Mapping[str, Node]) -> Node:
+        """Return an expression with its arguments, and what follows from them."""
+        numbers = {name: x.value for name, x in values.items() if isinstance(x, Constant)}
+        others = {name: x for name, x in values.items() if not isinstance(x, Constant)}
+        root = replace(_without_endless_limits(specialise(root, numbers)), others)
+        for state in self.unseen & set(symbols(root)):
+            nan = unseen(symbol(state))
+            if nan in postorder(root):
+                root = substituted(root, nan, self._first(state) | nan)
+        self.result.needs_last |= LAST in symbols(root)
+        return root
 
     def _first(self, state: str) -> Node:
         """Return the condition that the axis of a state runs for the first time."""
@@ -511,201 +553,126 @@ class _Walk:
         self.result.needs_first[axis] = None
         return symbol(first_of(axis))
 
-    def is_not_zero(self, value: Node) -> Node:
-        """Return the condition that a value is not 0; the clock has conditions, not numbers."""
-        condition: Node = value if value is symbol(LAST) else ~op.equal(value, 0.0)
-        return condition
+    def last(self, every: int) -> Node:
+        """Return the condition that a set point ends."""
+        return symbol(LAST)
 
-    def store(self, index: int, value: Any) -> None:
-        """Take down what an instruction writes, for `_flush`."""
-        self.stored.append((index, as_node(value), False))
-
-    def rounded(self, value: Any) -> Any:
+    def rounded(self, value: Node) -> Node:
         """Give a value that is rounded its own variable."""
         if not self.result.single or self.result.precision.wide is np.float32:
             return value
+        return self._set(self._local(), value, rounded=True)
+
+    # --- axes ---
+
+    def skipped(self, guard: AxisGuard, given: Mapping[PortValue, Node]) -> None:
+        """Begin an axis."""
+        self.first_step = len(self.result.steps)
+
+    def ran(self, guard: AxisGuard, drives: Mapping[str, Node]) -> None:
+        """Set the drives of an axis; a sum is rounded once."""
+        sent: dict[str, float | None] = {}
+        for port, value in drives.items():
+            name = StepVariable("drive", guard.axis, port).symbol
+            if guard.reads:
+                variable = self.result.variables[name]
+                self.result.variables[name] = variable._replace(start=guard.idle[port])
+            sent[name] = guard.sent[port]
+            self._set(name, value, rounded=True)
+        if guard.reads:
+            reads = tuple(StepVariable(*value).symbol for value in guard.reads)
+            guarded = Guard(guard.axis, reads, sent)
+            self.result.guards.append((guarded, self.first_step, len(self.result.steps)))
+
+    # --- rule bases ---
+
+    def _input(self, value: Node) -> str:
+        """Return the symbol of a value; a number is put into a variable."""
+        if isinstance(value, Symbol):
+            return value.name
         name = self._local()
-        self.result.steps.append(Set(name, as_node(value), rounded=True))
-        return symbol(name)
-
-    def _flush(self) -> None:
-        """Add the steps that write what was taken down: every value is of the time before."""
-        writes, self.stored = self.stored, []
-        values = [value for _, value, _ in writes]
-        while (node := _shared(values)) is not None:
-            name = self._local()
-            self.result.steps.append(Set(name, node))
-            values = [substituted(value, node, symbol(name)) for value in values]
-        set_before: set[str] = set()
-        ready = []
-        for (cell, _, rounded), value in zip(writes, values, strict=True):
-            if not set_before.isdisjoint(symbols(value)):
-                name = self._local()
-                self.result.steps.append(Set(name, value))
-                value = symbol(name)  # noqa: PLW2901
-            ready.append((cell, value, rounded))
-            set_before.add(self.symbols.get(cell, ""))
-        for cell, value, rounded in ready:
-            self._set(cell, value, rounded=rounded)
-
-    def _set(self, cell: int, value: Node, *, rounded: bool) -> None:
-        if cell in self.signals and cell not in self.symbols:
-            axis, name = self.signals[cell]
-            self._variable(cell, StepVariable("signal", axis, name))
-        target = self.symbols.get(cell)
-        if target is None and isinstance(value, Symbol) and value.name.startswith("local:"):
-            self.scratch[cell] = value.name
-            return
-        if target is None or target in self.drives:
-            variable = self.result.variables.get(target or "")
-            hint = f"{variable.axis}_{variable.name}" if variable is not None else ""
-            target = self.scratch[cell] = self._local(hint)
-        elif not rounded and self.result.variables[target].sort == "signal":
-            # What `zoom` writes is not rounded: it is kept as it is.
-            self.result.variables[target] = self.result.variables[target]._replace(wide=True)
-        self.result.steps.append(Set(target, value, rounded))
-
-    # --- Instructions ---
-
-    def _instruction(
-        self, begin: int, what: int, into: int, a: int, b: int, c: int, rounded: int
-    ) -> None:
-        if what <= at.SUBTRACT_MULTIPLY:
-            value = read(at.combined, self, what, *(self.load(cell) for cell in (a, b, c)))
-        elif what in (at.LIMIT, at.SLEW):
-            for offset, suffix in at.REMEMBERED[what]:
-                self._state(b + offset, suffix, begin)
-            function = at.limited if what == at.LIMIT else at.slewed
-            value = read(function, self, self, self.load(a), b)
-        elif what == at.UPDATE:
-            value = self._updated(a, b, c, begin)
-        elif what == at.ZOOM:
-            read(at.zoom, self, self.code, self, a, b)
-            self._flush()
-            return
-        elif what == at.INFER:
-            self._ask(a)
-            return
-        elif what == at.LEARN:
-            self._teach(a, into)
-            return
-        else:
-            value = self._looked_up(what, a, b)
-        # What it makes comes first, then what it remembers.
-        self.stored.insert(0, (into, as_node(value), bool(rounded)))
-        self._flush()
-
-    def _updated(self, list_begin: int, frame: int, x: int, begin: int) -> Node:
-        """Return what a source gives; what it remembers is taken down."""
-        kind = self.program.updates[frame]
-        begin_of_pairs = list_begin + at.FETCHES
-        count = 2 * self.code[list_begin + at.FETCHED]
-        pairs = self.code[begin_of_pairs : begin_of_pairs + count]
-        first = frame + 1 + len(kind.states)
-        fetched = {first: x, first + 1: PERIOD, **dict(zip(pairs[::2], pairs[1::2], strict=True))}
-        arguments: dict[str, Any] = {}
-        for cell, state in enumerate(kind.states, frame + 1):
-            self._state(cell, state.name, begin)
-            arguments[state.name] = self.load(cell)
-        for input_cell, name in enumerate(kind.inputs, first):
-            cell = fetched.get(input_cell, input_cell)
-            if name == "excess":
-                self._excess(cell, begin)
-            arguments[name] = self.load(cell)
-        node = self._argued(kind.expression, arguments)
-        if kind.rounded:
-            node = as_node(self.rounded(node))
-        for cell, root in enumerate(kind.nexts, frame + 1):
-            self.store(cell, replace(self._argued(root, arguments), {VALUE: node}))
-        return node
-
-    def _argued(self, root: Node, arguments: dict[str, Any]) -> Node:
-        """Return an expression of an update with its arguments, and what follows from them."""
-        numbers = {name: x for name, x in arguments.items() if not isinstance(x, Node)}
-        root = replace(_without_endless_limits(specialise(root, numbers)), arguments)
-        for state in self.unseen & set(symbols(root)):
-            nan = unseen(symbol(state))
-            if nan in postorder(root):
-                root = substituted(root, nan, self._first(state) | nan)
-        return root
-
-    def _excess(self, cell: int, begin: int) -> None:
-        """Name what a source reads of a limit that comes later."""
-        for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
-            if self.code[other] == at.LIMIT and self.code[other + 3] + at.OVER == cell:
-                self._state(cell, at.REMEMBERED[at.LIMIT][0].suffix, other)
-
-    def _input(self, cell: int) -> str:
-        """Return the symbol of a cell; a number is put into a variable."""
-        value = self.load(cell)
-        if not isinstance(value, Node):
-            name = self._local()
-            self.result.steps.append(Set(name, as_node(value)))
-            return name
-        assert isinstance(value, Symbol)
-        return value.name
+        self._set(name, value)
+        return name
 
     def _inner(self) -> str:
         """Return the precision of functions within the controller."""
         return "float32" if self.result.precision.wide is np.float32 else "float64"
 
-    def _ask(self, begin: int) -> None:
-        count, results = self.code[begin + at.COUNT_INPUTS], self.code[begin + at.COUNT_RESULTS]
-        cells = self.code[begin + at.INFER_CELLS : begin + at.INFER_CELLS + count + results]
-        name, rulebase = self.program.rulebases[cells[count]]
-        inputs = tuple(self._input(cell) for cell in cells[:count])
-        for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
-            key = (id(rulebase), output.name)
-            if key not in self.routine_names:
-                try:
-                    routine = direct_routine(
-                        rulebase, output.name, self._inner(), widened=self.options.widened
-                    )
-                except ExportError as error:
-                    hint = error.hint.replace(TABLE_HINT, "--table looks the rules up in a table")
-                    raise error.in_file(self._file_of(name, rulebase), hint) from None
-                if routine.program.holds:
-                    raise ExportError(
-                        f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
-                        " fires, which exported controllers do not",
-                        hint="say a number:  no-rule 0",
-                        span=output.span,
-                        path=self._file_of(name, rulebase),
-                    )
-                self.routine_names[key] = self._routine(f"{name}_{output.name}", routine)
-                self.result.sheets[self.routine_names[key]] = rulebase, output.name
-            self.scratch[cell] = self._local()
-            self.result.steps.append(Ask(self.scratch[cell], self.routine_names[key], inputs))
+    def called(self, call: Call[Node]) -> list[Node]:
+        """Ask a rule base, output by output, or a table."""
+        rulebase, line = call.sheet, call.line
+        asks = isinstance(line, SignalLine) and line.source and line.source.kind == "rules"
+        if not asks:
+            return super().called(call)
+        if not isinstance(rulebase, RuleBase):
+            raise SourceError(f"'{call.name}' is a table: write table {call.name}(…)")
+        values = call.inputs([variable.name for variable in rulebase.inputs])
+        inputs = tuple(self._input(value) for value in values.values())
+        results: list[Node] = []
+        for output in rulebase.outputs:
+            local = self._local()
+            routine = self._conclusion(call.name, rulebase, output)
+            self.result.steps.append(Ask(local, routine, inputs))
+            results.append(symbol(local))
+        return results
+
+    def _conclusion(self, name: str, rulebase: RuleBase, output: Output) -> str:
+        """Return the routine of an output; axes with the same one share it."""
+        key = (id(rulebase), output.name)
+        if key in self.routine_names:
+            return self.routine_names[key]
+        try:
+            routine = direct_routine(
+                rulebase, output.name, self._inner(), widened=self.options.widened
+            )
+        except ExportError as error:
+            hint = error.hint.replace(TABLE_HINT, "--table looks the rules up in a table")
+            raise error.in_file(self._file_of(name, rulebase), hint) from None
+        if routine.program.holds:
+            raise ExportError(
+                f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
+                " fires, which exported controllers do not",
+                hint="say a number:  no-rule 0",
+                span=output.span,
+                path=self._file_of(name, rulebase),
+            )
+        self.routine_names[key] = self._routine(f"{name}_{output.name}", routine)
+        self.result.sheets[self.routine_names[key]] = rulebase, output.name
+        return self.routine_names[key]
 
     def _routine(self, stem: str, routine: Routine) -> str:
         name = self.names.new(stem)
         self.result.routines[name] = routine
         return name
 
-    def _looked_up(self, what: int, a: int, b: int) -> Node:
-        """Return the symbol of what a table says."""
-        target = self._local()
-        if what == at.LOOK_UP_CELL:
-            self.result.steps.append(Pick(target, self._learned(b), self.scratch[a]))
-            return symbol(target)
-        values = self.code[a + VALUES]
-        name, table = self.program.tables[values]
-        inputs = tuple(self._input(cell) for cell in self._inputs_of(a + INPUTS, b))
-        if any(place.values == values for place in self.program.learned.values()):
-            cell = self._found(b, table, name, inputs)
-            self.result.steps.append(Pick(target, self._learned(values), cell))
-        else:
-            self.result.steps.append(Ask(target, self._table(values, inputs), inputs))
-        return symbol(target)
+    # --- tables ---
 
-    def _inputs_of(self, begin: int, grid: int) -> list[int]:
-        count = int(self.program.cells[grid])
-        assert grid + GRID_HEAD <= len(self.program.cells)
-        return self.code[begin : begin + count]
+    def table(self, sheet: LookupTable, inputs: Mapping[str, Node]) -> Node:
+        """Ask a table."""
+        line = self.period.line
+        assert isinstance(line, SignalLine)
+        assert line.source is not None
+        names = tuple(self._input(value) for value in inputs.values())
+        local = self._local()
+        self.result.steps.append(Ask(local, self._table(line.source.name, sheet, names), names))
+        return symbol(local)
 
-    def _table(self, values: int, inputs: Sequence[str]) -> str:
+    def learned(self, call: Call[Node], table: LookupTable, inputs: Mapping[str, Node]) -> Node:
+        """Pick a cell of a table that learns."""
+        key = self._learner(call)
+        names = tuple(self._input(value) for value in inputs.values())
+        taught, cell = self.responsible.get(key, ((), ""))
+        if taught != names:
+            cell = self._found(table, call.name, names)
+        local = self._local()
+        self.result.steps.append(Pick(local, key, cell))
+        return symbol(local)
+
+    def _learner(self, call: Call[Node]) -> str:
+        return f"{call.period.axis}:{call.name}"
+
+    def _table(self, name: str, table: LookupTable, inputs: Sequence[str]) -> str:
         """Return the name of the routine of a table; axes with the same one share it."""
-        name, table = self.program.tables[values]
         if table.values.size > MOST_CELLS:
             raise ExportError(
                 f"the table '{name}' has {table.values.size:,} cells; at most {MOST_CELLS:,} are"
@@ -737,15 +704,9 @@ class _Walk:
             precision = "float32"
         return float_table(table, None, precision)
 
-    def _learned(self, values: int) -> str:
-        for (axis, name), place in self.program.learned.items():
-            if place.values == values:
-                return f"{axis}:{name}"
-        raise AssertionError("a table that does not learn is a routine")
-
-    def _found(self, begin: int, table: LookupTable, name: str, inputs: tuple[str, ...]) -> str:
+    def _found(self, table: LookupTable, name: str, inputs: tuple[str, ...]) -> str:
         """Add the step that finds a cell; return the local with its number."""
-        grid = self._grid(begin, table)
+        grid = tuple((axis.name, axis.thresholds(table.default_mode)) for axis in table.axes)
         keys = {other: key for key, other in self.result.grids.items()}
         if grid not in keys:
             keys[grid] = self.names.new(f"{name}_cell")
@@ -755,19 +716,28 @@ class _Walk:
         self.result.steps.append(Find(target, keys[grid], inputs))
         return target
 
-    def _grid(self, begin: int, table: LookupTable) -> Grid:
-        """Read a grid out of the cells."""
-        axes, at_axis = [], begin + GRID_HEAD
-        for axis in table.axes:
-            count = int(self.program.cells[at_axis])
-            # The infinities at either end are left out: an export counts only what lies between.
-            first = at_axis + THRESHOLDS + 1
-            thresholds = self.program.cells[first : first + count - 1]
-            axes.append((axis.name, tuple(map(float, thresholds))))
-            at_axis = next_axis(at_axis, count)
-        return tuple(axes)
+    # --- tables that learn ---
 
-    def _teach(self, begin: int, into: int) -> None:
+    def learn(self, lesson: Lesson[Node]) -> None:
+        """Teach a table."""
+        table, judge = lesson.table.lattice(), lesson.judge.lattice()
+        self._demand_teachable(lesson, table)
+        key, (axis, name) = self._learner(lesson.table), (self.period.axis, lesson.line.table)
+        start = tuple(self.hold(value) for value in table.values.ravel().tolist())
+        self.result.learned[key] = LearningTable(axis, name, start, lesson.line.delay)
+        inputs = tuple(self._input(value) for value in lesson.table.arguments)
+        cell = judged = self._found(table, name, inputs)
+        if not _alike(table, judge):
+            judged = self._found(judge, lesson.line.judge, inputs)
+        performance = self._judge(lesson.line.judge, judge)
+        self.result.steps.append(Teach(key, cell, performance, judged, lesson.rate, lesson.bound))
+        self.responsible[key] = inputs, cell
+
+    def _demand_teachable(self, lesson: Lesson[Node], table: LookupTable) -> None:
+        """Refuse a table that learns where an exported one cannot."""
+        name, axis = lesson.line.table, self.period.axis
+        if table.default_mode == "linear":
+            raise SourceError("a table that is interpolated has no responsible cell to correct")
         if self.options.q is not None:
             raise ExportError(
                 "a table that learns is exported in floating point",
@@ -775,39 +745,21 @@ class _Walk:
                 span=next(self.text.learners()).span,
                 path=self.text.path,
             )
-        entries = self.code[begin : begin + at.LEARN_INPUTS]
-        values = entries[VALUES]
-        (key,) = (k for k, place in self.program.learned.items() if place.values == values)
-        name = f"{key[0]}:{key[1]}"
-        place = self.program.learned[key]
-        if name in self.result.learned:
+        if self._learner(lesson.table) in self.result.learned:
             raise ExportError(
-                f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported",
+                f"two lines teach the table '{name}' of axis '{axis}'; one is exported",
                 hint="leave one of them out, or give each its own table",
-                span=self._learner_of(key[1]),
+                span=self._learner_of(name),
                 path=self.text.path,
             )
-        if place.count > MOST_LEARNED:
+        if table.values.size > MOST_LEARNED:
             raise ExportError(
-                f"the table '{key[1]}' learns in {place.count:,} cells; at most {MOST_LEARNED:,}"
-                " are exported",
-                hint=fewer_levels(len(self.program.tables[values][1].axes), MOST_LEARNED),
-                span=self._learner_of(key[1]),
+                f"the table '{name}' learns in {table.values.size:,} cells; at most"
+                f" {MOST_LEARNED:,} are exported",
+                hint=fewer_levels(len(table.axes), MOST_LEARNED),
+                span=self._learner_of(name),
                 path=self.text.path,
             )
-        start = self.program.cells[values : values + place.count]
-        delay = entries[at.DELAY]
-        self.result.learned[name] = LearningTable(*key, tuple(map(float, start)), delay)
-        table, judge = self.program.tables[values][1], self.program.tables[entries[at.JUDGE]]
-        cells = self._inputs_of(begin + at.LEARN_INPUTS, entries[at.GRID])
-        inputs = tuple(self._input(cell) for cell in cells)
-        cell = judged = self._found(entries[at.GRID], table, key[1], inputs)
-        if entries[at.ALIKE] == 0:
-            judged = self._found(entries[at.JUDGE_GRID], judge[1], judge[0], inputs)
-        judge_name = self._judge(*judge)
-        rate, bound = (as_node(self.load(entries[field])) for field in (at.GAIN, at.BOUND))
-        self.result.steps.append(Teach(name, cell, judge_name, judged, rate, bound))
-        self.scratch[into] = cell
 
     def _file_of(self, name: str, rulebase: RuleBase) -> str:
         """Return the file in which a rule base stands that the text calls by a name."""
@@ -836,6 +788,24 @@ class _Walk:
         judge_name = self.names.new(name)
         self.result.judges[judge_name] = table
         return judge_name
+
+
+_SUFFIXES = {"slew": "before_slew"}
+"""What the memory of a drive is called in exported programs."""
+
+
+def _folded(node: Node) -> Node:
+    """Return a number in place of an operation of numbers."""
+    assert isinstance(node, Apply)
+    known = all(isinstance(argument, Constant) for argument in node.arguments)
+    return specialise(node, {}) if known else node
+
+
+def _alike(a: LookupTable, b: LookupTable) -> bool:
+    """Whether the cells of two tables are the same."""
+    cells = ([(axis.levels, axis.thresholds("nearest")) for axis in t.axes] for t in (a, b))
+    first, second = cells
+    return first == second
 
 
 def _without_endless_limits(root: Node) -> Node:
