@@ -69,7 +69,8 @@ def test_sources_that_remember_and_choices():
     limited = step_cost(text_of(head + "  drive u = e, within -1 .. 1\n"))
     assert limited.most - plain.most == {COMPARISONS: 2}
     integral = "  i = integral of e, anti-windup hold\n  drive u = i"
-    free, wound = (step_cost(text_of(head + integral + end)) for end in ("\n", ", within -1 .. 1\n"))
+    ends = ("\n", ", within -1 .. 1\n")
+    free, wound = (step_cost(text_of(head + integral + end)) for end in ends)
     assert (wound.most - free.most)[COMPARISONS] >= 2
     with pytest.raises(ExportError, match="partner"):
         step_cost(shipped_text("ffid+fuzzy"))
