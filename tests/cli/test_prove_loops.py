@@ -1,6 +1,7 @@
 """``fuzzyarm prove`` of loops: what it says, returns, writes and refuses."""
 
 import json
+import time
 from fractions import Fraction
 
 import pytest
@@ -71,6 +72,19 @@ def test_a_tube_has_a_certificate(capsys, tmp_path):
 def test_a_claim_that_names_what_is_not_there_is_at_fault(words, message, capsys):
     assert main([*ON[:2], *words]) == 1
     assert message in capsys.readouterr().err
+
+
+def test_a_certificate_that_is_not_written_in_time_is_undecided(capsys, tmp_path):
+    path = tmp_path / "c.json"
+    wide = "from position in 0.1 .. 0.3, velocity in -1 .. 1: position in -1 .. 1 during 0 .. 50 ms"
+    begun = time.monotonic()
+    status = main([*ON, "--claim", wide, "--budget", "2", "--certificate", str(path)])
+    assert time.monotonic() - begun < 3.0
+    assert status == 4
+    told = capsys.readouterr()
+    assert "proved" in told.out
+    assert "not written: no certificate was found" in told.err
+    assert not path.exists()
 
 
 @pytest.mark.slow

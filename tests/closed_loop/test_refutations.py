@@ -11,7 +11,9 @@ import pytest
 
 from fuzzyarm import load_controller, shipped
 from fuzzyarm.closed_loop import LoopVerdict, prove_loop, read_claim
+from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.proof.arithmetic import Stop
 
 HEAD = "from fuzzyarm.plant import Plant, Port\n"
 LAG = """
@@ -170,3 +172,11 @@ def test_a_budget_holds_within_half_of_it() -> None:
     verdict = prove_loop(servo, read_claim("stable from position in -6 .. 6", "motor"), budget=4.0)
     assert verdict.verdict == "undecided"
     assert time.monotonic() - begun < 6.0
+
+
+def test_the_solver_of_inequalities_stops_in_time() -> None:
+    late = np.zeros((1, 2, 2)), np.array([[[[-1.0, 0.0], [0.0, 1.0]]]])  # never both above 0
+    assert feasible_point([Inequality(*late)], np.zeros(1), Stop(0.0)) is None
+    inside = Inequality(np.eye(2)[None], np.array([[[[1.0, 0.0], [0.0, -1.0]]]]))
+    assert minimise([inside], np.ones(1), np.zeros(1), Stop(0.0)) == 0.0
+    assert minimise([inside], np.ones(1), np.zeros(1), Stop()) < -0.9

@@ -38,13 +38,13 @@ from fuzzyarm.cli.prove_sectors import (
     EXIT_REFUTED,
     EXIT_UNDECIDED,
     ProveWords,
+    exit_status,
     print_drives,
     print_sectors,
     progress,
 )
 
 if TYPE_CHECKING:
-    from fuzzyarm.closed_loop import LoopVerdict
     from fuzzyarm.proof import Bounds, Verdict
 
 
@@ -83,7 +83,7 @@ def _files(request: ProveWords) -> int:
     from fuzzyarm.api import load_rules
     from fuzzyarm.closed_loop.orders import rules_of
 
-    verdicts: list[Verdict | LoopVerdict] = []
+    statuses: set[int] = set()
     data: list[dict[str, Any]] = []
     for path in request.files:
         controller = controller_if_any(path)
@@ -95,22 +95,19 @@ def _files(request: ProveWords) -> int:
         file = {"file": path} if len(request.files) > 1 else {}
         with progress() as tell:
             for verdict in rules_of(request, rulebases, tell):
-                verdicts.append(verdict)
+                statuses.add(exit_status(verdict.verdict))
                 data.append(file | _data(verdict))
                 if not request.json:
                     tell("", 0, 0.0)
                     say(*_lines(path, verdict))
         if controller is not None:
-            for loop in print_loops(request, path, controller, claims):
-                verdicts.append(loop)
+            for loop, status in print_loops(request, path, controller, claims):
+                statuses.add(status)
                 data.append(file | loop_data(loop))
             data += [file | drive for drive in print_drives(request, path, controller)]
     if request.json:
         print_json(data, 2)
-    outcomes = {verdict.verdict for verdict in verdicts}
-    if "refuted" in outcomes:
-        return EXIT_REFUTED
-    return EXIT_UNDECIDED if "undecided" in outcomes else 0
+    return next((status for status in (EXIT_REFUTED, EXIT_UNDECIDED) if status in statuses), 0)
 
 
 def _data(verdict: Verdict) -> dict[str, Any]:

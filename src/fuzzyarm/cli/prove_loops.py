@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any
 from fuzzyarm.cli.command import UsageError, WordError, print_json, say
-from fuzzyarm.cli.prove_sectors import EXIT_REFUTED, EXIT_UNDECIDED, ProveWords, progress
+from fuzzyarm.cli.prove_sectors import EXIT_UNDECIDED, ProveWords, exit_status, progress
 
 if TYPE_CHECKING:
     from fuzzyarm.closed_loop import LoopVerdict, Tube
@@ -23,10 +23,10 @@ def prove_loops(request: ProveWords) -> int:
     controller = loop_of(request, controller_if_any(path))
     if not request.stable and request.claim is None:
         return _bound(request, path, controller)
-    (verdict,) = print_loops(request, path, controller, [claim_of(request)])
+    ((verdict, status),) = print_loops(request, path, controller, [claim_of(request)])
     if request.json:
         print_json(loop_data(verdict), 2)
-    return _exit_status(verdict)
+    return status
 
 
 # ── a tube ───────────────────────────────────────────────────────────────────────────
@@ -76,8 +76,8 @@ def tube_data(way: Tube | None) -> dict[str, Any] | None:
 
 def print_loops(
     request: ProveWords, path: str, controller: ControllerText, claims: Sequence[LoopClaim]
-) -> Iterator[LoopVerdict]:
-    """Judge claims about the loop of a controller, and print the verdicts."""
+) -> Iterator[tuple[LoopVerdict, int]]:
+    """Judge claims about the loop of a controller, and print verdicts; yield them with a status."""
     if not claims:
         return
     from fuzzyarm.closed_loop.orders import loops_of
@@ -88,28 +88,37 @@ def print_loops(
             tell("", 0, 0.0)
             if not request.json:
                 say(*_lines(path, verdict))
+            status = exit_status(verdict.verdict)
             if request.certificate is not None and verdict.proved:
-                _certify(controller, verdict, request)
+                status = _certify(controller, verdict, request, tell)
             if request.plot is not None and (verdict.proved or verdict.tube is not None):
                 _draw(controller, verdict, request.plot)
                 if not request.json:
                     say(f"{request.plot}: drawn from {path}")
-            yield verdict
+            yield verdict, status
 
 
-def _certify(controller: ControllerText, verdict: LoopVerdict, request: ProveWords) -> None:
-    """Write the certificate of what is proved, and say so."""
+def _certify(
+    controller: ControllerText,
+    verdict: LoopVerdict,
+    request: ProveWords,
+    tell: Callable[[str, int, float], None],
+) -> int:
+    """Write the certificate of what is proved, and say so; return the exit status."""
     from fuzzyarm.closed_loop import LoopProofError
     from fuzzyarm.closed_loop.orders import certify
 
     out = request.certificate or ""
     try:
-        seal = certify(request, controller, verdict, out)
+        seal = certify(request, controller, verdict, out, tell)
     except LoopProofError as error:
+        tell("", 0, 0.0)
         say(f"{out}: not written: {error}", to_errors=True)
-        return
+        return EXIT_UNDECIDED
+    tell("", 0, 0.0)
     if not request.json:
         say(f"{out}: the certificate, {seal[:16]}")
+    return 0
 
 
 def _draw_tube(way: Tube, statement: str, path: str, claim: LoopClaim | None = None) -> None:
@@ -150,13 +159,7 @@ def check(request: ProveWords) -> int:
         print_json(loop_data(verdict), 2)
     else:
         say(*_lines(path, verdict))
-    return _exit_status(verdict)
-
-
-def _exit_status(verdict: LoopVerdict) -> int:
-    if verdict.verdict == "refuted":
-        return EXIT_REFUTED
-    return 0 if verdict.proved else EXIT_UNDECIDED
+    return exit_status(verdict.verdict)
 
 
 def _lines(path: str, verdict: LoopVerdict) -> list[str]:

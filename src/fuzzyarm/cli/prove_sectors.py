@@ -24,6 +24,11 @@ EXIT_REFUTED = 1
 EXIT_UNDECIDED = 4
 
 
+def exit_status(verdict: str) -> int:
+    """Return the exit status of one verdict."""
+    return {"refuted": EXIT_REFUTED, "undecided": EXIT_UNDECIDED}.get(verdict, 0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
     """What a command writes and draws of proofs."""

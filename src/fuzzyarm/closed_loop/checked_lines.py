@@ -20,6 +20,7 @@ from fuzzyarm.closed_loop.rule_pieces import RulePieces
 from fuzzyarm.closed_loop.slopes import Slope, applied
 from fuzzyarm.closed_loop.spans import RationalInterval, exactly
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.table import LookupTable
 
 __all__ = ["LinearSignal", "LinearSignals", "PiecesOfRules", "Unchecked", "combined", "number_line"]
@@ -321,16 +322,17 @@ def _has_slopes(
 
 
 class PiecesOfRules:
-    """The pieces of the rule bases of a loop, cut once."""
+    """The pieces of the rule bases of a loop, cut once; TimeOverError when time is over."""
 
-    def __init__(self) -> None:
+    def __init__(self, stop: Stop | None = None) -> None:
+        self.stop = stop
         self._pieces_by_output: dict[tuple[int, str], RulePieces] = {}
 
     def __call__(self, sheet: RuleBase, output: str) -> RulePieces:
         """Return those of an output."""
         key = id(sheet), output
         if key not in self._pieces_by_output:
-            self._pieces_by_output[key] = RulePieces(sheet, output)
+            self._pieces_by_output[key] = RulePieces(sheet, output, self.stop)
         return self._pieces_by_output[key]
 
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.form import Form, Matrix
 from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
+from fuzzyarm.proof.arithmetic import Stop
 
 __all__ = ["CertificateCandidate", "candidate"]
 
@@ -58,6 +59,7 @@ def candidate(
     within: Sequence[tuple[Sequence[Fraction], Fraction]] = (),
     rate: float = 0.0,
     rounds: int = 4,
+    stop: Stop | None = None,
 ) -> CertificateCandidate | None:
     """Return a Lyapunov function whose level set is large; None where none was found.
 
@@ -73,7 +75,10 @@ def candidate(
         By what share V has to fall in each period.
     rounds : int
         How often the volume is linearised.
+    stop : Stop, optional
+        When to give up.
     """
+    stop = stop or Stop()
     a, b = _floats(form.a), _floats(form.b)
     c = _floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
     limited = [*((row, limit) for row, limit, _ in form.rows_within()), *within]
@@ -112,14 +117,14 @@ def candidate(
     if not limits:  # everywhere: V has no scale of its own
         inequalities.append(_above_unit(basis, m))
     begin = np.concatenate([_coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
-    y = feasible_point(inequalities, begin)
+    y = feasible_point(inequalities, begin, stop)
     if y is None:
         return None
     count = len(basis)
     for _ in range(rounds):
         weight = np.linalg.inv(np.tensordot(y[:count], basis, 1))
         cost = np.concatenate([np.tensordot(basis, weight, 2), np.zeros(m)])
-        y = minimise(inequalities, cost, y)
+        y = minimise(inequalities, cost, y, stop)
     p = first.T @ np.tensordot(y[:count], basis, 1) @ first
     taus = y[count:] / units**2
     volume = -0.5 * float(np.linalg.slogdet(p)[1])

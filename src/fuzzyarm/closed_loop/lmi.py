@@ -18,6 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.proof.arithmetic import Stop
+
 __all__ = ["Inequality", "feasible_point", "minimise"]
 
 Vector = NDArray[np.float64]
@@ -49,9 +51,9 @@ class Inequality:
 
 
 def feasible_point(
-    inequalities: Sequence[Inequality], start: Vector, *, rounds: int = 8
+    inequalities: Sequence[Inequality], start: Vector, stop: Stop, *, rounds: int = 8
 ) -> Vector | None:
-    """Return a point at which all inequalities hold; None where none was found."""
+    """Return a point at which all inequalities hold; None where none was found in time."""
     widened = [
         Inequality(
             inequality.constant,
@@ -77,6 +79,8 @@ def feasible_point(
     size = sum(inequality.size for inequality in inequalities)
     for weight in (10.0**power for power in range(rounds)):
         for _ in range(STEPS):
+            if stop.now:
+                return None
             y, decrement = _newton(widened, cost * weight, y)
             if y[-1] < 0.0 and all(
                 _is_positive(inequality.at(y[:-1])) for inequality in inequalities
@@ -95,15 +99,22 @@ STEPS = 30
 
 
 def minimise(
-    inequalities: Sequence[Inequality], cost: Vector, start: Vector, *, accuracy: float = 1e-3
+    inequalities: Sequence[Inequality],
+    cost: Vector,
+    start: Vector,
+    stop: Stop,
+    *,
+    accuracy: float = 1e-3,
 ) -> Vector:
-    """Return a point at which the cost is nearly least, inside all inequalities."""
+    """Return a point at which the cost is nearly least, or the best one in time, inside them."""
     size = sum(inequality.size for inequality in inequalities)
     y = start
     scale = abs(float(cost @ start)) or 1.0
     weight = 1.0 / scale
     while True:
         for _ in range(4):
+            if stop.now:
+                return y
             y, decrement = _newton(inequalities, cost * weight, y)
             if decrement < 1e-2:
                 break

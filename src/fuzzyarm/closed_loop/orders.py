@@ -15,7 +15,7 @@ from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.claims import claimed_plant, loop_sentence, read_claim
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError
-from fuzzyarm.closed_loop.timed import loop_tube
+from fuzzyarm.closed_loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.tube_certificate import certify_tube, write_certificate
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
@@ -283,16 +283,20 @@ def loops_of(
         )  # fmt: skip
 
 
+LEAST_SHARE = 0.25
+"""Of the budget, that a certificate may take where the proof took nearly all of it."""
+
+
 def certify(
     request: ProveRequest,
     controller: ControllerText,
     verdict: LoopVerdict,
     path: str,
-    longest: float = 600.0,
+    tell: Tell = _unheard,
 ) -> str:
     """Write the certificate of what is proved, and return its seal; of a tube it is made first.
 
-    `longest`: most seconds for that. LoopProofError where there is none.
+    That takes as long as is left of the budget. LoopProofError where there is none.
     """
     if isinstance(verdict.certificate, Certificate):
         write_certificate(verdict.certificate, path)
@@ -301,9 +305,12 @@ def certify(
         raise LoopProofError("a tube that ends in a region has no certificate")
     claim = verdict.claim
     assert claim is not None
+    budget = request.budget or TUBE_BUDGET
     tube = certify_tube(
-        controller, claim, budget=min(budget_of(request), longest), **setup_of(request, claim)
-    )
+        controller, claim, budget=max(budget - verdict.seconds, LEAST_SHARE * budget),
+        tell=lambda count, gap: tell(f"certificate of {verdict.statement}", count, gap),
+        **setup_of(request, claim),
+    )  # fmt: skip
     write_certificate(tube, path)
     return tube.seal
 

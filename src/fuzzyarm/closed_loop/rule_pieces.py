@@ -22,7 +22,7 @@ from typing import NamedTuple
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.spans import RationalInterval
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.proof.arithmetic import as_fraction, rationals
+from fuzzyarm.proof.arithmetic import Stop, as_fraction, rationals
 from fuzzyarm.proof.bernstein import lattice
 from fuzzyarm.proof.pieces import Cut, cut
 from fuzzyarm.proof.straight import NotStraightError, Straight, straight, with_fixed
@@ -57,6 +57,8 @@ class RulePieces:
         Which.
     output : str
         Its output.
+    stop : Stop, optional
+        When to give up.
 
     Raises
     ------
@@ -64,8 +66,9 @@ class RulePieces:
         If it is not made of straight pieces.
     """
 
-    def __init__(self, rulebase: RuleBase, output: str) -> None:
+    def __init__(self, rulebase: RuleBase, output: str, stop: Stop | None = None) -> None:
         self.rulebase = rulebase
+        self.stop = stop or Stop()
         self.output = rulebase.output(output)
         self.names = tuple(variable.name for variable in rulebase.inputs)
         try:
@@ -95,7 +98,7 @@ class RulePieces:
         if 0 < len(points) < len(box):  # pieces of the dimension of what moves
             model = with_fixed(model, points)
             free = [k for k in free if k not in points]
-        cells = cut(model, Cut(tuple(box[k] for k in free)), rationals())
+        cells = cut(model, Cut(tuple(box[k] for k in free)), rationals(), stop=self.stop)
         surface = Surface(model, cells)
         if surface.silent(valued=True) is not None:
             raise LoopProofError(f"'{self.rulebase.name}' may have no value somewhere")
@@ -109,6 +112,7 @@ class RulePieces:
         for owner, corners, above, below in zip(
             values.owner, values.corners, values.upper, values.lower, strict=True
         ):
+            self.stop.check()
             lower = {i: as_fraction(b) * w for i, b, w in zip(indices, below, weights, strict=True)}
             upper = {
                 i: as_fraction(a) * w + centre * lower[i]
@@ -146,6 +150,7 @@ class RulePieces:
         """Tell whether the output is proved to be σ = Σ wᵢ xᵢ times a gain between two numbers."""
         row = [weights.get(name, Fraction(0)) for name in self.names]
         for piece in self._cut(region)[0]:
+            self.stop.check()
             for side in _sides(piece, row):
                 sums = _sums(side, row)
                 sign = -1 if any(total < 0 for total in sums) else 1
@@ -166,6 +171,7 @@ class RulePieces:
         axis = self.names.index(name)
         moving = [k for k, other in enumerate(self.names) if region[other][0] < region[other][1]]
         for piece in pieces:
+            self.stop.check()
             steep, square = _slope(piece, axis, moving)
             if not steep and not square:
                 continue  # a piece without a volume
@@ -192,6 +198,7 @@ class RulePieces:
         moving = [k for k, other in enumerate(self.names) if region[other][0] < region[other][1]]
         spans = []
         for piece in pieces:
+            self.stop.check()
             steep, square = _slope(piece, axis, moving)
             if square:
                 spans.append(_ratio(steep, square))

@@ -104,7 +104,7 @@ class _Search:
             yield beyond
             return
         if self.target is None:
-            solution = candidate(form, include=include)
+            solution = candidate(form, include=include, stop=self.stop)
             yield self._proposal(choice, form, solution)
             return
         within = self._output_rows(form)
@@ -114,14 +114,17 @@ class _Search:
         if not self.claim.begin:
             for share in (Fraction(1), Fraction(9, 10), Fraction(3, 4)):
                 rows = [(row, limit * share) for row, limit in within]
-                yield self._proposal(choice, form, candidate(form, include=include, within=rows))
+                solution = candidate(form, include=include, within=rows, stop=self.stop)
+                yield self._proposal(choice, form, solution)
             return
-        yield self._proposal(choice, form, candidate(form, include=include))
+        solution = candidate(form, include=include, stop=self.stop)
+        yield self._proposal(choice, form, solution)
         periods = max(1.0, self.claim.begin / self.maker.problem.period)
         # By e^-factor V is to have fallen when the claim begins; a faster fall costs size.
         for factor in (2.0, 4.0, 8.0, 16.0, 32.0):
             rate = -math.expm1(-factor / periods)
-            yield self._proposal(choice, form, candidate(form, include=include, rate=rate))
+            solution = candidate(form, include=include, rate=rate, stop=self.stop)
+            yield self._proposal(choice, form, solution)
 
     def _output_rows(self, form: Form) -> list[tuple[tuple[Fraction, ...], Fraction]] | str:
         assert self.target is not None
@@ -178,7 +181,7 @@ class _Search:
             form = self._form(Assumptions(SHARES[-1], self.grips[0], box, along))
             if isinstance(form, str):
                 reason = reason or form
-            elif candidate(form) is not None:
+            elif candidate(form, stop=self.stop) is not None:
                 return ""
             else:
                 reason = "no quadratic function was found that falls, not even next to rest"
@@ -246,7 +249,7 @@ class _Search:
             form,
             bounds=tuple(b for b in form.bounds if not b.words.startswith("the box of")),
         )
-        solution = candidate(free)
+        solution = candidate(free, stop=self.stop)
         if solution is None:
             return "no quadratic function was found that falls next to rest"
         return _half_axes(solution.p, form)

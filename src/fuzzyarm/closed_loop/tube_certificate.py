@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -24,12 +24,14 @@ from fuzzyarm.closed_loop.certificate import (
 from fuzzyarm.closed_loop.certificate_fields import Field, read_fields
 from fuzzyarm.closed_loop.claims import claimed_port, problem_of
 from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.timed import TUBE_BUDGET
 from fuzzyarm.closed_loop.tube_checker import BoxProof, TubeLoop, TubeSet, tube_refutation
 from fuzzyarm.closed_loop.tube_maker import proof_boxes
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.arithmetic import Stop, TimeOverError
 from fuzzyarm.text.files import write_atomically
 
 __all__ = ["TubeCertificate", "certify_tube", "read_certificate", "write_certificate"]
@@ -123,7 +125,8 @@ def certify_tube(
     plant: Plant | None = None,
     connect: Mapping[str, str] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
-    budget: float = 600.0,
+    budget: float = TUBE_BUDGET,
+    tell: Callable[[int, float], None] | None = None,
 ) -> TubeCertificate:
     """Make a certificate of a claim for a bounded time.
 
@@ -133,6 +136,8 @@ def certify_tube(
         As for :func:`fuzzyarm.closed_loop.prove_loop`.
     budget : float
         s.
+    tell : callable, optional
+        Called with the number of sets so far, and NaN.
 
     Raises
     ------
@@ -144,7 +149,12 @@ def certify_tube(
     if claim.stable:
         raise LoopProofError("a tube does not show that a loop is stable")
     problem = problem_of(text, claim, plant=plant, sensors=sensors, connect=connect)
-    boxes = proof_boxes(TubeLoop(problem), claim, claimed_port(problem, claim), budget)
+    stop = Stop(budget, tell)
+    try:
+        loop = TubeLoop(problem, stop)
+        boxes = proof_boxes(loop, claim, claimed_port(problem, claim), stop)
+    except TimeOverError as error:
+        boxes = str(error)
     if isinstance(boxes, str):
         raise LoopProofError(f"no certificate was found: {boxes}")
     return TubeCertificate(

@@ -35,6 +35,7 @@ from fuzzyarm.closed_loop.slopes import Slope, SlopeNumbers, slopes_of
 from fuzzyarm.closed_loop.spans import RationalInterval, exactly
 from fuzzyarm.expression.nodes import symbols
 from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.proof.arithmetic import Stop
 
 __all__ = [
     "BoxProof",
@@ -100,6 +101,8 @@ class TubeLoop:
     ----------
     problem : LoopProblem
         The loop and its starts.
+    stop : Stop, optional
+        When to give up: TimeOverError.
 
     Attributes
     ----------
@@ -107,10 +110,10 @@ class TubeLoop:
         Symbols of what is remembered and read.
     """
 
-    def __init__(self, problem: LoopProblem) -> None:
+    def __init__(self, problem: LoopProblem, stop: Stop | None = None) -> None:
         self.problem = problem
         self.walk = ProgramWalk(problem)
-        self.numbers = SlopeNumbers(PiecesOfRules())
+        self.numbers = SlopeNumbers(PiecesOfRules(stop))
         equations = problem.equations
         if any("t" in symbols(root) for root in (*equations.rates, *equations.outputs)):
             raise LoopProofError("the plant's equations depend on the time")

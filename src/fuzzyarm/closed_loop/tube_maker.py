@@ -6,7 +6,6 @@ asks of each whether it leads into the next one.
 
 from __future__ import annotations
 
-import time
 from fractions import Fraction
 
 import numpy as np
@@ -16,6 +15,7 @@ from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.spans import RationalInterval
 from fuzzyarm.closed_loop.tube_checker import POINT, BoxProof, Period, TubeLoop, TubeSet, start_of
 from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.proof.arithmetic import Stop, TimeOverError
 
 __all__ = ["proof_boxes"]
 
@@ -26,7 +26,7 @@ SHORT = 1 << 60
 
 
 def proof_boxes(
-    loop: TubeLoop, claim: LoopClaim, port: str, budget: float
+    loop: TubeLoop, claim: LoopClaim, port: str, stop: Stop
 ) -> tuple[BoxProof, ...] | str:
     """Return the boxes of a certificate, or why there are none.
 
@@ -38,20 +38,19 @@ def proof_boxes(
         For a bounded time.
     port : str
         What is claimed of, as the loop calls it.
-    budget : float
-        s.
+    stop : Stop
+        When to give up; it hears how many sets there are.
     """
-    until = time.monotonic() + budget
     waiting: list[tuple[tuple[int, bool], ...]] = [()]
     proofs: list[BoxProof] = []
     wide = [k for k, x in enumerate(loop.problem.start.values()) if x.low < x.high]
     while waiting:
         path = waiting.pop(0)
-        proof = _followed(loop, claim, port, path, until)
+        proof = _followed(loop, claim, port, path, stop)
         if isinstance(proof, BoxProof):
             proofs.append(proof)
             continue
-        if time.monotonic() > until or not wide or len(path) > 12:
+        if stop.now or not wide or len(path) > 12:
             return proof
         # Along each of the states in turn, as the whole box was wide.
         dimension = wide[len(path) % len(wide)]
@@ -60,7 +59,7 @@ def proof_boxes(
 
 
 def _followed(
-    loop: TubeLoop, claim: LoopClaim, port: str, path: tuple[tuple[int, bool], ...], until: float
+    loop: TubeLoop, claim: LoopClaim, port: str, path: tuple[tuple[int, bool], ...], stop: Stop
 ) -> BoxProof | str:
     spans = start_of(loop, path)
     tube_set = TubeSet(
@@ -75,15 +74,14 @@ def _followed(
     assert last is not None
     try:
         for k in range(last + 1):
-            if time.monotonic() > until:
-                return "time ran out"
             sets.append(tube_set)
+            stop.check(len(sets))
             step = loop.period(tube_set, first=k == 0)
             where: RationalInterval = step.outputs[port]
             if k >= first and not (claim.low <= where.low and where.high <= claim.high):
                 return f"in period {k + 1} the claim is not shown"
             tube_set = _next(step)
-    except LoopProofError as error:
+    except (LoopProofError, TimeOverError) as error:
         return str(error)
     return BoxProof(path, tuple(sets))
 

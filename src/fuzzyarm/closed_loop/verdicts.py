@@ -233,7 +233,7 @@ class _Case:
         self.attempts = 0
         self.rest: dict[str, float] | None = None
         self.maker: FormMaker | None = None
-        self.pieces = PiecesOfRules()
+        self.pieces = PiecesOfRules(self.stop)
         self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
 
     def verdict(self) -> LoopVerdict:

@@ -229,10 +229,9 @@ class _LoopProof:
 
         from fuzzyarm.closed_loop.orders import certify
 
-        self.job.progress("making the certificate")
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "certificate.json"
-            certify(self.request, self.text, verdict, str(path), BUDGET)
+            certify(self.request, self.text, verdict, str(path), _told(self.job))
             return path.read_bytes()
 
     # --- What is bounded ---
