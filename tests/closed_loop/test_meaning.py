@@ -307,7 +307,18 @@ def test_the_sentence_of_a_late_sensor_is_that_of_its_certificate(folder):
     assert again.statement == sentence
     assert main(["compile", "c.frb", "-o", "c.h", "--certificate", "c.json", "--trust"]) == 0
     head = " ".join(Path("c.h").read_text(encoding="utf-8").replace("*", " ").split())
-    assert f"{sentence}, as sampled; certificate" in head
+    said = head[head.index(f"{sentence}, as sampled; ") :]
+    assert "for starts in an ellipsoid that reaches to y in -" in said
+    assert said.index("ellipsoid") < said.index("; certificate ")
+
+
+def test_gains_that_are_not_those_of_the_file_are_said():
+    path = shipped("servo.frb")
+    claim = read_claim("stable on motor")
+    assert loop_sentence(claim, text=load_controller(path)) == "stable on motor"
+    text = load_controller(path, {"G_e": 1.5})
+    assert loop_sentence(claim, text=text) == "stable on motor; G_e = 1.5"
+    assert loop_sentence(claim, text=load_controller(path, {"G_e": 16.0})) == "stable on motor"
 
 
 def test_a_changed_plant_is_said():

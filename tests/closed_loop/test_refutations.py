@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,8 @@ import pytest
 
 from fuzzyarm import load_controller, shipped
 from fuzzyarm.closed_loop import LoopVerdict, prove_loop, read_claim
+from fuzzyarm.closed_loop.form import Form
+from fuzzyarm.closed_loop.instability import growth
 from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.proof.arithmetic import Stop
@@ -75,11 +79,73 @@ def exponential(matrix: np.ndarray) -> np.ndarray:
 
 def test_a_stiff_plant_is_not_refuted_by_an_integrator_that_diverges(tmp_path: Path) -> None:
     plant = lag(tmp_path, "-2000.0*x[0] + 2000.0*u[0]")  # next y = -0.5 y
-    assert proved(proportional(tmp_path, 0.5), "stable", plant).verdict != "refuted"
     from_here = proved(
         proportional(tmp_path, 0.5), "from y in 1 .. 1: y in -2 .. 2 during 0 .. 1 s", plant
     )
     assert from_here.verdict != "refuted"
+
+
+def test_a_stiff_loop_is_proved_up_to_its_limit(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "-2000.0*x[0] + 2000.0*u[0]")  # next y = -gain y, except for e^-20
+    assert proved(proportional(tmp_path, 0.99), "stable", plant).verdict == "proved"
+    refuted = proved(proportional(tmp_path, 1.01), "stable", plant)
+    assert refuted.verdict == "refuted"
+    assert refuted.evidence[-1] == "next to rest a deviation grows 1.01 times in each period"
+
+
+def test_an_unstable_loop_is_refuted_without_a_run_that_goes_far(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "u[0]")  # next y = -1.0001 y: within a second 1.01 times as much
+    refuted = proved(proportional(tmp_path, 200.01), "stable", plant)
+    assert refuted.verdict == "refuted"
+    assert refuted.evidence == ("next to rest a deviation grows 1.0001 times in each period",)
+    assert proved(proportional(tmp_path, 199.99), "stable", plant).verdict == "proved"
+
+
+@pytest.mark.parametrize(("end", "verdict"), [(0.36787943, "refuted"), (0.36787945, "proved")])
+def test_a_bound_next_to_a_run_is_refuted_only_if_it_is_beyond(
+    tmp_path: Path, end: float, verdict: str
+) -> None:
+    plant = lag(tmp_path, "-x[0] + 0.0*u[0]")  # 1/e = 0.367879441 after 1 s
+    claim = f"from y in 1 .. 1: y in 0 .. {end} during 1 .. 1 s"
+    assert proved(proportional(tmp_path, 0.5), claim, plant).verdict == verdict
+
+
+@pytest.mark.parametrize(("off", "verdict"), [(1e-6, "proved"), (-1e-6, "refuted")])
+def test_an_integrator_that_is_slightly_wrong_refutes_nothing(
+    tmp_path: Path, off: float, verdict: str
+) -> None:
+    plant = lag(tmp_path, "-150.0*x[0] + 0.0*u[0]")  # RK4 at 10 ms: 0.273 for e^-1.5 = 0.223
+    claim = f"from y in 1 .. 1: y in 0 .. {math.exp(-1.5) + off!r} during 0.01 .. 0.01 s"
+    assert proved(proportional(tmp_path, 0.5), claim, plant).verdict == verdict
+
+
+def one_state(a: float, spread: float, gain: float = 0.0) -> Form:
+    """Return x⁺ = (a ± spread) x + δ gain x, |δ| ≤ 1."""
+    zero, count = Fraction(0), int(gain != 0.0)
+    return Form(
+        ("x",), {}, ((Fraction(a),),), ((Fraction(1),) * count,),
+        ((Fraction(spread), *(zero,) * count),), ((Fraction(gain), zero),) * count,
+        (), (), {}, {}, 0.01,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("numbers", "least"),
+    [
+        ((1.1, 0.0), 1.1),
+        ((-1.1, 0.05), 1.05),
+        ((1.1, 0.2), 0.0),
+        ((0.9, 0.0), 0.0),
+        ((1.5, 0.0, 0.4), 1.1),
+        ((1.5, 0.0, 0.6), 0.0),
+    ],
+)
+def test_a_loop_grows_only_if_all_that_it_may_be_do(
+    numbers: tuple[float, ...], least: float
+) -> None:
+    found = growth(one_state(*numbers))
+    assert found <= least
+    assert found == pytest.approx(least, rel=0.1)
 
 
 def test_a_loop_that_is_unstable_stays_refuted(tmp_path: Path) -> None:

@@ -1229,7 +1229,8 @@ def demand_said(bench: Bench, verdict: LoopVerdict) -> None:
         bench.loop,
         sensors=sensors,
         set_point={n.rpartition(".")[2]: x for n, x in claim.at},
-        connect=dict(certificate.connect) or bench.loop.connect,
+        connect={name: port.rpartition(".")[2] for name, port in certificate.connect.items()}
+        or bench.loop.connect,
     )
     other = object.__new__(Bench)
     vars(other).update(vars(bench), loop=loop, runner=Runner(loop))

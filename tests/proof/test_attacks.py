@@ -276,3 +276,26 @@ def test_something_is_said_before_anything_takes_long(statement: str, more: str)
     assert not verdict.proved
     assert told[0][:2] == (verdict.statement, 0)
     assert math.isnan(told[0][2])
+
+
+@pytest.mark.parametrize(
+    ("no_rule", "verdict", "words"),
+    [
+        ("nan", "refuted", "no rule fires at e = "),
+        ("error", "refuted", "no rule fires at e = "),
+        ("hold", "undecided", "'u' holds its last value"),
+        ("0.45", "proved", ""),
+    ],
+)
+def test_where_no_rule_fires_no_value_is_proved(no_rule: str, verdict: str, words: str) -> None:
+    rulebase = read(
+        "input e -1 .. 1\noutput u -1 .. 1\nterm e N: triangle -1 -0.6 -0.2\n"
+        "term e P: triangle 0.2 0.6 1\nterm u L: singleton 0.45\nterm u H: singleton 0.55\n"
+        f"inference u: defuzzifier weighted-average, no-rule {no_rule}\n"
+        "rule if e is N then u is L\nrule if e is P then u is H\n"
+    )
+    judged = prove(rulebase, "u in 0.4 .. 0.6")
+    assert judged.verdict == verdict
+    assert words in judged.reason
+    for there in ("e in -0.8 .. -0.4 -> u in 0.4 .. 0.6", "e in 0.3 .. 0.9 -> u >= 0.54"):
+        assert prove(rulebase, there).verdict == "proved"

@@ -304,12 +304,14 @@ def _of_file(path: str) -> Iterator[None]:
 def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
     """Check a certificate; return what it proves, for the head of a program."""
     from fuzzyarm.closed_loop import check_certificate
+    from fuzzyarm.closed_loop.claims import claimed_plant
+    from fuzzyarm.closed_loop.verdicts import proof_words
 
     verdict = check_certificate(path, controller, trust=trust)
     if not verdict.proved or verdict.certificate is None:
         raise WordError(f"{path}: {verdict.reason}")
-    how = "" if verdict.continuous else ", as sampled"
-    return f"{verdict.statement}{how}; certificate {verdict.certificate.seal}"
+    plant = claimed_plant(verdict.certificate.claim, trust=trust)
+    return proof_words(verdict, controller, plant)
 
 
 def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:

@@ -27,6 +27,12 @@ def dot(row: Sequence[RationalInterval], column: Sequence[RationalInterval]) -> 
 LAST = 16
 """The highest power of the series of a motion at least."""
 
+SHORT = 12
+"""The norm up to which a motion is one series."""
+
+MOST_HALVINGS = 14
+"""How often a period is halved for that."""
+
 
 def flow_over(
     jacobian: Sequence[Sequence[RationalInterval]], h: RationalInterval
@@ -40,8 +46,13 @@ def flow_over(
     step = [[x.times(h) for x in row] for row in jacobian]
     step += [[zero] * size for _ in range(size - count)]
     norm = max(sum((x.size for x in row), NOTHING) for row in step)
-    if norm > 12:
+    # Over halves of a period, one after another: the flow over both is their product.
+    halvings = max(0, math.ceil(norm / SHORT) - 1).bit_length()
+    if halvings > MOST_HALVINGS:
         raise LoopProofError("a period is long compared with the plant's motion")
+    norm /= 2**halvings
+    part = exactly(Fraction(1, 2**halvings))
+    step = [[x.times(part) for x in row] for row in step]
     last = LAST + 4 * math.ceil(norm)
     total = [[exactly(Fraction(int(i == j))) for j in range(size)] for i in range(size)]
     term = total
@@ -54,7 +65,11 @@ def flow_over(
     # Terms fall by more than half from here on.
     tail = 2 * norm ** (last + 1) / math.factorial(last + 1)
     around = RationalInterval(-tail, tail)
-    return [[x.plus(around) for x in row] for row in total[:count]]
+    total = [[x.plus(around) for x in row] for row in total]
+    for _ in range(halvings):
+        columns = list(zip(*total, strict=True))
+        total = [[dot(row, column) for column in columns] for row in total]
+    return total[:count]
 
 
 def around_motion(

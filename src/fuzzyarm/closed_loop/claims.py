@@ -9,13 +9,15 @@ from dataclasses import replace
 
 from fuzzyarm.closed_loop.claimed_time import ClaimedPeriods, claimed_periods
 from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
-from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.controller.text import ControllerText, read_controller
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.document import parse_document
 from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
 from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.model.controller import GainModel
 from fuzzyarm.plant.own import PLANTS, trusted_plant
 from fuzzyarm.plant.plant import Plant, Port, interface_of, parameter
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError
@@ -27,6 +29,7 @@ __all__ = [
     "claimed_in",
     "claimed_plant",
     "claimed_port",
+    "gain_words",
     "loop_sentence",
     "problem_of",
     "read_claim",
@@ -100,6 +103,7 @@ def loop_sentence(
     connect: Mapping[str, str] | None = None,
     *,
     plant: Plant | None = None,
+    text: ControllerText | None = None,
     continuous: bool = False,
     duration: float = 0.0,
 ) -> str:
@@ -115,6 +119,8 @@ def loop_sentence(
         From names of the controller to ports of the plant, where they differ.
     plant : Plant, optional
         In place of the shipped one that the claim names: what differs from that is said.
+    text : ControllerText, optional
+        The controller: gains that are not those of its file are said.
     continuous : bool, optional
         Whether the controller is taken to run without a period.
     duration : float, optional
@@ -124,6 +130,7 @@ def loop_sentence(
     if duration:
         words = [f"{words[0].removeprefix('stable ')} for {duration:g} s"]
     words += _plant_words(claim, plant)
+    words += [] if text is None else _gain_words(text)
     words += [
         f"{name_text(name)} joined to {name_text(port)}"
         for name, port in (connect or {}).items()
@@ -166,6 +173,24 @@ def _plant_words(claim: LoopClaim, plant: Plant | None) -> Iterator[str]:
         other = own.inputs.get(address)
         if other is not None and other != port:
             yield f"actuator {own.label(address)}: {_port_words(other)}"
+
+
+def _gain_words(text: ControllerText) -> Iterator[str]:
+    """Say which gains of a controller are not those of its file."""
+    if not text.path or text.source:  # it has no file, or is as its text says
+        return
+    try:
+        written = read_controller(text.path).model.gains
+    except (OSError, FuzzyarmError):
+        written = ()
+    for gain in text.model.gains:
+        if gain not in written:
+            yield f"{name_text(gain.name)} = {gain_words(gain)}"
+
+
+def gain_words(gain: GainModel) -> str:
+    """Return the numbers of a gain, one or one for each axis."""
+    return " ".join(number_text(amount.value(math.pi)) for amount in gain.values)
 
 
 def _port_words(port: Port) -> str:

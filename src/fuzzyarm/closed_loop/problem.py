@@ -21,7 +21,7 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.nodes import Node, symbol, symbols
 from fuzzyarm.expression.operations import Interval
-from fuzzyarm.loop.course import Sensor, periods_of
+from fuzzyarm.loop.course import Sensor, is_whole, periods_of
 from fuzzyarm.plant.equations import expressions_of, has_queue
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Plant, parameter, with_parameters
@@ -160,7 +160,7 @@ def _demand_whole_delays(sensors: Mapping[str, Sensor], period: float) -> None:
     """Refuse a delay that the loop would round: the sentence of a proof has it as it is."""
     for name, sensor in sensors.items():
         count = periods_of(sensor.delay, period)
-        if not math.isclose(sensor.delay, count * period, rel_tol=1e-6, abs_tol=1e-12):
+        if not is_whole(sensor.delay, period):
             raise LoopProofError(
                 f"the delay of '{name}' is {sensor.delay / period:.4g} control periods, and a loop"
                 " is proved with whole ones",

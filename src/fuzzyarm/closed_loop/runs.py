@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from itertools import islice, product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fuzzyarm.closed_loop.claimed_time import decimal
 from fuzzyarm.closed_loop.claims import claimed_port
+from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.closed_loop.tube import tube
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.loop.course import Options
@@ -22,7 +27,7 @@ from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.text.numbers import number_text
 
-__all__ = ["Breach", "refuting_run", "run_of", "sampled_runs"]
+__all__ = ["Breach", "converged", "refuting_run", "run_of", "sampled_runs"]
 
 
 class Breach(NamedTuple):
@@ -55,6 +60,7 @@ def refuting_run(
     at_rest = not claim.start and not claim.output
     if at_rest and rest is None:
         return None
+    encloses = bool(claim.output)
     for number, (start, values) in enumerate(_starts(problem, claim, rest if at_rest else None)):
         if number and stop is not None and stop.now:
             return None
@@ -63,15 +69,67 @@ def refuting_run(
             return None
         if not _breach(problem, claim, run, rest):
             continue
-        # It might be a breach of the integrator only.
-        sure = _converged(problem, claim, start, values)
-        against = "" if sure is None else _breach(problem, claim, sure, rest)
-        if sure is None or not against:
-            continue
         free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
         words = ", ".join(f"{name} = {number_text(x)}" for name, x in {**start, **free}.items())
-        return Breach(sure, (f"from {words}", against))
+        if encloses:
+            k = _first_outside(problem, claim, run)
+            end = float(run.time[-1 if k is None else k]) + problem.period
+            outside = _enclosed_outside(problem, claim, start, values, end, stop)
+            if outside:
+                return Breach(run, (f"from {words}", outside))
+            encloses = outside is not None  # where one run is not enclosed, no other one will be
+            if encloses:
+                continue
+        # It might be a breach of the integrator only.
+        pair = converged(lambda steps: run_of(problem, start, values, claim, steps=steps))  # noqa: B023
+        against = "" if pair is None else _breach(problem, claim, pair[1], rest, pair[0])
+        if pair is not None and against:
+            return Breach(pair[1], (f"from {words}", against))
     return None
+
+
+ENCLOSING = 3.0
+"""Seconds that the enclosure of one run may take."""
+
+
+def _enclosed_outside(
+    problem: LoopProblem,
+    claim: LoopClaim,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    end: float,
+    stop: Stop | None,
+) -> str | None:
+    """Return where a run is for certain outside the claimed interval in the claimed time.
+
+    Empty where it is inside for certain until an end; None where no enclosure tells.
+    """
+    alone = replace(
+        problem,
+        start={name: Interval(x, x) for name, x in start.items()},
+        parameters={name: Interval(x, x) for name, x in values.items()},
+    )
+    budget = ENCLOSING if stop is None else min(ENCLOSING, 0.25 * stop.left)
+    try:
+        way = tube(alone, end, budget=budget)
+    except (FuzzyarmError, EnclosureError):
+        return None
+    if not way.complete:
+        return None
+    port, period = claimed_port(problem, claim), decimal(problem.period)
+    k, begin = way.ports.index(port), decimal(claim.begin)
+    last = math.inf if math.isinf(claim.end) else decimal(claim.end)
+    # Outputs at the samples; drives, which jump there, from each sample on.
+    jumps = port not in {*map(problem.site.interface.label, problem.site.interface.outputs)}
+    bounds = (way.low, way.high) if jumps else (way.low_at, way.high_at)
+    for n, (low, high) in enumerate(zip(*(x[:, k].tolist() for x in bounds), strict=True)):
+        is_in_time = begin <= n * period and (n * period < last if jumps else n * period <= last)
+        if is_in_time and (low > claim.high or high < claim.low):
+            ends = dict.fromkeys(f"{x:.6g}" for x in (low, high))
+            sign = "=" if len(ends) == 1 else "in"
+            return f"{port} {sign} {' .. '.join(ends)} after {n * problem.period:.6g} s"
+    inside = bool((way.low[:, k] >= claim.low).all() and (way.high[:, k] <= claim.high).all())
+    return "" if inside else None
 
 
 FINER = (1, 4, 16, 64, 256)
@@ -81,20 +139,21 @@ AGREED = 1e-3
 """By what share of how far a run has been two runs of different steps may differ."""
 
 
-def _converged(
-    problem: LoopProblem,
-    claim: LoopClaim,
-    start: Mapping[str, float],
-    values: Mapping[str, float],
-) -> Run | None:
-    """Return a run whose integrator is right, as far as two of different steps can tell."""
+def converged(run: Callable[[int], Run | None]) -> tuple[Run, Run] | None:
+    """Return two runs of different steps that agree, the finer one last.
+
+    Parameters
+    ----------
+    run : callable
+        Makes a run, of so many times as many steps.
+    """
     coarse: Run | None = None
     for steps in FINER:
-        fine = run_of(problem, start, values, claim, steps=steps)
+        fine = run(steps)
         if fine is None:
             return None
         if coarse is not None and _agree(coarse, fine):
-            return fine
+            return coarse, fine
         coarse = fine
     return None
 
@@ -216,7 +275,7 @@ def run_of(
     if claim is None:
         pass
     elif claim.output and claim.when == "during" and math.isfinite(claim.end):
-        duration = claim.end
+        duration = claim.end + problem.period  # the sample at the end counts
     elif claim.begin:
         duration = max(duration, 1.5 * claim.begin)
     try:
@@ -235,30 +294,44 @@ def run_of(
 
 
 def _breach(
-    problem: LoopProblem, claim: LoopClaim, run: Run, rest: Mapping[str, float] | None
+    problem: LoopProblem,
+    claim: LoopClaim,
+    run: Run,
+    rest: Mapping[str, float] | None,
+    other: Run | None = None,
 ) -> str:
-    """Return in words how a run breaks a claim; empty where it does not."""
+    """Return in words how a run breaks a claim, by more than it differs from another one."""
     divergence = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
     if claim.output:
-        return _outside(problem, claim, run, divergence)
+        k = _first_outside(problem, claim, run, other)
+        if k is not None:
+            port = claimed_port(problem, claim)
+            return f"{port} = {_values(run, port)[k]:.6g} after {run.time[k]:.6g} s"
+        inside = run.diverged is not None and claim.begin <= run.diverged <= claim.end
+        return divergence if inside else ""
     if run.diverged is not None:
         return divergence
     # Of a start that is not next to rest no run tells: it may be on its way.
     return "" if claim.start or rest is None else _unrest(problem, run, rest)
 
 
-def _outside(problem: LoopProblem, claim: LoopClaim, run: Run, lost: str) -> str:
-    """Return where an output is outside the claimed interval in the claimed time."""
+def _values(run: Run, port: str) -> NDArray[np.float64]:
+    return np.asarray(run.outputs[port] if port in run.outputs else run.drives[port], float)
+
+
+def _first_outside(
+    problem: LoopProblem, claim: LoopClaim, run: Run, other: Run | None = None
+) -> int | None:
+    """Return the first sample outside the claimed interval in the claimed time."""
     port = claimed_port(problem, claim)
-    values = np.asarray(run.outputs[port] if port in run.outputs else run.drives[port])
+    values = _values(run, port)
+    slack = np.full(len(values), 1e-9 * (claim.high - claim.low))
+    if other is not None:
+        near = _values(other, port)[: len(values)]
+        slack[: len(near)] += np.abs(values[: len(near)] - near)
     in_time = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
-    slack = 1e-9 * (claim.high - claim.low)
     wrong = in_time & ((values > claim.high + slack) | (values < claim.low - slack))
-    if wrong.any():
-        k = int(np.argmax(wrong))
-        return f"{port} = {values[k]:.6g} after {run.time[k]:.6g} s"
-    inside = run.diverged is not None and claim.begin <= run.diverged <= claim.end
-    return lost if inside else ""
+    return int(np.argmax(wrong)) if wrong.any() else None
 
 
 def _unrest(problem: LoopProblem, run: Run, rest: Mapping[str, float]) -> str:

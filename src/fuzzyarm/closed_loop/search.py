@@ -23,7 +23,7 @@ from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import UnprovableError
 
-__all__ = ["Proposal", "leaves_rest", "proposals", "rate_of"]
+__all__ = ["Proposal", "form_at_rest", "proposals", "rate_of"]
 
 WHOLE = 1 - Fraction(1, 2**20)
 """What limits leave of a signal that they hardly touch."""
@@ -310,40 +310,10 @@ class _Search:
             yield best
 
 
-MARGIN = 1e-9
-"""By how much a spectral radius has to be beyond 1, so that it is not one of rounding."""
-
-MOST_GAINS = 6
-
-
-def leaves_rest(maker: FormMaker) -> bool:
-    """Tell whether the loop next to rest is unstable, whichever of their ends all gains have.
-
-    A gain of a block is known within its ends only. Where the loop is stable at some of them,
-    runs that do not come back come from elsewhere.
-    """
-    box = _tiny_box(maker, 1024)
-    forms = [
-        maker.form(Assumptions(SHARES[-1], grip, {} if maker.plant.is_affine else box, True))
-        for grip in ((Fraction(1),) if maker.fixed else (WHOLE,))
-    ]
-    return all(_radius(form) > 1.0 + MARGIN for form in forms)
-
-
-def _radius(form: Form) -> float:
-    """Return the smallest spectral radius that the loop has at ends of its gains; 0: too many."""
-    a, b, n = np.array(form.a, float), np.array(form.b, float), form.size
-    m = len(form.blocks)
-    if m > MOST_GAINS:
-        return 0.0
-    rows = np.array(form.blocks, float).reshape(m, n + m)
-    radii = []
-    for ends in product((-1.0, 0.0, 1.0), repeat=m):
-        gains = np.diag(ends) if m else np.zeros((0, 0))
-        # w = Δ (C z + D w)
-        answers = np.linalg.solve(np.eye(m) - gains @ rows[:, n:], gains @ rows[:, :n])
-        radii.append(float(np.abs(np.linalg.eigvals(a + b.reshape(n, m) @ answers)).max()))
-    return min(radii)
+def form_at_rest(maker: FormMaker) -> Form:
+    """Return the loop next to rest, where no limit is reached."""
+    box = {} if maker.plant.is_affine else _tiny_box(maker, 1024)
+    return maker.form(Assumptions(SHARES[-1], Fraction(1), box, True))
 
 
 def _tiny_box(maker: FormMaker, parts: int) -> dict[str, Fraction]:

@@ -17,7 +17,16 @@ from flint import arb, ctx, fmpq
 
 from fuzzyarm.closed_loop.problem import LoopProofError
 
-__all__ = ["FUNCTIONS", "RationalInterval", "SpanError", "exactly", "function", "hull"]
+__all__ = [
+    "FUNCTIONS",
+    "RationalInterval",
+    "SpanError",
+    "ball",
+    "end_of_ball",
+    "exactly",
+    "function",
+    "hull",
+]
 
 BITS = 160
 """Significant bits that are left of an end that is rounded."""
@@ -133,20 +142,22 @@ def function(name: str, x: RationalInterval) -> RationalInterval:
         return RationalInterval(function(name, exactly(x.low)).low,
                                 function(name, exactly(x.high)).high)  # fmt: skip
     with ctx.workprec(BITS):
-        ball = _ball(x.low) if x.is_point else _ball(x.low).union(_ball(x.high))
-        value = getattr(ball, name)()
+        whole = ball(x.low) if x.is_point else ball(x.low).union(ball(x.high))
+        value = getattr(whole, name)()
         if not value.is_finite():
             raise SpanError(f"'{name}' has no value, or no bound, in an interval")
-        low, high = (_end(end) for end in (value.lower(), value.upper()))
+        low, high = (end_of_ball(end) for end in (value.lower(), value.upper()))
     if name in ("sin", "cos"):
         low, high = max(low, Fraction(-1)), min(high, Fraction(1))
     return RationalInterval(low, high)
 
 
-def _ball(x: Fraction) -> arb:
+def ball(x: Fraction) -> arb:
+    """Return a ball that holds a number."""
     return arb(fmpq(x.numerator, x.denominator))
 
 
-def _end(x: arb) -> Fraction:
+def end_of_ball(x: arb) -> Fraction:
+    """Return the number that a ball without a radius is."""
     mantissa, exponent = (int(part) for part in x.man_exp())
     return Fraction(mantissa) * Fraction(2) ** exponent

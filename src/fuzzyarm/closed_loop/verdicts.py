@@ -14,8 +14,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,
@@ -25,12 +23,13 @@ from fuzzyarm.closed_loop.certificate import (
 from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.checker import refutation
-from fuzzyarm.closed_loop.claims import claimed_plant, loop_sentence, problem_of
+from fuzzyarm.closed_loop.claims import claimed_plant, gain_words, loop_sentence, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.form_maker import FormMaker
+from fuzzyarm.closed_loop.instability import growth
 from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem
 from fuzzyarm.closed_loop.runs import refuting_run
-from fuzzyarm.closed_loop.search import Proposal, leaves_rest, proposals, rate_of
+from fuzzyarm.closed_loop.search import Proposal, form_at_rest, proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.tube_certificate import TubeCertificate, read_certificate
@@ -42,12 +41,13 @@ from fuzzyarm.loop.course import Sensor
 from fuzzyarm.loop.run import Run
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.own import trusted_plant
-from fuzzyarm.plant.plant import Plant, PlantError
+from fuzzyarm.plant.plant import Plant, PlantError, parameter
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.text.diagnostic import NOWHERE
+from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.shown import Shown, one_line
 
-__all__ = ["LoopVerdict", "check_certificate", "prove_loop"]
+__all__ = ["LoopVerdict", "check_certificate", "proof_words", "prove_loop"]
 
 MOST_CHECKED = 8
 """Proposals that are shown to the checker, the one of the largest region first."""
@@ -225,7 +225,9 @@ class _Case:
         continuous: bool,
     ) -> None:
         self.text, self.claim, self.continuous = text, claim, continuous
-        self.statement = loop_sentence(claim, sensors, connect, plant=plant, continuous=continuous)
+        self.statement = loop_sentence(
+            claim, sensors, connect, plant=plant, text=text, continuous=continuous
+        )
         self.plant, self.connect, self.sensors = plant, connect, dict(sensors or {})
         self.started = time.monotonic()
         watch = None if tell is None else (lambda count, gap: tell(self.statement, count, gap))
@@ -253,8 +255,8 @@ class _Case:
                 return refuted
         bounded = math.isfinite(self.claim.end) and not self.claim.stable
         loop_verdict = self._by_tube(problem) if bounded else self._by_region(problem)
-        if loop_verdict.verdict == UNDECIDED and not (self.claim.output or self.claim.start):
-            return self._attacked(problem) or loop_verdict
+        if loop_verdict.verdict == UNDECIDED and not self.claim.output:
+            return self._unstable(problem) or loop_verdict
         return loop_verdict
 
     def _by_region(self, problem: LoopProblem) -> LoopVerdict:
@@ -387,23 +389,38 @@ class _Case:
         self.loop = loop
         return self._said(PROVED, certificate=certificate, **facts), ""
 
-    def _is_unstable(self) -> bool:
-        """Tell whether the loop is unstable next to rest, where that can be told."""
+    def _growth(self) -> tuple[float, bool]:
+        """Return by what a deviation from rest grows in each period, and whether that is all.
+
+        It is where no gain of a rule base or a table is open: then there is one linear loop, or one
+        smooth loop, next to rest.
+        """
+        if self.maker is None:
+            return 0.0, False
         try:
-            return self.maker is not None and leaves_rest(self.maker)
-        except (FuzzyarmError, EnclosureError, np.linalg.LinAlgError):
-            return False
+            form = form_at_rest(self.maker)
+        except (FuzzyarmError, EnclosureError):
+            return 0.0, False
+        is_smooth = form.evidence is not None and not form.evidence.gains
+        return growth(form), is_smooth and self.maker.is_exact
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
-        """Return a refutation by a run, if one of some runs is one."""
+        """Return a refutation by a run from the starts of the claim, if one of some runs is one."""
         if self.continuous:  # runs are those of the sampled loop
             return None
         breach = refuting_run(problem, self.claim, self.rest, self.stop)
-        if breach is None:
+        return breach and self._said(REFUTED, evidence=breach.words, run=breach.run)
+
+    def _unstable(self, problem: LoopProblem) -> LoopVerdict | None:
+        """Return a refutation of stability by the loop next to rest, and by a run from there."""
+        least, is_enough = (0.0, False) if self.continuous else self._growth()
+        if not least:
             return None
-        if not (self.claim.output or self.claim.start or self._is_unstable()):
-            return None
-        return self._said(REFUTED, evidence=breach.words, run=breach.run)
+        grows = f"next to rest a deviation grows {least:.6g} times in each period"
+        breach = refuting_run(problem, claim_of_stability(self.claim), self.rest, self.stop)
+        if breach is not None:
+            return self._said(REFUTED, evidence=(*breach.words, grows), run=breach.run)
+        return self._said(REFUTED, evidence=(grows,)) if is_enough else None
 
 
 def _own_start(problem: LoopProblem) -> tuple[str, ...]:
@@ -488,7 +505,7 @@ def check_certificate(
     _require_files(certificate, text)
     claim = certificate.claim
     statement = loop_sentence(
-        claim, certificate.sensors, certificate.connect, plant=plant,
+        claim, certificate.sensors, certificate.connect, plant=plant, text=text,
         continuous=isinstance(certificate, Certificate) and certificate.continuous,
     )  # fmt: skip
     if plant is None:
@@ -512,6 +529,27 @@ def check_certificate(
     except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
     return _checked(statement, certificate, against, facts, started)
+
+
+def proof_words(verdict: LoopVerdict, text: ControllerText, plant: Plant) -> str:
+    """Return what a certificate proves, where, and of which numbers, for the head of a program."""
+    assert verdict.certificate is not None
+    words = [verdict.statement + ("" if verdict.continuous else ", as sampled")]
+    if verdict.region and not verdict.certificate.claim.start:
+        reach = [
+            f"{name} in {low:.6g} .. {high:.6g}" for name, (low, high) in verdict.region.items()
+        ]
+        words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
+    gains = [f"{gain.name} = {gain_words(gain)}" for gain in text.model.gains]
+    stated = {name for name, _, _ in verdict.certificate.claim.parameters}
+    numbers = [
+        f"{name} = {number_text(parameter(plant, name).value)}"
+        for name in plant.parameters
+        if name not in stated
+    ]
+    words += [f"gains {', '.join(gains)}"] * bool(gains)
+    words += [f"parameters {', '.join(numbers)}"] * bool(numbers)
+    return "; ".join([*words, f"certificate {verdict.certificate.seal}"])
 
 
 def _require_files(certificate: Certificate | TubeCertificate, text: ControllerText) -> None:

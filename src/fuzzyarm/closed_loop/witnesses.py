@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.problem import LoopProblem
-from fuzzyarm.closed_loop.runs import run_of
+from fuzzyarm.closed_loop.runs import converged, run_of
 from fuzzyarm.closed_loop.verification import has_known_start, start_quadric
 from fuzzyarm.loop.run import Run
 
@@ -55,15 +56,29 @@ def contradiction(
         return ""
     p = np.array([[float(x) for x in row] for row in certificate.p])
     reach = np.sqrt(np.maximum(np.diag(np.linalg.inv(p)), 0.0))
+    duration = PERIODS * problem.period
     for start, values in _starts(problem, loop, certificate, count):
-        run = run_of(problem, start, values, duration=PERIODS * problem.period)
+        run = run_of(problem, start, values, duration=duration)
         if run is None:
             continue
         against = _against(problem, loop, run, p, reach)
+        if against:  # unless by the steps of its integrator only
+            pair = converged(partial(_finer, problem, start, values, duration))
+            against = against if pair is None else _against(problem, loop, pair[1], p, reach)
         if against:
             words = ", ".join(f"{name} = {x:.6g}" for name, x in {**start, **values}.items())
             return f"the run from {words} {against}"
     return ""
+
+
+def _finer(
+    problem: LoopProblem,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    duration: float,
+    steps: int,
+) -> Run | None:
+    return run_of(problem, start, values, steps=steps, duration=duration)
 
 
 def _starts(

@@ -305,12 +305,17 @@ def periods_of(delay: float, period: float) -> int:
     return math.floor(delay / period + 0.5 + 1e-9)
 
 
+def is_whole(delay: float, period: float) -> bool:
+    """Tell whether a delay is whole control periods, except for the rounding of its digits."""
+    return math.isclose(delay, periods_of(delay, period) * period, rel_tol=1e-6, abs_tol=1e-12)
+
+
 def delay_notes(options: Options, period: float) -> tuple[str, ...]:
     """Return in words which delays of sensors are not whole control periods, and what is taken."""
     notes = []
     for name, sensor in options.sensors.items():
         count = periods_of(sensor.delay, period)
-        if not math.isclose(sensor.delay, count * period, rel_tol=1e-6, abs_tol=1e-12):
+        if not is_whole(sensor.delay, period):
             notes.append(
                 f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
                 f"{period:g} s: {count} are taken, {count * period:g} s"

@@ -411,11 +411,14 @@ class _Case:
         return self._shown(claim.at, beyond), bounds
 
     def _without_value(self) -> Verdict | None:
-        """Refute a statement on the value where the output has none."""
+        """Refute a statement on the value where the output has none; leave open what it holds."""
         prover = self.prover
         prover.stop = self.stop.half()  # the other half is for the bounds
-        if prover.output.no_rule == "error":
+        if prover.no_rule is None:
             at = prover.without_value(self.region)
+            if at is not None and prover.output.no_rule == "hold":
+                held = f"no rule fires at {written(at)}: '{self.claim.output}' holds its last value"
+                return self._said(UNDECIDED, reason=held)
             if at is not None:
                 return self._said(REFUTED, reason=self._silence(at))
         at = prover.outside_range(self.region)

@@ -22,7 +22,7 @@ class ProveRequest(Request):
     )  # fmt: skip
     budget: float | None = option(
         "--budget SECONDS",
-        "how long each statement may take; else as long as it needs, tubes and certificates a minute",
+        "how long each statement may take; else a tube or a certificate a minute, others no limit",
         None,
         Limits(0.0, is_open=True),
         unit="seconds",
