@@ -22,7 +22,6 @@ __all__ = [
     "RationalInterval",
     "SpanError",
     "ball",
-    "end_of_ball",
     "exactly",
     "function",
     "hull",
@@ -146,7 +145,7 @@ def function(name: str, x: RationalInterval) -> RationalInterval:
         value = getattr(whole, name)()
         if not value.is_finite():
             raise SpanError(f"'{name}' has no value, or no bound, in an interval")
-        low, high = (end_of_ball(end) for end in (value.lower(), value.upper()))
+        low, high = (_end(end) for end in (value.lower(), value.upper()))
     if name in ("sin", "cos"):
         low, high = max(low, Fraction(-1)), min(high, Fraction(1))
     return RationalInterval(low, high)
@@ -157,7 +156,6 @@ def ball(x: Fraction) -> arb:
     return arb(fmpq(x.numerator, x.denominator))
 
 
-def end_of_ball(x: arb) -> Fraction:
-    """Return the number that a ball without a radius is."""
+def _end(x: arb) -> Fraction:
     mantissa, exponent = (int(part) for part in x.man_exp())
     return Fraction(mantissa) * Fraction(2) ** exponent

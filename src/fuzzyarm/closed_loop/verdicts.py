@@ -52,6 +52,9 @@ __all__ = ["LoopVerdict", "check_certificate", "proof_words", "prove_loop"]
 MOST_CHECKED = 8
 """Proposals that are shown to the checker, the one of the largest region first."""
 
+EIGENVALUES = 5.0
+"""Seconds that an eigenvalue beyond 1 may take."""
+
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
 Tell = Callable[[str, int, float], None]
@@ -402,7 +405,9 @@ class _Case:
         except (FuzzyarmError, EnclosureError):
             return 0.0, False
         is_smooth = form.evidence is not None and not form.evidence.gains
-        return growth(form), is_smooth and self.maker.is_exact
+        return growth(
+            form, Stop(min(EIGENVALUES, self.stop.left))
+        ), is_smooth and self.maker.is_exact
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run from the starts of the claim, if one of some runs is one."""
