@@ -294,7 +294,12 @@ class Ranges(Algebra[Reach]):
 
     def drive(self, axis: str, line: Drive, value: Reach) -> Reach:
         """Note a drive."""
-        self.reaches.drives.setdefault((axis, line.port), []).append((line, value))
+        if line.on_nan is not None:  # in a period in which something is not a number
+            sent = hull(value.at, Interval(line.on_nan, line.on_nan))
+        else:
+            sent = value.at
+        drives = self.reaches.drives.setdefault((axis, line.port), [])
+        drives.append((line, replace(value, at=sent)))
         return value
 
     # --- sources ---
