@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fuzzyarm.errors import FuzzyarmError, UsageError, WordError
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
-from fuzzyarm.language.reading import text_to_show
+from fuzzyarm.language.reading import parse_once, text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
@@ -135,7 +135,7 @@ def _load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTe
     name, suffix = _name_and_suffix(path)
     if suffix == ".frb":
         source = read_text(path)
-        parsed = parse(source, name)
+        parsed = parse_once(source, name)
         if parsed.controller is not None:
             return _controller(parsed.controller, source, name)
         if parsed.rulebase is None:

@@ -7,8 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from fuzzyarm.expression import kinds
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language import parse
 from fuzzyarm.language.document import ParseMemory
+from fuzzyarm.language.reading import parse_once
+from fuzzyarm.shipped_files import shipped
 
 SHIPPED = sorted((Path(__file__).parents[2] / "rulebases").glob("*.frb"))
 PIECES = (
@@ -60,3 +64,25 @@ def test_a_hint_for_a_quoted_name_is_quoted() -> None:
     (finding,) = parse(text).diagnostics
     assert finding.hint == "did you mean 'very low'?"
     assert finding.replacement == "'very low'"
+
+
+# --- A text that was read lately ---
+
+BUMP = "term tip AVERAGE:   triangle 10 15 20"
+
+
+def test_a_text_read_twice_is_read_once_until_a_kind_comes_or_goes() -> None:
+    text = shipped("tipper.frb").read_text()
+    first = parse_once(text, "tipper.frb")
+    assert parse_once(text, "tipper.frb").rulebase is first.rulebase
+    assert parse_once(text + "# more\n", "tipper.frb").rulebase is not first.rulebase
+    curved = text.replace(BUMP, "term tip AVERAGE: bump-of-tests 15")
+    assert curved != text
+    assert parse_once(curved).rulebase is None
+    kinds.shape("bump-of-tests", ("centre",), lambda x, centre: 1.0 / (1.0 + (x - centre) ** 2))
+    try:
+        assert parse_once(curved).rulebase is not None
+        assert parse_once(text, "tipper.frb").rulebase is not first.rulebase
+    finally:
+        SHAPES.remove("bump-of-tests")
+    assert parse_once(curved).rulebase is None

@@ -1,6 +1,7 @@
 """Any plant in the loop: bits, references, sensors, actuators, disturbances."""
 
 import math
+import os
 from array import array
 from collections import deque
 from dataclasses import dataclass
@@ -750,3 +751,17 @@ def test_rates_that_are_none_and_wrong_sides_are_refused():
             simulate(SERVO, plant, options=options)
     with pytest.raises(PlantError, match="out of range"):
         simulate(SERVO, plant, duration=1e9)
+
+
+# --- A file is read again when its text is another ---
+
+
+def test_a_run_of_a_file_counts_what_the_file_says_now(tmp_path):
+    path = tmp_path / "servo.frb"
+    written = shipped("servo.frb").read_text()
+    bits = []
+    for content in (written, written, written.replace("gain G_u  = 4.5", "gain G_u  = 3.5")):
+        path.write_text(content)
+        os.utime(path, ns=(1, 1))  # a clock that stands: the content counts
+        bits.append(simulate(path, "motor").error_matrix.tobytes())
+    assert bits[0] == bits[1] != bits[2]

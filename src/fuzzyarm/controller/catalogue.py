@@ -40,7 +40,7 @@ from fuzzyarm.controller.text import (
     with_files,
 )
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language.reading import parse, read_text
+from fuzzyarm.language.reading import parse, parse_once, read_text
 from fuzzyarm.model.controller import ControllerModel, Learn, SignalLine
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.shipped_files import shipped, shipped_names
@@ -350,7 +350,7 @@ class TextEntry:
         return tuple(roles(self._model()))
 
     def _model(self) -> ControllerModel:
-        model = parse(read_text(self.file())).controller
+        model = parse_once(read_text(self.file())).controller
         assert model is not None
         return model
 
@@ -377,7 +377,7 @@ def text_controller(
     """Make the controller in a file, for the arm; `source` is its text, where it is another."""
     demand_text_file(path)
     source = read_text(path) if source is None else source
-    parsed = parse(source, os.fspath(path))
+    parsed = parse_once(source, os.fspath(path))
     instead: dict[str, tuple[Sheet, ...]] = {}
     if parsed.controller is not None:
         known_roles = roles(parsed.controller)

@@ -23,6 +23,7 @@ from fuzzyarm.inference import kernel as inference_kernel
 from fuzzyarm.inference.block import COLUMNS, RESULTS, NotCoveredError, make_block
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.kernels import address_of
 from fuzzyarm.model.controller import (
     Axes,
@@ -744,7 +745,21 @@ class KernelRuleBlock(NamedTuple):
 
 
 def rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
-    """Write down a rule base for :func:`inference_address`."""
+    """Write down a rule base for :func:`inference_address`; its numbers are not written into."""
+    return _compiled_block(rulebase) if compiled else _interpreted_block(rulebase)
+
+
+@remembered
+def _compiled_block(rulebase: RuleBase) -> KernelRuleBlock:
+    return _rule_block(rulebase, compiled=True)
+
+
+@remembered
+def _interpreted_block(rulebase: RuleBase) -> KernelRuleBlock:
+    return _rule_block(rulebase, compiled=False)
+
+
+def _rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
     try:
         layout = lay_out(plan(rulebase), compiled=compiled, alone=True)
     except NotCoveredError as error:

@@ -27,7 +27,7 @@ from fuzzyarm.controller.program import (
 )
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import has_machine_code, routine
-from fuzzyarm.language.reading import load_rulebase, parse, read_text
+from fuzzyarm.language.reading import load_rulebase, parse_once, read_text
 from fuzzyarm.model.controller import (
     Amount,
     Axes,
@@ -156,7 +156,7 @@ def read_controller(
     name = os.fspath(path)
     demand_text_file(name)
     source = read_text(path) if source is None else source
-    parsed = parse(source, name)
+    parsed = parse_once(source, name)
     if parsed.controller is None:
         raise without_controller(parsed, name)
     model = change(parsed.controller) if change is not None else parsed.controller

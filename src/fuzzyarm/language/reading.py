@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from fuzzyarm.expression.records import failures
+from fuzzyarm.expression.records import emptied_with_kinds, failures
 from fuzzyarm.language.document import (
     Document,
     ParseMemory,
@@ -133,6 +134,29 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     return Parsed(document, partial, tuple(_limited(diagnostics, path)), whole)
 
 
+KEPT = 16
+"""Texts whose meaning is kept."""
+
+LONG = 200_000
+"""Characters from which on a text is not kept."""
+
+
+def parse_once(text: str, path: str = "<text>") -> Parsed:
+    """Return what :func:`parse` does; a text that was read lately is not read anew.
+
+    So its rule bases stay the same objects, and what was made of them is found again.
+    """
+    return parse(text, path) if len(text) > LONG else _parsed(text, path)
+
+
+@lru_cache(maxsize=KEPT)
+def _parsed(text: str, path: str) -> Parsed:
+    return parse(text, path)
+
+
+emptied_with_kinds(_parsed.cache_clear)
+
+
 def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
     """Say of an unknown kind that a package which may have it cannot be loaded."""
     unknown = diagnostic.name in ("unknown-shape", "unknown-choice", "unknown-hedge")
@@ -217,7 +241,7 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     RuleBaseError
         If it has mistakes; `diagnostics` has all of them.
     """
-    parsed = parse(read_text(path), os.fspath(path))
+    parsed = parse_once(read_text(path), os.fspath(path))
     if parsed.rulebase is None:
         raise RuleBaseError(without_rulebase(parsed, os.fspath(path)))
     return parsed.rulebase

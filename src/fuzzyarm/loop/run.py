@@ -503,11 +503,11 @@ class ClosedLoop:
         if self.compiled:  # so that a run begins at once
             loop_of_laws(self.program, self.course)
             self.program.parts()
-        self.taps = [
-            *error_taps(self.course),
-            *map(self.course.output_cell, self.site.interface.outputs),
-            *map(self.course.drive_cell, self.site.interface.inputs),
-        ]
+        errors = error_taps(self.course)
+        outputs = map(self.course.output_cell, self.site.interface.outputs)
+        drives = [*map(self.course.drive_cell, self.site.interface.inputs)]
+        self.taps = [*errors, *outputs, *drives]
+        self._measured_taps = [*errors, *drives]
 
     def program_with(self, gains: Mapping[str, Sequence[float]]) -> LoopProgram:
         """Return the program of the same controller with other gains."""
@@ -591,8 +591,8 @@ class ClosedLoop:
     ) -> tuple[dict[str, Metrics], float | None]:
         """Run once, and return metrics and when it diverged: for many runs, in less time."""
         program, course = program or self.program, course or self.course
-        room = _room(len(self.taps) * len(course.motion.time))
-        record = RunRecord(course, program.memory, self.taps, seed, room=room)
+        room = _room(len(self._measured_taps) * len(course.motion.time))
+        record = RunRecord(course, program.memory, self._measured_taps, seed, room=room)
         open_run = OpenRun(self.site, program, course, record)
         open_run.advance()
         taps = np.ascontiguousarray(record.rows.T)
@@ -600,7 +600,7 @@ class ClosedLoop:
         return metrics, None if course.plant.ended else record.diverged()
 
     def _metric_sources(self, run: OpenRun, taps: Vector) -> MetricSources:
-        """Return what metrics are made of, of a row for each tap."""
+        """Return what metrics are made of, of a row for each tap: errors first, drives last."""
         record, course = run.record, run.course
         followed, label = course.motion, self.site.interface.label
         count, inputs = len(followed.tracked), self.site.interface.inputs
