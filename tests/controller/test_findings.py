@@ -1,6 +1,7 @@
 """What check finds between a controller, its files and its plant, and where it is silent."""
 
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -299,6 +300,25 @@ def test_a_plant_of_which_nothing_fits_is_another_one():
     assert names(text_of(*lines, axis="tanks")) == []
     on = PlantOf(find_plant("tanks"))
     assert names(text_of(*lines, axis="tanks"), on) == ["unknown-port", "unknown-port"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\n".join(
+            f"axis a{i}\n  e{i} = error of position\n  drive u{i} = e{i} * 2" for i in range(4000)
+        ),
+        "axis room\n"
+        + "\n".join(f"  e{i} = error of p{i}\n  drive u{i} = e{i} * 2" for i in range(1000)),
+    ],
+    ids=["axes", "ports"],
+)
+def test_axes_and_ports_take_a_time_in_proportion(text):
+    begin = time.process_time()
+    assert names(f"controller c\nperiod 1 ms\n{text}\n") == []
+    # Of a walk over all axes, or a search of near names, for each port: 15 to 20 s.
+    assert time.process_time() - begin < 6
 
 
 def test_check_on_a_plant_by_the_command(tmp_path, capsys):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
+import c_programs
 import pytest
 from module_programs import failing_in_javascript, failing_in_rust
 from own_tests import failing_in_c, failing_in_python, failing_in_scl
@@ -56,3 +58,14 @@ def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
         assert failing_in_rust(written, tmp_path) == []
     else:
         assert failing_in_scl(written) == []
+
+
+@pytest.mark.parametrize("option", ["-ffast-math", "-ffinite-math-only"])
+@pytest.mark.parametrize("source", ["examples/controllers/pd-heater.frb", "rulebases/pd7.frb"])
+def test_c_is_refused_by_a_compiler_for_which_nothing_is_nan(tmp_path, capfd, source, option):
+    c_programs.need(c_programs.HOST)
+    assert main(["compile", str(ROOT / source), "-o", str(tmp_path / "it.c")]) == 0
+    command = [c_programs.HOST, "-std=c99", "-c", "it.c", "-o", "it.o"]
+    assert subprocess.run(command, cwd=tmp_path, check=False).returncode == 0
+    assert subprocess.run([*command, option], cwd=tmp_path, check=False).returncode != 0
+    assert "this code compares with NaN" in capfd.readouterr().err

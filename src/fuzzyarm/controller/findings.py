@@ -59,7 +59,7 @@ def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = Non
     ports = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
     for shipped_site in shipped_sites():
         site = replace(shipped_site, connect=connect) if connect else shipped_site
-        present = [_has(site, model, *use) for use in ports]
+        present = [site.has(model, *use) for use in ports]
         if any(present) and (axes <= set(site.interface.axes) or (connect and all(present))):
             return site
     return None
@@ -94,14 +94,6 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
             hint=f"--plant FILE.py names one of yours; there are {', '.join(PLANTS)}",
         )
     return site
-
-
-def _has(site: Site, model: ControllerModel, kind: str, address: Address) -> bool:
-    try:
-        site.find(model, kind, address)
-    except SourceError:
-        return False
-    return True
 
 
 # --- All findings ---
@@ -298,7 +290,7 @@ def _unlike_option(meeting: Meeting, gain: GainModel) -> Diagnostic:
 
 def _port(model: ControllerModel, site: Site | None, address: Address) -> Port | None:
     """Return the input of the plant that a controller drives by this name."""
-    if site is None or not _has(site, model, "drive", address):
+    if site is None or not site.has(model, "drive", address):
         return None
     return site.interface.inputs[site.find(model, "drive", address)]
 
@@ -342,7 +334,7 @@ def _missing_ports(
 def _axes_on(site: Site, model: ControllerModel) -> set[str]:
     """Return the axes that a controller may have on a plant."""
     axes = site.interface.axes
-    one = len(axes) == len(model.axis_names) == 1
+    one = len(axes) == 1 and model.has_one_axis
     return {*axes, *(model.axis_names if one else ())}
 
 

@@ -132,17 +132,11 @@ class Site:
         One axis on both sides is the same one, whatever it is called; an axis may be joined as
         a whole, to run on one of several.
         """
-        axis, port = address
-        joined = self.connect.get(axis, axis)
-        axis = joined if joined in self.interface.axes else axis
-        named = self.connect.get(".".join(address), self.connect.get(port, port))
-        if "." in named:
-            axis, _, named = named.rpartition(".")
-        elif len(self.interface.axes) == 1 == len(model.axis_names):
-            axis = self.interface.axes[0]
         ports = self._ports(kind)
-        if (axis, named) in ports:
-            return axis, named
+        axis, named = found = self._joined(model, address)
+        if found in ports:
+            return found
+        port = address[1]
         if axis not in self.interface.axes:
             hint = f"it has {', '.join(self.interface.axes)}"
             raise SourceError(f"the {self.name} has no axis '{axis}'", hint=hint)
@@ -156,6 +150,22 @@ class Site:
         if likely != port:
             hint += f"; --connect {port}={likely} joins them"
         raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
+
+    def has(self, model: ControllerModel, kind: str, address: Address) -> bool:
+        """Return whether the plant has the axis and port of a controller."""
+        return self._joined(model, address) in self._ports(kind)
+
+    def _joined(self, model: ControllerModel, address: Address) -> Address:
+        """Return axis and port that a controller means, whether the plant has them or not."""
+        axis, port = address
+        joined = self.connect.get(axis, axis)
+        axis = joined if joined in self.interface.axes else axis
+        named = self.connect.get(".".join(address), self.connect.get(port, port))
+        if "." in named:
+            axis, _, named = named.rpartition(".")
+        elif len(self.interface.axes) == 1 and model.has_one_axis:
+            axis = self.interface.axes[0]
+        return axis, named
 
     def _ports(self, kind: str) -> Mapping[Address, object]:
         interface = self.interface

@@ -511,7 +511,7 @@ class ControllerRun:
         self._step: Callable[..., None] = routine(step, "if", binding, compiled=compiled)
         code = np.array(self.program.code, np.int64)
         self._code = code if compiled else view(code)
-        one = len(model.axis_names) == 1
+        one = model.has_one_axis
         self._names = [
             {port if one else f"{axis}.{port}": cell for (axis, port), cell in cells.items()}
             for cells in (self._wiring.references, self._wiring.measured, self._wiring.drives)

@@ -44,7 +44,7 @@ def c_header(routines: Sequence[Routine], prefix: str, file: str) -> tuple[str, 
     test = f"-x c {file} -o self_test"
     head = _head(writer, routines, prototypes, f'#include "{file}"', test)
     inside = [*_includes(routines), code, *_self_test(writer, routines, prototypes)]
-    return "\n".join([*head, *guarded(writer, inside)]), prototypes
+    return "\n".join([*head, *guarded(writer, inside, whole=_all_whole(routines))]), prototypes
 
 
 def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, str, list[Prototype]]:
@@ -56,7 +56,8 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
         writer, routines, prototypes, f"{include}, link {stem}.c", f"{stem}.c -o self_test"
     )
     declarations = for_cxx(f"{prototype};" for prototype in prototypes)
-    header = [*head, *guarded(writer, [*_includes(routines), *declarations])]
+    inside = [*_includes(routines), *declarations]
+    header = [*head, *guarded(writer, inside, whole=_all_whole(routines))]
     source = [*head, include, "", code, *_self_test(writer, routines, prototypes)]
     return "\n".join(header), "\n".join(source), prototypes
 
@@ -118,7 +119,8 @@ def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> CLibrary:
     head = head_lines(routines, prototypes, writer, f'#include "{stem}.h"', test)
     prototypes_of_c = [f"{prototype};" for prototype in prototypes]
     declarations = for_cxx([*prototypes_of_c, f"int {name}(void); /* returns 0 if all is well */"])
-    header = "\n".join([*head, *guarded(writer, [*_includes(routines), *declarations])])
+    inside = [*_includes(routines), *declarations]
+    header = "\n".join([*head, *guarded(writer, inside, whole=_all_whole(routines))])
     source = library_file(writer, head, stem, [code], flash=bool(writer.constants))
     body = test_function(
         f"int {name}(void)", _test_lines(routines, prototypes, writer.in_flash), "functions"
@@ -151,14 +153,30 @@ def for_cxx(declarations: Iterable[str]) -> list[str]:
     ]
 
 
-def guarded(writer: CWriter, lines: Sequence[str]) -> list[str]:
+def guarded(writer: CWriter, lines: Sequence[str], *, whole: bool = False) -> list[str]:
     """Return the lines of a header so that it may be included twice.
+
+    Unless all its numbers are whole, a compiler for which nothing is NaN refuses it.
 
     The guard is of the content: of two headers under one name neither hides the other.
     """
     digest = hashlib.sha256("\n".join(lines).encode()).hexdigest()[:8].upper()
     guard = writer.names.new(f"{writer.prefix.upper()}_{digest}_H")
-    return [f"#ifndef {guard}", f"#define {guard}", "", *lines, "#endif", ""]
+    needs = () if whole else _NAN_NEEDED
+    return [f"#ifndef {guard}", f"#define {guard}", "", *needs, *lines, "#endif", ""]
+
+
+# gcc and clang set the first with -ffast-math, the second with -ffinite-math-only as well.
+_NAN_NEEDED = (
+    "#ifdef __FAST_MATH__",
+    '#error "compile without -ffast-math: this code compares with NaN"',
+    "#elif defined(__FINITE_MATH_ONLY__)",
+    "#if __FINITE_MATH_ONLY__",
+    '#error "compile without -ffinite-math-only: this code compares with NaN"',
+    "#endif",
+    "#endif",
+    "",
+)
 
 
 def _head(
@@ -183,6 +201,10 @@ def _prototype(writer: CWriter, routine: Routine) -> Prototype:
 def _includes(routines: Sequence[Routine]) -> list[str]:
     includes = {f"#include <{name}>" for routine in routines for name in routine_headers(routine)}
     return [*sorted(includes), ""] if includes else []
+
+
+def _all_whole(routines: Sequence[Routine]) -> bool:
+    return all(map(_whole, routines))
 
 
 def routine_headers(routine: Routine) -> list[str]:

@@ -92,7 +92,7 @@ class _Lowering:
         """Return the program."""
         precision = self.steps.precision
         self.outer, self.wide = precision.outside, precision.wide
-        self.several = len(self.steps.model.axis_names) > 1
+        self.several = not self.steps.model.has_one_axis
         self._declare()
         body = list(self._statements())
         drives = [symbol(drive.symbol) for drive in self.steps.of_sort("drive")]

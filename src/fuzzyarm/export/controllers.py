@@ -262,7 +262,7 @@ class ControllerProgram:
 
 def port_name(steps: Steps, port: StepVariable) -> str:
     """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
-    return port.name if len(steps.model.axis_names) == 1 else f"{port.axis}.{port.name}"
+    return port.name if steps.model.has_one_axis else f"{port.axis}.{port.name}"
 
 
 def _by_port(steps: Steps, values: dict[str, float]) -> dict[str, dict[str, float]]:

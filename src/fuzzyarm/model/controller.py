@@ -483,3 +483,8 @@ class ControllerModel(OfKind):
     def axis_names(self) -> tuple[str, ...]:
         """The axes, in order."""
         return tuple(name for axes in self.axes for name in axes.names)
+
+    @property
+    def has_one_axis(self) -> bool:
+        """Whether there is one axis only, whose ports need no prefix."""
+        return len(self.axes) == len(self.axes[0].names) == 1
