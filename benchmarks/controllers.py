@@ -25,8 +25,8 @@ from fuzzyarm.controller.kernel import step
 from fuzzyarm.export.controller_c import TestSequence, controller_c
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.cost import step_cost
-from fuzzyarm.export.replica import trial
 from fuzzyarm.export.steps import steps_of
+from fuzzyarm.export.trial import trial
 from fuzzyarm.kernels import kernel, routine
 from fuzzyarm.plant.setting import stored_double
 from fuzzyarm.shipped_files import shipped, shipped_names

@@ -194,8 +194,8 @@ def run_in_c(programs, folder, *flags):
 
 
 def scattered(steps, periods=300):
-    """Return rows of errors of every size; see `fuzzyarm.export.replica.trial`."""
-    from fuzzyarm.export.replica import trial
+    """Return rows of errors of every size; see `fuzzyarm.export.trial.trial`."""
+    from fuzzyarm.export.trial import trial
 
     rows = [[given[p.symbol] for p in ports(steps)] for given in trial(steps, periods)]
     return np.array(rows)

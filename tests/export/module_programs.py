@@ -9,7 +9,8 @@ from pathlib import Path
 from needs import need
 
 from fuzzyarm.export import routines_of
-from fuzzyarm.export.modules import MODULES, routines_module
+from fuzzyarm.export.module_files import routines_module
+from fuzzyarm.export.modules import MODULES
 from fuzzyarm.model.rulebase import RuleBase
 
 

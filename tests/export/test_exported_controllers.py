@@ -26,9 +26,16 @@ from hypothesis import strategies as st
 from st_programs import Program
 
 from fuzzyarm.cli import main
-from fuzzyarm.export import ControllerProgram, ExportError, export_controller, with_tables
+from fuzzyarm.export import (
+    ControllerProgram,
+    ExportError,
+    export_controller,
+    module_files,
+    with_tables,
+)
+from fuzzyarm.export.controller_lowering import controller_program
+from fuzzyarm.export.evaluation import EvaluatedController
 from fuzzyarm.export.names import identifier
-from fuzzyarm.export.replica import Replica, trial
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import compile_table
@@ -63,11 +70,8 @@ def test_every_kind_of_line_drives_the_same_bits_in_c(tmp_path):
         rows = scattered(steps)
         programs[precision] = (steps, rows)
         if precision == "float32":
-            replica = Replica(steps)
-            expected[precision] = [
-                [float(drive) for drive in replica.step(ports_given).values()]
-                for ports_given in trial(steps, len(rows))
-            ]
+            evaluated = EvaluatedController(controller_program(steps))
+            expected[precision] = [list(evaluated.step(*row)) for row in np.array(rows).tolist()]
             truth = model_drives(text, steps, rows)
             assert np.abs(np.array(expected[precision]) - truth).max() < 1e-4 * np.abs(truth).max()
         else:
@@ -162,12 +166,8 @@ def test_the_steps_are_the_instructions_of_any_controller(text, single):
     whole = text_of(text)
     steps = steps_of(whole, "mixed" if single else "float64")
     rows = scattered(steps, 12)
-    replica = Replica(steps)
-    names = [port.symbol for port in ports(steps)]
-    found = []
-    for row in rows.tolist():
-        drives = replica.step(dict(zip(names, row, strict=True)))
-        found.append([float(drive) for drive in drives.values()])
+    evaluated = EvaluatedController(controller_program(steps))
+    found = [list(evaluated.step(*row)) for row in rows.tolist()]
     expected = model_drives(whole, steps, rows, single=single)
     outside = np.float32 if single else np.float64
     np.testing.assert_array_equal(found, expected.astype(outside))
@@ -429,3 +429,17 @@ def test_only_a_controller_becomes_a_unit(tmp_path, capsys):
     assert "made from a controller" in capsys.readouterr().err
     assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.lut"), "--table"]) == 2
     assert "--table does not apply" in capsys.readouterr().err
+
+
+def test_the_difference_that_is_reported_is_that_of_the_text(tmp_path, monkeypatch):
+    """A text that drives otherwise than the controller says so, whatever the steps are."""
+    program = ControllerProgram(shipped_text("servo"), "float64")
+    exact = export_controller(program, tmp_path / "made.py")
+    assert exact.program.tried.worst == 0.0
+    whole = module_files.module_of
+    monkeypatch.setattr(
+        module_files, "module_of", lambda *parts: whole(*parts).replace("* self.G_u", "* 4.4")
+    )
+    wrong = export_controller(program, tmp_path / "made.py")
+    assert 0.1 < wrong.program.tried.worst < 10.0
+    assert f"double precision: {wrong.program.tried.worst:.3g}" in wrong.files[0][1]

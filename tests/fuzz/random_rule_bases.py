@@ -33,7 +33,8 @@ from hypothesis import strategies as st  # noqa: E402
 from fuzzyarm import compile_table, compiled, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.export import ExportError, routines_of  # noqa: E402
-from fuzzyarm.export.modules import MODULES, routines_module  # noqa: E402
+from fuzzyarm.export.module_files import routines_module  # noqa: E402
+from fuzzyarm.export.modules import MODULES  # noqa: E402
 from fuzzyarm.export.routine import Accuracy  # noqa: E402
 from fuzzyarm.expression.kinds import DEFUZZIFIERS  # noqa: E402
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402

@@ -1,5 +1,8 @@
 """Controllers as source text for small machines: C99 and IEC 61131-3 Structured Text.
 
+Rule bases, tables and controllers are lowered once to a typed program
+(:mod:`fuzzyarm.export.typed_program`), which every target prints, C still from the parts.
+
 A *routine* is one function of the exported file together with a Python model of the very
 same arithmetic: :class:`~fuzzyarm.export.table_numbers.FloatTable`,
 :class:`~fuzzyarm.export.table_numbers.FixedTable` and

@@ -57,7 +57,7 @@ ENDS, LEFT = "set point ends", "periods left"
 
 
 def controller_program(steps: Steps) -> Program:
-    """Return a controller as a program, without its words and its test."""
+    """Return a controller as a program, without its test."""
     return _Lowering(steps).lowered()
 
 

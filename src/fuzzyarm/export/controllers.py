@@ -13,9 +13,11 @@ import numpy as np
 
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.export.controller_c import TestSequence
-from fuzzyarm.export.replica import Replica, trial
+from fuzzyarm.export.controller_lowering import controller_program
+from fuzzyarm.export.evaluation import EvaluatedController
 from fuzzyarm.export.steps import RoutineOptions, Steps, StepVariable, steps_of
 from fuzzyarm.export.table_numbers import FixedTable
+from fuzzyarm.export.trial import trial
 from fuzzyarm.model.controller import Line, SignalLine, Source
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
@@ -23,11 +25,11 @@ from fuzzyarm.table.compiler import over_inputs
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.version import __version__
 
-PERIODS = 80
+PERIODS = 160
 """Periods of a self-test."""
 
-PERIODS_OF_REPLICA = 24
-"""Periods of a self-test whose results need the slower model."""
+PERIODS_IN_SINGLE = 24
+"""Periods of a self-test in single precision, whose difference to the controller grows."""
 
 Compile = Callable[[RuleBase, str], LookupTable]
 """From a rule base and one of its outputs to a table."""
@@ -115,11 +117,25 @@ class Tried:
         Largest difference of a drive to the controller in double precision.
     largest : float
         Largest drive.
+    truths : sequence of sequence of float
+        Drives of the controller in double precision.
     """
 
     vectors: TestSequence
     worst: float
     largest: float
+    truths: Sequence[Sequence[float]]
+
+
+def worst_of(found: Sequence[Sequence[float]], truths: Sequence[Sequence[float]]) -> float:
+    """Return the largest difference between drives; infinite where only one is not a number."""
+    worst = 0.0
+    for row, truth in zip(found, truths, strict=True):
+        for x, y in zip(row, truth, strict=True):
+            if math.isnan(x) != math.isnan(y):
+                return math.inf
+            worst = max(worst, 0.0 if math.isnan(x) or x == y else abs(x - y))
+    return worst
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,51 +169,41 @@ class ControllerProgram:
 
     @cached_property
     def tried(self) -> Tried:
-        """The sequence of the self-test, by the model of the same arithmetic.
+        """The sequence of the self-test, and how far the program that is printed is off.
 
-        In double precision, and where only signals are stored in single precision, that is the
-        controller itself; else the replica.
+        What must come out is what the controller drives, in its precision; in single precision
+        throughout and with tables in whole numbers it is what the program drives.
         """
-        steps = self.steps
+        steps, outside = self.steps, self.steps.precision.outside
+        evaluated = EvaluatedController(controller_program(steps))
         exact = self.precision != "float32" and self.q is None
-        replica = None if exact else Replica(steps)
-        reference_run = (
-            self.text.run(single=self.precision == "mixed", compiled=False) if exact else None
-        )
-        # With signals in single precision the difference is that to double precision.
-        plain = (
-            reference_run
-            if self.precision == "float64" and reference_run
-            else self.text.run(compiled=False)
-        )
-        drives, outside = steps.of_sort("drive"), steps.precision.outside
-        given_rows, expected_rows, worst = [], [], 0.0
-        periods = PERIODS if exact else PERIODS_OF_REPLICA
-        for period_inputs in trial(steps, periods):
-            ports = _by_port(steps, period_inputs)
+        plain = self.text.run(compiled=False)
+        single = self.text.run(single=True, compiled=False) if self.precision == "mixed" else plain
+        names = [port_name(steps, drive) for drive in steps.of_sort("drive")]
+        inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+        periods = PERIODS if exact else PERIODS_IN_SINGLE
+        given, expected, truths, found = [], [], [], []
+        for period in trial(steps, periods, controller=evaluated):
+            ports = _by_port(steps, period)
+            row = [period[variable.symbol] for variable in inputs]
             truth = plain.step(ports["measured"], ports["reference"])
-            if replica is not None:
-                values = replica.step(period_inputs)
-                row = [float(values[drive.symbol]) for drive in drives]
-            else:
-                assert reference_run is not None
-                expected_drives = (
-                    truth if reference_run is plain else reference_run.step(*ports.values())
-                )
-                row = [float(outside(expected_drives[port_name(steps, drive)])) for drive in drives]
-            inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-            given_rows.append([period_inputs[variable.symbol] for variable in inputs])
-            expected_rows.append(row)
-            differences = (
-                abs(x - truth[port_name(steps, drive)])
-                for x, drive in zip(row, drives, strict=True)
-            )
-            worst = max([worst, *(d for d in differences if not math.isnan(d))])
-        largest = max(
-            (abs(x) for row in expected_rows for x in row if not math.isnan(x)), default=0.0
-        )
+            own = truth if single is plain else single.step(ports["measured"], ports["reference"])
+            given.append(row)
+            found.append(list(evaluated.step(*row)))
+            truths.append([truth[name] for name in names])
+            expected.append([float(outside(own[name])) for name in names] if exact else found[-1])
+        drives = [abs(x) for row in expected for x in row if not math.isnan(x)]
+        largest = max(drives, default=0.0)
         tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
-        return Tried(TestSequence(given_rows, expected_rows, tolerance), worst, largest)
+        vectors = TestSequence(given, expected, tolerance)
+        return Tried(vectors, worst_of(found, truths), largest, truths)
+
+    def measured(self, found: Sequence[Sequence[float]]) -> ControllerProgram:
+        """Return the same with the difference of the drives that an exported text gives."""
+        program = replace(self)
+        worst = worst_of(found, self.tried.truths)
+        vars(program).update(vars(self) | {"tried": replace(self.tried, worst=worst)})
+        return program
 
     def _loose(self) -> float:
         """Return how many last places of the largest drive a self-test forgives."""

@@ -6,29 +6,21 @@ controller, the self-test, and what a language expects of a module.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
-from fuzzyarm.export.controller_lowering import controller_program
-from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.languages import JAVASCRIPT, LETTERS, PYTHON, RUST
-from fuzzyarm.export.lowering import routines_program
 from fuzzyarm.export.printer import FunctionPrinter, Printer, Target
-from fuzzyarm.export.routine import Routine, plain, routine_words
-from fuzzyarm.export.typed_program import TRUTH, Member, SelfTest
+from fuzzyarm.export.routine import plain
+from fuzzyarm.export.typed_program import TRUTH, Member
 from fuzzyarm.text.jsonable import script_json
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.version import __version__
 
-__all__ = ["MODULES", "Module", "controller_module", "module_of", "routines_module"]
+__all__ = ["MODULES", "Module", "module_of"]
 
-
-SINGLE_PERIODS = 1e-2
-"""What a port with floats of 32 bits may be off by in the self-test, of the largest drive."""
 
 Members = Sequence[tuple[str, Member]]
 """The variables of the state, each with its text."""
@@ -61,65 +53,8 @@ class Module(NamedTuple):
     create: str
 
 
-def routines_module(
-    routines: Sequence[Routine], module: Module, name: str
-) -> tuple[str, tuple[str, ...]]:
-    """Return a module with a function for every routine, and how they are called."""
-    program = routines_program(routines)
-    printer = Printer(program, module.target)
-    public = [key for key, function in program.functions.items() if function.public]
-    calls = tuple(printer.call(key) for key in public)
-    program.words = [
-        f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
-        "",
-        *(line for routine, call in zip(routines, calls, strict=True)
-          for line in (call, *(f"  {word}" for word in routine_words(routine)), "")),
-        module.test.format(name),
-    ]  # fmt: skip
-    return module_of(printer, module), calls
-
-
-def controller_module(
-    program: ControllerProgram, module: Module, name: str
-) -> tuple[str, tuple[str, ...]]:
-    """Return a module with a class, and how it is made and called."""
-    lowered, vectors = controller_program(program.steps), program.tried.vectors
-    assert lowered.step is not None
-    rows = [(*given, *drives)
-            for given, drives in zip(vectors.inputs, vectors.expected, strict=True)]  # fmt: skip
-    loose = SINGLE_PERIODS * max(program.tried.largest, 1e-30)
-    late = program.steps.needs_last
-    test = SelfTest("", np.float64, rows, len(vectors.inputs[0]), vectors.tolerance, loose, late)
-    lowered.tests.append(test)
-    printer = Printer(lowered, module.target)
-    step = FunctionPrinter(printer, lowered.step)
-    call = f"step({', '.join(step.parameter_texts())})"
-    drives = [variable.stem for variable in lowered.drives.values()]
-    lowered.words = [
-        *program.head(), "",
-        f"use: {module.create.removesuffix(';')}, then controller.{call}"
-        f" every {number_text(program.text.model.period)} s",
-        f"step returns {drives[0] if len(drives) == 1 else ', '.join(drives)}",
-        "gains are members of the controller, to be set at any time",
-        *_use_words(program, printer), module.test.format(name),
-    ]  # fmt: skip
-    return module_of(printer, module), (module.create.partition("= ")[2].removesuffix(";"), call)
-
-
-def _use_words(program: ControllerProgram, printer: Printer) -> Iterator[str]:
-    steps = program.steps
-    if steps.needs_last:
-        yield (
-            f"a set point lasts {steps.model.every} periods; where the next one comes off that"
-            " count, set_point_ends is true in the last period of the present one"
-        )
-    if steps.learned:
-        names = ", ".join(printer.members[key].partition(".")[2] for key in steps.learned)
-        yield f"tables that learn are arrays: {names}, each with its visits"
-
-
 def module_of(printer: Printer, module: Module) -> str:
-    """Return the text of a module."""
+    """Return the text of a module without its head."""
     program, parts = printer.program, list(printer.functions)
     if program.step is not None:
         parts.append("\n".join(_class(printer, module)))
@@ -129,8 +64,7 @@ def module_of(printer: Printer, module: Module) -> str:
     for each in program.tests:
         stem = f"test of {printer.called[each.function]}" if each.function else "test"
         test += printer.test_lines(each, stem)
-    head = [f"{module.comment} {plain(line)}".rstrip() for line in program.words]
-    return "\n".join([*head, *module.frame(printer, parts, test)])
+    return "\n".join(module.frame(printer, parts, test))
 
 
 def _class(printer: Printer, module: Module) -> list[str]:

@@ -1,8 +1,7 @@
 """A controller as steps with named variables: a control period over lines of a program.
 
-What is more than arithmetic (asking a rule base, looking up, learning) is its own step. C and
-Structured Text print the steps; run in Python (:mod:`fuzzyarm.export.replica`) they are the model
-of the exported program, to the bit and in its precision.
+What is more than arithmetic (asking a rule base, looking up, learning) is its own step.
+:mod:`fuzzyarm.export.controller_lowering` makes a program of the steps.
 """
 
 from __future__ import annotations

@@ -315,8 +315,6 @@ class Program:
 
     Attributes
     ----------
-    words : list of str
-        The comment at the head.
     arrays, functions, state : dict
         By key, in the order of their definition: what calls stands after what is called.
     step : Function or None
@@ -329,7 +327,6 @@ class Program:
         Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
     """
 
-    words: list[str] = field(default_factory=list)
     arrays: dict[str, Array] = field(default_factory=dict)
     functions: dict[str, Function] = field(default_factory=dict)
     state: dict[str, Member] = field(default_factory=dict)

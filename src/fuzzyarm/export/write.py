@@ -12,7 +12,8 @@ from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
-from fuzzyarm.export.modules import MODULES, controller_module, routines_module
+from fuzzyarm.export.module_files import controller_module, routines_module
+from fuzzyarm.export.modules import MODULES
 from fuzzyarm.export.names import C_RESERVED, DEVICES, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.plc_project import Project, controller_project, routines_project
@@ -306,7 +307,7 @@ def export_controller(
         content = _project_text(project, suffix, xml)
         return ExportedController(program=program, files=((path, content),), calls=project.blocks)
     if suffix in MODULES:
-        text, calls = controller_module(program, MODULES[suffix], path.stem)
+        text, calls, program = controller_module(program, MODULES[suffix], path.stem)
         return ExportedController(program=program, files=((path, text),), calls=calls)
     if suffix == ".fmu":
         targets = platforms_named(platforms, fmi) if platforms is not None else ()
