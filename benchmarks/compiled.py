@@ -35,7 +35,7 @@ from compiled_pictures import draw
 from ratios import Ratio, in_turns, number, quarters, ratio
 
 from fuzzyarm import compiled, infer
-from fuzzyarm.inference import engine
+from fuzzyarm.inference import sweeps
 from fuzzyarm.inference.sets import polyline
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.files import write_atomically
@@ -284,7 +284,7 @@ print(time.process_time() - start)
 def profile() -> list[tuple[str, float]]:
     """Return where the time of 1,000,000 random points goes, in ns a point."""
     spent = {"whole call": [], "kernel": []}  # type: dict[str, list[float]]
-    real, inside = engine.on_block, [0.0]
+    real, inside = sweeps.on_block, [0.0]
 
     def watched(*given: Any, **named: Any) -> Callable[[], None]:
         call = real(*given, **named)
@@ -296,8 +296,8 @@ def profile() -> list[tuple[str, float]]:
 
         return timed
 
-    engine.on_block = watched
-    engine.MANY, many = 1 << 62, engine.MANY
+    sweeps.on_block = watched
+    sweeps.MANY, many = 1 << 62, sweeps.MANY
     fast = compiled(workload.even())
     e, ce = np.random.default_rng(1).uniform(workload.LOW, workload.HIGH, (2, POINTS))
     fast(e=e, ce=ce)
@@ -307,7 +307,7 @@ def profile() -> list[tuple[str, float]]:
         fast(e=e, ce=ce)
         spent["whole call"].append((time.process_time() - start) / POINTS)
         spent["kernel"].append(inside[0] / POINTS)
-    engine.on_block, engine.MANY = real, many
+    sweeps.on_block, sweeps.MANY = real, many
     whole, core = (statistics.median(spent[name]) for name in ("whole call", "kernel"))
     return [
         ("kernel: finding cells, sorting, firing, integrating", 1e9 * core),

@@ -29,7 +29,7 @@ import workload
 
 from fuzzyarm import compiled, infer
 from fuzzyarm.controller import CATALOGUE, controller
-from fuzzyarm.inference import engine
+from fuzzyarm.inference import sweeps
 from fuzzyarm.loop import simulate_many
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant import reach_return
@@ -155,15 +155,15 @@ def scaling() -> Iterator[Goal]:
     """Measure what all processors are worth, over arrays and in batches of closed loops."""
     processors = os.cpu_count() or 1
     goal = {1: 0.9, 2: 1.7}.get(processors, 0.6 * processors)
-    fast, many = compiled(workload.even()), engine.MANY
+    fast, many = compiled(workload.even()), sweeps.MANY
     for count in (100_000, 1_000_000):
         points = points_of(fast.rulebase, count)
         times = {many: math.inf, 1 << 62: math.inf}
         for _ in range(20_000_000 // count):  # in turns
             for threshold, found in times.items():
-                engine.MANY = threshold
+                sweeps.MANY = threshold
                 times[threshold] = min(found, best(lambda p=points: fast(p), 1, time.perf_counter))  # type: ignore[misc]
-        engine.MANY = many
+        sweeps.MANY = many
         ratio = times[1 << 62] / times[many]
         yield Goal(
             f"{count:,} points, {processors} processors / one", ratio, "times", goal, least=True

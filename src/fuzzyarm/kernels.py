@@ -74,6 +74,20 @@ def is_kernel(function: object) -> bool:
     return hasattr(function, _MARK)
 
 
+def whole_numbers(numbers: Any) -> Any:
+    """Return memory of floats as whole numbers of 64 bits; for kernels, and their blocks."""
+    if isinstance(numbers, memoryview):
+        return numbers.cast("B").cast("q")
+    import numpy as np
+
+    return numbers.view(np.int64)
+
+
+def short(number: float) -> int:
+    """Return a number without its fraction, which is of 32 bits as machine code; for kernels."""
+    return int(number)
+
+
 # --- The machine code ---
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import math
+import sys
 import weakref
 from concurrent.futures import ThreadPoolExecutor
 
@@ -19,10 +20,10 @@ from fuzzyarm.inference import (
     InferenceError,
     NoRuleFiredError,
     compiled,
-    engine,
     infer,
     layout,
     prepare,
+    sweeps,
 )
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.cells import _buckets
@@ -187,7 +188,7 @@ def test_integrals_and_samples_have_the_bits_of_plain_python(data: st.DataObject
         assert found == (wanted if same_way else pytest.approx(wanted, abs=1e-10))
 
 
-def test_infer_goes_over_to_the_kernel_where_integrals_are_many(
+def test_infer_at_a_point_takes_the_kernel_from_the_first_call_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     text = """rulebase round
@@ -202,13 +203,41 @@ rule if a is HI then u is B
 """
     rulebase = parse(text).rulebase
     assert rulebase is not None
-    compiled(rulebase)(a=0.5)
-    first = infer(rulebase, a=0.3)
-    asked = []
-    monkeypatch.setattr(engine, "infer_one", lambda *given: asked.append(given))
-    for _ in range(50):
-        assert infer(rulebase, a=0.3) == first
-    assert asked
+    wanted = prepare(rulebase).evaluate({"a": 0.3})
+    monkeypatch.setattr(sys.modules["fuzzyarm.inference.infer"], "prepare", None)
+    for _ in range(3):
+        assert infer(rulebase, a=0.3) == infer(rulebase, {"a": 0.3}) == wanted
+    assert infer(rulebase, {}, a=np.float64(0.3)) == wanted
+
+
+SUMS = """rulebase sums
+input a 0 .. 1
+input b 0 .. 1
+output u 0 .. 6
+terms a, b: triangles LO HI
+terms u: triangles A B C
+inference and {norm}, no-rule 0, aggregation {union}
+rule if a is LO and b is HI and a is not HI then u is A with 0.5
+rule if (a is HI or b is LO or a is not LO) then u is B with 0.6
+rule if very (a is HI or b is HI or b is not LO) then u is C with 0.7
+rule if (a is LO or b is LO) and (b is LO or a is LO) then u is C with 0.9
+"""
+
+
+@pytest.mark.parametrize("norm", ["min", "product", "einstein"])
+@pytest.mark.parametrize("union", ["max", "bounded", "sum"])
+def test_a_sum_in_parentheses_may_exceed_one(norm: str, union: str) -> None:
+    """A rule of fewer operands than others was filled up with ones, and `min` cut it there."""
+    read = parse(SUMS.format(norm=norm, union=union)).rulebase
+    assert read is not None
+    (block,) = read.blocks  # a text cannot say so: other programs' files can
+    rulebase = dataclasses.replace(read, blocks=(dataclasses.replace(block, disjunction="sum"),))
+    columns = {"a": [0.1, 0.9, 0.8, 0.3], "b": [0.2, 0.1, 0.9, 0.75]}
+    assert assert_equal_engines(rulebase, columns) == "machine code"
+    at_a_point = prepare(rulebase)
+    point = at_a_point.run({"a": 0.9, "b": 0.1})
+    assert max(at_a_point.strength(rule, point) for rule in range(4)) > 1.0
+    assert compiled(rulebase)(a=0.9, b=0.1) == at_a_point.evaluate({"a": 0.9, "b": 0.1})
 
 
 def test_antecedents_of_any_form_are_covered() -> None:
@@ -490,7 +519,7 @@ def test_the_kernel_needs_no_help_where_rules_fire(
     draw = np.random.default_rng(1)
     points = {name: draw.uniform(0.01, 1.0, 40) for name in "abcd"}
     wanted = infer_arrays(rulebase, points)["u"]
-    monkeypatch.setattr(engine, "infer_arrays", None)
+    monkeypatch.setattr(sweeps, "infer_arrays", None)
     np.testing.assert_allclose(fast(points)["u"], wanted, rtol=1e-12)
     for i in range(40):
         found = fast.ordinary({name: float(column[i]) for name, column in points.items()})

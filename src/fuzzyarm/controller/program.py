@@ -20,7 +20,7 @@ from fuzzyarm.controller.updates import update_address
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.sources import SourceKind
 from fuzzyarm.inference import kernel as inference_kernel
-from fuzzyarm.inference.block import COLUMNS, RESULTS, NotCoveredError, make_block
+from fuzzyarm.inference.block import NotCoveredError, make_block
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.prepared import remembered
@@ -767,11 +767,10 @@ def _rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
             f"a controller cannot evaluate '{rulebase.name}' at every step: {error}",
             hint="compile it to a table and look it up in that",
         ) from None
-    numbers = make_block(layout, 1).numbers
-    whole = numbers.view(np.int64)
-    first_input, first_result = int(whole[COLUMNS]), int(whole[RESULTS])
+    block = make_block(layout, 1)
+    numbers = np.asarray(block.numbers)
     address = inference_address(numbers, compiled=compiled)
-    return KernelRuleBlock(numbers, first_input, first_result, address)
+    return KernelRuleBlock(numbers, block.columns, block.results, address)
 
 
 def evaluate_view(block: Any) -> None:

@@ -113,9 +113,11 @@ def row_function(source: str, name: str) -> Callable[..., None]:
     """
     from hashlib import sha256
 
-    import numpy as np
+    space = _namespace() | {"__name__": __name__}
+    if any(f"{word}(" in source for word in _STEPS):
+        import numpy as np
 
-    space = _namespace() | {word: getattr(np, word) for word in _STEPS} | {"__name__": __name__}
+        space |= {word: getattr(np, word) for word in _STEPS}
     file = f"<row {name}>"
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
     exec(compile(source, file, "exec"), space)

@@ -32,13 +32,11 @@ described in its own module.
 
 from __future__ import annotations
 
+from array import array
 from itertools import accumulate
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fuzzyarm.kernels import kernel
+from fuzzyarm.kernels import kernel, whole_numbers
 
 # ── what stands where, by name ───────────────────────────────────────────────────────
 
@@ -173,22 +171,22 @@ class TermNumbers(NamedTuple):
 
 
 class PointBlock(NamedTuple):
-    """The numbers with room for some points.
+    """The numbers with room for some points, in memory that needs no array library.
 
     Attributes
     ----------
-    numbers : ndarray of float64
+    numbers : memoryview of float64
         What the kernel takes.
-    columns, results : ndarray of float64, shapes (inputs, points) and (outputs, points)
-        Parts of it.
-    points : ndarray of int64, shape (1,)
-        How many points there are; a part of it, too.
+    whole : memoryview of int64
+        The same memory as whole numbers.
+    columns, results : int
+        Where inputs and outputs begin: a row for each, of ``whole[WIDTH]`` numbers.
     """
 
-    numbers: NDArray[np.float64]
-    columns: NDArray[np.float64]
-    results: NDArray[np.float64]
-    points: NDArray[np.int64]
+    numbers: memoryview[float]
+    whole: memoryview[int]
+    columns: int
+    results: int
 
 
 GAP = 24
@@ -212,24 +210,22 @@ def make_block(layout: Layout, points: int) -> PointBlock:
         SIZE: layout.programs + 2,
     }
     ends = dict(zip(lengths, accumulate(lengths.values()), strict=True))
-    numbers = np.zeros(ends[SIZE])
-    whole = numbers.view(np.int64)
-    whole[: len(layout.whole)] = layout.whole
+    numbers = memoryview(bytearray(8 * ends[SIZE])).cast("d")
+    whole = whole_numbers(numbers)
+    whole[: len(layout.whole)] = memoryview(array("q", layout.whole))
     whole[POINTS], whole[WIDTH] = points, width
     for name, end in ends.items():
         whole[name] = end
-    numbers[ends[FLOATS] : ends[ROOM]] = layout.floats
+    numbers[ends[FLOATS] : ends[ROOM]] = memoryview(array("d", layout.floats))
     ones = ends[ROOM] + ONES * width
-    numbers[ones : ones + points] = 1.0
-    columns = numbers[ends[COLUMNS] : ends[RESULTS]].reshape(inputs, width)
-    results = numbers[ends[RESULTS] : ends[ORDERED]].reshape(outputs, width)
-    return PointBlock(numbers, columns[:, :points], results[:, :points], whole[POINTS : POINTS + 1])
+    numbers[ones : ones + points] = memoryview(array("d", [1.0] * points))
+    return PointBlock(numbers, whole, ends[COLUMNS], ends[RESULTS])
 
 
 @kernel
 def parts_of(block: Any) -> Any:
     """Return whole numbers, floats and rows of a block, and of its rows TOTAL and MOMENT."""
-    k = block.view(np.int64)
+    k = whole_numbers(block)
     room = block[k[ROOM] : k[COLUMNS]]
     begin = (k[WORK] + TOTAL) * k[WIDTH]
     total = room[begin : begin + k[COUNT]]

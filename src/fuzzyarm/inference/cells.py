@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
-
-import numpy as np
 
 from fuzzyarm.expression.lines import StraightLine, StraightShape
 from fuzzyarm.inference.partition import cut_at_corners
@@ -71,6 +70,15 @@ def cut_into_cells(
     return InputCells((*edges, math.inf), tuple(lines), first, scale, buckets)
 
 
+def _lag(shares: list[float], count: int) -> float:
+    """Return how far edges stand from the left end of their bucket, in widths of the range."""
+    total = 0.0
+    for share in shares:
+        place = share * count
+        total += max(place - math.floor(place + 1e-9), 0.0)
+    return total / count
+
+
 def _reaches(lines: dict[int, StraightLine], degrees: dict[int, float], x: float) -> bool:
     """Tell whether lines have just these degrees at a position."""
     values = {number: degree for number, line in lines.items() if (degree := line.at(x)) != 0.0}
@@ -89,13 +97,9 @@ def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:
     if not math.isfinite(width / (FINENESS * len(inner))) or not width > 0.0:
         return 0.0, 0.0, (0,)
 
-    # How far edges stand from the left end of their bucket, in widths of the range, added up in
-    # their order for each number of buckets; of equals the first counts.
-    counts = np.arange(len(inner) - 1, FINENESS * len(inner))
-    shares = (np.array(inner[:-1]) - first)[:, None] / width * counts
-    late = np.maximum(shares - np.floor(shares + 1e-9), 0.0)
-    lags = np.add.accumulate(late)[-1] / counts
-    count = int(counts[np.argmin(lags)])
+    # Of numbers of buckets that are equally good the smallest counts.
+    shares = [(edge - first) / width for edge in inner[:-1]]
+    count = min(range(len(inner) - 1, FINENESS * len(inner)), key=partial(_lag, shares))
     starts = [0]  # the first bucket holds all that is below, the last all that is above
     for bucket in range(count + 1):
         left = first + (bucket + 1e-9) / count * width

@@ -12,7 +12,7 @@ from fuzzyarm.inference.firing_intervals import Ends, ends
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.point import check_names, holds_arrays, prepare
-from fuzzyarm.inference.prepared import remembered
+from fuzzyarm.inference.prepared import known, prepared, remembered
 from fuzzyarm.model.rulebase import AnyRuleBase, Expectation, Outcome, Output, RuleBase, model_of
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
@@ -95,6 +95,14 @@ def infer(
     >>> infer(pd7, e=[1.3, 0.0, -1.3], ce=0.0)
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
+    if held is None and outputs is None and not positional:  # the thin path
+        earlier = known.get(id(rulebase))
+        if earlier is not None and earlier.rulebase is rulebase:
+            point = named if inputs is None else inputs
+            if point is named or (type(point) is dict and not named):
+                found = earlier.named(point)
+                if found is not None:
+                    return found
     rulebase = model_of(rulebase)
     if positional:
         inputs = (inputs, *positional)  # not by name, which is refused
@@ -116,15 +124,15 @@ def _outputs(
         from fuzzyarm.inference.engine import infer_many
 
         return dict(infer_many(rulebase, inputs, held))
-    prepared = prepare(rulebase)
-    # The kernel leaves alone what is not an ordinary value; plain Python then says what it is.
-    if prepared.is_worth_a_kernel():
-        from fuzzyarm.inference.engine import infer_one
+    from fuzzyarm.inference.engine import kept
 
-        values = infer_one(rulebase, inputs)
-        if values is not None:
-            return dict(values)
-    return dict(prepared.evaluate(inputs, held))
+    if held:
+        check_names(held, [output.name for output in rulebase.outputs], what="output")
+    # The kernel leaves alone what is not an ordinary value; plain Python then says what it is.
+    engine = kept(rulebase)
+    prepared(rulebase).named = engine.named_point
+    values = engine.ordinary(inputs)
+    return dict(prepare(rulebase).evaluate(inputs, held)) if values is None else dict(values)
 
 
 def infer_interval(

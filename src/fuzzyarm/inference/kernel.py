@@ -27,9 +27,6 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fuzzyarm.inference.block import (
     AGGREGATION,
     BUCKETS,
@@ -100,7 +97,7 @@ from fuzzyarm.inference.firing_strengths import (
     unite_rules,
     unite_rules_of_point,
 )
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.kernels import call, kernel, short, whole_numbers
 
 # ── points ───────────────────────────────────────────────────────────────────────────
 
@@ -140,9 +137,9 @@ GRID: dict[str, Callable[..., Any]] = {"form_of": form_of_grid}
 """What :func:`evaluate` is bound to for such a rule base: constants, which the compiler follows."""
 
 
-def is_grid(block: NDArray[np.float64]) -> bool:
+def is_grid(block: Any) -> bool:
     """Whether the rule base in a block has the form of :func:`form_of_grid`."""
-    k = block.view(np.int64)
+    k = whole_numbers(block)
     if tuple(form_of(k))[:3] != tuple(form_of_grid(k))[:3]:
         return False
     output, inputs = k[OUTPUTS_AT], range(HEAD, HEAD + 2 * INPUT_HEAD, INPUT_HEAD)
@@ -161,7 +158,7 @@ def evaluate(block: Any) -> None:
 
     Its rows are one number long: the number of a row is where it stands.
     """
-    k = block.view(np.int64)
+    k = whole_numbers(block)
     f = block[k[FLOATS] :]
     # Read once: the compiler does not know that what is written to a row changes none of them.
     form = form_of(k)
@@ -214,7 +211,7 @@ def sweep(block: Any) -> None:
     block : ndarray of float64
         With inputs in its columns (brought into their ranges here); its results are filled.
     """
-    k = block.view(np.int64)
+    k = whole_numbers(block)
     f = block[k[FLOATS] : k[ROOM]]
     points = k[POINTS]
     width = k[WIDTH]
@@ -305,7 +302,7 @@ def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool
         for point in range(count):
             x[point] = min(max(x[point], low), high)
     for point in range(count):
-        buckets[point] = np.int32(bucket_of(x[point], first, scale, last))
+        buckets[point] = short(bucket_of(x[point], first, scale, last))
     failed = False
     for point in range(count):
         value = x[point]
@@ -377,7 +374,7 @@ def _program_of_point(block: Any, k: Any, f: Any, inputs: int, columns: int) -> 
 @kernel
 def run(block: Any) -> None:
     """Run the program at ``k[PROGRAM]`` for the points from ``k[FIRST]`` on that share it."""
-    k = block.view(np.int64)
+    k = whole_numbers(block)
     f = block[k[FLOATS] : k[ROOM]]
     room = block[k[ROOM] : k[COLUMNS]]
     count = k[COUNT]

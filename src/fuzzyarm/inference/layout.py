@@ -392,6 +392,8 @@ class _Writer:
         rows_of_rule += [rows.get(part, self.zero) for part in rule.parts]
         is_by_itself = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
         neutral = self.one if rule.conjunction or is_by_itself else self.zero
+        if rule.norm == at.MIN and max(rule.parts) < 0:  # a sum in parentheses may exceed 1
+            neutral = rows_of_rule[-1]
         return rows_of_rule + [neutral] * (self.operands - len(rule.parts))
 
 

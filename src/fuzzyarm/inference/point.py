@@ -24,7 +24,7 @@ from fuzzyarm.inference.errors import (
     UnknownNameError,
 )
 from fuzzyarm.inference.partition import cut_at_corners
-from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
+from fuzzyarm.inference.plan import Plan, PlannedRule, plan
 from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
@@ -103,13 +103,6 @@ class Propositions:
 Key = tuple[str, str, tuple[Hedge, ...]]
 
 
-STEPS_BEFORE_KERNEL = 100_000
-"""Samples evaluated in plain Python, at a point each, before the kernel is asked."""
-
-STEPS_OF_AN_INTEGRAL = 4_000
-"""Estimated number of positions that a quadrature evaluates."""
-
-
 class Point:
     """The state of the evaluation of one point.
 
@@ -162,8 +155,6 @@ class PointEngine:
     def __init__(self, rulebase: RuleBase) -> None:
         self.plan: Plan = plan(rulebase)
         self._inputs = rulebase.inputs
-        self._samples = sum(map(_samples_of, self.plan.outputs.values()))
-        self._steps_so_far = 0
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._numbers: dict[Key, int] = {}
         self._consequents = self._rule_members()
@@ -172,15 +163,6 @@ class PointEngine:
         self._input_steps = tuple(
             (v.name, v.low, v.high, v.outside, self._fuzzifiers.get(v.name)) for v in self._inputs
         )
-
-    def is_worth_a_kernel(self) -> bool:
-        """Count an evaluation; return whether sampled outputs have been evaluated often enough.
-
-        One sample costs a step of the interpreter for each set that fired. Where that adds
-        up to more than loading the kernel takes, the kernel does it, with the same bits.
-        """
-        self._steps_so_far += self._samples
-        return self._steps_so_far > STEPS_BEFORE_KERNEL
 
     # ── preparation ──────────────────────────────────────────────────────────────────
 
@@ -451,15 +433,6 @@ class PointEngine:
         """
         values = self.run(inputs, held).values
         return {name: values[name] for name in self.plan.outputs}
-
-
-def _samples_of(plan: OutputPlan) -> int:
-    """Return at how many positions an output is evaluated at a point, where the kernel does it."""
-    if plan.discrete or plan.record.type2:  # whose last bits are others
-        return 0
-    if plan.output.defuzzifier.resolution is not None:
-        return plan.output.defuzzifier.resolution
-    return STEPS_OF_AN_INTEGRAL if plan.integrated else 0
 
 
 def _held_name(name: str) -> str:

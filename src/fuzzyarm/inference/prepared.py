@@ -16,6 +16,11 @@ MOST = 32
 """Rule bases of which everything is remembered."""
 
 
+def _not_yet(_inputs: Any) -> dict[str, float] | None:
+    """Stand for a kernel that was not asked for so far."""
+    return None
+
+
 class Prepared:
     """One rule base, and all that has been made of it.
 
@@ -23,10 +28,17 @@ class Prepared:
     ----------
     rulebase : RuleBase
         The model; holding it keeps its identity unique.
+
+    Attributes
+    ----------
+    named : callable
+        From inputs by name to outputs by name: its kernel at a point; None for what that leaves
+        to others.
     """
 
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
+        self.named: Callable[[Any], dict[str, float] | None] = _not_yet
         self._parts: dict[_Make[Any], Any] = {}
 
     def part(self, make: _Make[_Part]) -> _Part:
@@ -37,21 +49,21 @@ class Prepared:
         return part
 
 
-_prepared: dict[int, Prepared] = {}
+known: dict[int, Prepared] = {}
 """The last few, by the identity of the rule base; the oldest first."""
 
-emptied_with_kinds(_prepared.clear)
+emptied_with_kinds(known.clear)
 
 
 def prepared(rulebase: RuleBase) -> Prepared:
     """Return what has been made of a rule base; the last few are remembered."""
-    earlier = _prepared.get(id(rulebase))
+    earlier = known.get(id(rulebase))
     if earlier is not None and earlier.rulebase is rulebase:
         return earlier
     new = Prepared(rulebase)
-    _prepared[id(rulebase)] = new
-    while len(_prepared) > MOST:
-        _prepared.pop(next(iter(_prepared)), None)
+    known[id(rulebase)] = new
+    while len(known) > MOST:
+        known.pop(next(iter(known)), None)
     return new
 
 

@@ -11,8 +11,6 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple, Protocol, cast
 
-import numpy as np
-
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
 from fuzzyarm.expression.lines import degree_on_corners
@@ -22,7 +20,7 @@ from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.programs import DefuzzifierProgram
 from fuzzyarm.inference.sets import degree_formula
-from fuzzyarm.kernels import address_of, call, kernel
+from fuzzyarm.kernels import address_of, call, kernel, whole_numbers
 from fuzzyarm.model.rulebase import (
     POSITION,
     Hedge,
@@ -163,7 +161,7 @@ def hedged_corners_row(x: Any, numbers: Any, into: Any) -> None:
     corners = numbers[1 : numbers.shape[0]]
     for point in range(into.shape[0]):
         into[point] = degree_on_corners(corners, x[point])
-    call(numbers.view(np.int64)[0], into, numbers[0:0], into)
+    call(whole_numbers(numbers)[0], into, numbers[0:0], into)
 
 
 def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from fuzzyarm.kernels import call, is_kernel
+from fuzzyarm.kernels import call, is_kernel, whole_numbers
 from fuzzyarm.translation.types import (
     Array,
     Nothing,
@@ -501,6 +501,9 @@ class _Function:
             raise NotTranslatedError(node, self.target.name)
         name = node.func.id
         function = self.globals.get(name, _BUILTINS.get(name))
+        if function is whole_numbers:
+            viewed = self.value(node.args[0])
+            return TypedText(self.target.wholes.format(viewed.text), Array.WHOLES, viewed.memory)
         if name == "float" and isinstance(node.args[0], ast.Constant):  # "inf", "nan"
             return self.number(float(node.args[0].value), node)  # type: ignore[arg-type]
         return self.function_called(node, function)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.expression.printing import javascript_number
+from fuzzyarm.kernels import short
 from fuzzyarm.translation.types import Array, Nothing, Scalar, Type, TypedText
 
 __all__ = ["C99", "JAVASCRIPT", "Target"]
@@ -197,6 +198,7 @@ C99 = Target(
             np.float64: ("(double){}", REAL),
             np.float32: ("(double)(float){}", REAL),
             np.int32: ("(int32_t){}", SHORT),
+            short: ("(int32_t){}", SHORT),
             math.isnan: ("isnan({})", TRUTH),
             math.pow: ("pow({})", REAL),
             math.fmod: ("fmod({})", REAL),
@@ -304,6 +306,7 @@ JAVASCRIPT = Target(
         {
             int: ("Math.trunc({})", WHOLE),
             np.int32: ("Math.trunc({})", SHORT),
+            short: ("Math.trunc({})", SHORT),
             float: ("{}", REAL),
             math.isnan: ("Number.isNaN({})", TRUTH),
             math.floor: ("Math.floor({})", REAL),

@@ -1,0 +1,187 @@
+"""Arrays of points through the kernel: copied into its block in chunks that stay in the cache."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
+from fuzzyarm.inference.block import (
+    INPUTS,
+    MISSING,
+    OUTPUTS,
+    POINTS,
+    WIDTH,
+    Layout,
+    PointBlock,
+    make_block,
+)
+from fuzzyarm.inference.kernel import sweep
+from fuzzyarm.kernels import bound_routine, in_threads, processors, sweep_routine
+from fuzzyarm.model.rulebase import RuleBase
+
+CHUNK = 8192
+"""Points that go through the kernel together: their inputs and outputs stay in the cache."""
+
+POINTS_PER_PROGRAM = 32
+"""Wanted in a chunk, as a mean, where there are many programs …"""
+
+LONGEST_CHUNK = 1 << 17
+"""… but no longer than this."""
+
+
+MANY = 100_000
+"""Points from which on all processors are used."""
+
+SHARES = 4
+"""Parts for each of them."""
+
+MOST_COLUMNS = 64
+"""Inputs, and outputs, for which the machine code over arrays has room."""
+
+
+def on_block(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
+    """Return the shortest call of the kernel on a block, which the caller keeps."""
+    numbers = np.asarray(block.numbers)
+    if not compiled:
+        quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+        return partial(quiet(sweep), numbers)
+    return bound_routine(sweep, "f", (numbers,))
+
+
+class _Chunk:
+    """A block with room for a chunk of points, and its kernel."""
+
+    def __init__(self, layout: Layout, points: int, *, compiled: bool) -> None:
+        block = make_block(layout, points)
+        self.run = on_block(block, compiled=compiled)
+        self.whole, width = block.whole, block.whole[WIDTH]
+        self.columns, self.results = (
+            np.asarray(block.numbers[begin : begin + rows * width]).reshape(rows, width)
+            for begin, rows in (
+                (block.columns, layout.whole[INPUTS]), (block.results, layout.whole[OUTPUTS])
+            )
+        )  # fmt: skip
+
+
+class Sweeps:
+    """The kernel over arrays, with the numbers of one rule base."""
+
+    def __init__(self, rulebase: RuleBase, layout: Layout, *, compiled: bool) -> None:
+        self.rulebase = rulebase
+        self._layout = layout
+        self._compiled = compiled
+        length = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
+        self._chunk = max(CHUNK, length)
+        self._free: list[_Chunk] = []
+        self._sweeps: list[Callable[[tuple[Any, ...], int, int], int]] = []
+
+    def many(
+        self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Evaluate arrays of points."""
+        arrays = {
+            variable.name: np.asarray(inputs[variable.name]) for variable in self.rulebase.inputs
+        }
+        if any(array.dtype.kind not in "fiub" for array in arrays.values()):
+            return infer_arrays(self.rulebase, inputs, held)  # which says what is wrong
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        except ValueError:
+            return infer_arrays(self.rulebase, inputs, held)
+        working = working_shape(arrays, shape)
+        size = math.prod(shape)
+        results = np.empty((len(self.rulebase.outputs), *working))
+        workers = processors() if size >= MANY and self._compiled else 1
+        few = max(len(arrays), len(results)) <= MOST_COLUMNS
+        if (
+            self._compiled
+            and few
+            and all(_is_plain(input_array, working) for input_array in arrays.values())
+        ):
+            missing = self._sweep((*arrays.values(), *results), size, workers)
+        else:
+            turns = max(1, math.ceil(size / (workers * self._chunk)))
+            parts = blocks(working, math.ceil(size / (workers * turns))) if size else ()
+
+            def fill(some: Iterator[tuple[slice, ...]]) -> int:
+                return sum(self._fill(arrays, working, results, part) for part in some)
+
+            missing = sum(in_threads(fill, parts, workers))
+        if missing:
+            self._complete(arrays, working, results, held)
+        names = [output.name for output in self.rulebase.outputs]
+        return {n: result.reshape(shape) for n, result in zip(names, results, strict=True)}
+
+    def _sweep(self, arrays: tuple[NDArray[np.float64], ...], size: int, workers: int) -> int:
+        """Evaluate plain arrays; return how many outputs have no ordinary value."""
+        # A few shares for each thread: another process may hold one of them up.
+        share = max(self._chunk, math.ceil(size / (SHARES * workers)))
+
+        def fill(starts: Iterator[int]) -> int:
+            try:
+                sweep_arrays = self._sweeps.pop()
+            except IndexError:
+                sweep_arrays = self._sweeper()
+            missing = sum(sweep_arrays(arrays, at, min(at + share, size)) for at in starts)
+            self._sweeps.append(sweep_arrays)
+            return missing
+
+        return sum(in_threads(fill, range(0, size, share), workers))
+
+    def _sweeper(self) -> Callable[[tuple[Any, ...], int, int], int]:
+        block = make_block(self._layout, self._chunk)
+        return sweep_routine(
+            sweep,
+            block.numbers,
+            (self._chunk, block.whole[WIDTH]),
+            (len(self.rulebase.inputs), block.columns),
+            (len(self.rulebase.outputs), block.results),
+            (POINTS, MISSING),
+        )
+
+    def _fill(
+        self,
+        arrays: Mapping[str, NDArray[Any]],
+        working: tuple[int, ...],
+        results: NDArray[np.float64],
+        part: tuple[slice, ...],
+    ) -> int:
+        """Evaluate one chunk of points; return how many outputs have no ordinary value."""
+        try:
+            chunk = self._free.pop()
+        except IndexError:
+            chunk = _Chunk(self._layout, self._chunk, compiled=self._compiled)
+        shape = tuple(extent.stop - extent.start for extent in part)
+        count = chunk.whole[POINTS] = math.prod(shape)
+        for column, array in zip(chunk.columns, arrays.values(), strict=True):
+            column[:count].reshape(shape)[...] = part_of(array, working, part)
+        chunk.run()
+        results[:, *part] = chunk.results[:, :count].reshape(-1, *shape)
+        missing = chunk.whole[MISSING]
+        self._free.append(chunk)
+        return missing
+
+    def _complete(
+        self,
+        arrays: Mapping[str, NDArray[Any]],
+        working: tuple[int, ...],
+        results: NDArray[np.float64],
+        held: Mapping[str, float] | None,
+    ) -> None:
+        """Let the engine for arrays settle points without an ordinary value."""
+        where = np.isnan(results).any(axis=0)
+        remaining = {name: np.broadcast_to(a, working)[where] for name, a in arrays.items()}
+        outputs = infer_arrays(self.rulebase, remaining, held)
+        for result, values in zip(results, outputs.values(), strict=True):
+            result[where] = values
+
+
+def _is_plain(array: NDArray[Any], shape: tuple[int, ...]) -> bool:
+    """Whether the machine code can read an array as it is."""
+    return array.dtype == np.float64 and array.shape == shape and array.flags.c_contiguous
