@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
 from threading import Lock
@@ -17,12 +17,13 @@ from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
 from fuzzyarm.inference.prepared import remembered
+from fuzzyarm.inference.stages import stages
 from fuzzyarm.kernels import bound_routine, has_machine_code, point_routines
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.block import Layout
-    from fuzzyarm.inference.sweeps import Sweeps
+    from fuzzyarm.inference.sweeps import StagedSweeps, Sweeps
 
 _ByName = Callable[[Any], "dict[str, float] | None"]
 """From the inputs at a point to the outputs; None where one is not a number, or has no value."""
@@ -48,14 +49,14 @@ class Compiled:
         self.reason = ""
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
-        self._engine: _Engine | None = None
+        self._engine: _Engine | _StagedEngine | None = None
         self.named_point: _ByName = lambda _: None
         try:
-            layout = lay_out(plan(rulebase), compiled=self.kernel == "machine code")
+            engines = [_engine_of(stage, compiled=has_machine_code()) for stage in stages(rulebase)]
         except NotCoveredError as error:
             self.kernel, self.reason = "numpy", str(error)
         else:
-            self._engine = _Engine(rulebase, layout, compiled=self.kernel == "machine code")
+            self._engine = engines[0] if len(engines) == 1 else _StagedEngine(rulebase, engines)
             self.named_point = self._engine.named
             vars(self)["at"] = self._engine.at  # the shortest way: without a call in between
 
@@ -227,6 +228,50 @@ class _Engine:
             # One point takes less time than to free the GIL and to wait for it again.
             return bound_routine(evaluate, "f", (block.numbers,), brief=True)
         return partial(evaluate, block.numbers)
+
+
+def _engine_of(rulebase: RuleBase, *, compiled: bool) -> _Engine:
+    return _Engine(rulebase, lay_out(plan(rulebase), compiled=compiled), compiled=compiled)
+
+
+class _StagedEngine:
+    """The kernel with the numbers of each stage of one rule base; see :mod:`.stages`."""
+
+    def __init__(self, rulebase: RuleBase, engines: Sequence[_Engine]) -> None:
+        self.rulebase = rulebase
+        self._inputs = tuple(variable.name for variable in rulebase.inputs)
+        self._outputs = tuple(output.name for output in rulebase.outputs)
+        self._parts = [
+            (engine.named, tuple(variable.name for variable in engine.rulebase.inputs))
+            for engine in engines
+        ]
+        self._engines = engines
+
+    @cached_property
+    def sweeps(self) -> StagedSweeps:
+        """The kernel over arrays."""
+        from fuzzyarm.inference.sweeps import StagedSweeps
+
+        return StagedSweeps(self.rulebase, [engine.sweeps for engine in self._engines])
+
+    def named(self, arguments: Mapping[str, Any]) -> dict[str, float] | None:
+        """Return the outputs at inputs by name; None for what is not ordinary."""
+        if arguments.keys() != set(self._inputs):
+            return None
+        values = dict(arguments)
+        for part, names in self._parts:
+            found = part({name: values[name] for name in names})
+            if found is None:
+                return None
+            values |= found
+        return {name: values[name] for name in self._outputs}
+
+    def at(self, *values: Any) -> tuple[float, ...]:
+        """Return the outputs at inputs in their order."""
+        found = None
+        if len(values) == len(self._inputs):
+            found = self.named(dict(zip(self._inputs, values, strict=True)))
+        return _at_plainly(self.rulebase, *values) if found is None else tuple(found.values())
 
 
 @remembered

@@ -21,7 +21,15 @@ from fuzzyarm.inference.plan import Plan, PlannedRule
 from fuzzyarm.inference.plan import plan as plan_of
 from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.programs import RUN, demand_covered
-from fuzzyarm.inference.row_functions import Addresses, Curve, InMemory, norm_number
+from fuzzyarm.inference.row_functions import (
+    Addresses,
+    Curve,
+    InMemory,
+    asserted_degree,
+    norm_number,
+    weighed_strength,
+)
+from fuzzyarm.inference.stages import stages
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, RuleBase
 from fuzzyarm.model.shapes import straight_lines
 
@@ -100,7 +108,8 @@ def lay_out(
 def what_is_not_covered(rulebase: RuleBase) -> str:
     """Return why the kernel cannot evaluate a rule base; empty if it can."""
     try:
-        lay_out(plan_of(rulebase), compiled=False)
+        for stage in stages(rulebase):
+            lay_out(plan_of(stage), compiled=False)
     except NotCoveredError as error:
         return str(error)
     return ""
@@ -166,6 +175,8 @@ class _Writer:
 
     def _number(self, expression: Expression, planned: PlannedRule) -> int:
         if isinstance(expression, Is):
+            if expression.variable in planned.degrees:
+                return self._asserted(expression)
             proposition = (expression.variable, expression.term, expression.hedges)
             return self.numbers.setdefault(proposition, len(self.numbers))
         key = (expression, planned.conjunction, planned.disjunction)
@@ -176,6 +187,34 @@ class _Writer:
                 expression = expression.operand
             norm, operands = self._joined(expression, planned)
             self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, hedges)
+        return self.truths[key].number
+
+    def _asserted(self, part: Is) -> int:
+        """Return the number of what asserts a term of an output: strengths folded as sets are."""
+        key = (part, "", "")
+        if key not in self.truths:
+            output = self.plan.outputs[part.variable]
+            terms = {i for i, member in enumerate(output.members) if member.term.name == part.term}
+            rules = [rule for member, rule in output.contributions if member in terms]
+            strengths = tuple(self._strength(rule) for rule in rules)
+            norm = self.norm(SNORMS[output.output.aggregation], "S")
+            hedges = self.addresses.expression(asserted_degree(part.hedges), ())
+            self.truths[key] = _Truth(-1 - len(self.truths), norm, strengths, hedges)
+        return self.truths[key].number
+
+    def _strength(self, index: int) -> int:
+        """Return the number of the strength of a rule."""
+        planned = self.plan.rules[index]
+        rule = planned.rule
+        key = (rule.antecedent, f"rule {index}", "")
+        if key not in self.truths:
+            norm, operands = self._joined(rule.antecedent, planned)
+            weighs = rule.weight != 1.0 or planned.threshold > 0.0
+            weighing = weighed_strength(rule.weight, planned.threshold)
+            address = self.addresses.expression(weighing, ()) if weighs else 0
+            # One operand alone would not be written down.
+            operands = operands * 2 if len(operands) == 1 and norm == at.MIN else operands
+            self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, address)
         return self.truths[key].number
 
     # ── inputs ───────────────────────────────────────────────────────────────────────

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple, Protocol, cast
 
+from fuzzyarm.expression import op
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
 from fuzzyarm.expression.lines import degree_on_corners
@@ -121,6 +122,18 @@ def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
 def hedges_on_row(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
     """Return hedges as a function of a row, with their exponents as constants."""
     return _row_function(_under(hedges, symbol("x"), constant), ("x",), (), "hedged")
+
+
+def asserted_degree(hedges: tuple[Hedge, ...]) -> Node:
+    """Return the degree of an asserted term under hedges; its rules may add up to more than 1."""
+    return _under(hedges, op.minimum(symbol("x"), 1.0), constant)
+
+
+def weighed_strength(weight: float, threshold: float) -> Node:
+    """Return a strength ``x`` times the weight of its rule; 0 up to the threshold."""
+    part = symbol("x") * weight
+    weighed: Node = op.where(part <= threshold, 0.0, part)
+    return weighed
 
 
 def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:

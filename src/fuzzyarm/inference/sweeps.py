@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.block import (
     INPUTS,
@@ -180,6 +181,50 @@ class Sweeps:
         outputs = infer_arrays(self.rulebase, remaining, held)
         for result, values in zip(results, outputs.values(), strict=True):
             result[where] = values
+
+
+class StagedSweeps:
+    """The kernel over arrays, stage by stage; see :mod:`.stages`."""
+
+    def __init__(self, rulebase: RuleBase, parts: Sequence[Sweeps]) -> None:
+        self.rulebase = rulebase
+        self._parts = parts
+
+    def many(
+        self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Evaluate arrays of points."""
+        values = dict(inputs)
+        results: dict[str, NDArray[np.float64]] = {}
+        gaps = np.zeros((), dtype=bool)
+        for part in self._parts:
+            names = {output.name for output in part.rulebase.outputs}
+            own_held = {name: value for name, value in (held or {}).items() if name in names}
+            try:
+                found = part.many(
+                    {each.name: values[each.name] for each in part.rulebase.inputs}, own_held
+                )
+            except FuzzyarmError:
+                return infer_arrays(self.rulebase, inputs, held)  # which knows the inputs
+            results |= found
+            for name, column in found.items():
+                lost = np.isnan(column)
+                gaps = gaps | lost
+                values[name] = np.where(lost, 0.0, column) if lost.any() else column
+        if gaps.any():  # rules that read no value do not hold
+            self._complete(inputs, gaps, results, held)
+        return {output.name: results[output.name] for output in self.rulebase.outputs}
+
+    def _complete(
+        self,
+        inputs: Mapping[str, Any],
+        gaps: NDArray[np.bool_],
+        results: Mapping[str, NDArray[np.float64]],
+        held: Mapping[str, float] | None,
+    ) -> None:
+        remaining = {name: np.broadcast_to(x, gaps.shape)[gaps] for name, x in inputs.items()}
+        for name, values in infer_arrays(self.rulebase, remaining, held).items():
+            results[name][gaps] = values
 
 
 def _is_plain(array: NDArray[Any], shape: tuple[int, ...]) -> bool:
