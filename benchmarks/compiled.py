@@ -34,8 +34,8 @@ import workload
 from compiled_pictures import draw
 from ratios import Ratio, in_turns, number, quarters, ratio
 
+import fuzzyarm.inference.sweeps as sweeps  # noqa: PLR0402 - the package has no such name
 from fuzzyarm import compiled, infer
-from fuzzyarm.inference import sweeps
 from fuzzyarm.inference.sets import polyline
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.files import write_atomically

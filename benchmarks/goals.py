@@ -27,9 +27,9 @@ from typing import NamedTuple
 import numpy as np
 import workload
 
+import fuzzyarm.inference.sweeps as sweeps  # noqa: PLR0402 - the package has no such name
 from fuzzyarm import compiled, infer
 from fuzzyarm.controller import CATALOGUE, controller
-from fuzzyarm.inference import sweeps
 from fuzzyarm.loop import simulate_many
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant import reach_return
