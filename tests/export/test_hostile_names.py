@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import zipfile
 from pathlib import Path
+from xml.etree import ElementTree as Xml
 
 import pytest
 from budget import part
+from c_programs import HOST
 from hostile_names import ALL, OF_RULES, of_axes, of_gains, of_ports, of_rules, of_signals
 from module_programs import failing_in_javascript, failing_in_rust
+from needs import requires
 from own_tests import failing_in_c, failing_in_python, failing_in_scl
 
 from fuzzyarm import shipped
@@ -58,6 +64,38 @@ def test_in_c(tmp_path):
 @pytest.mark.slow(seconds=15)
 def test_in_structured_text(tmp_path):
     assert failing_in_scl(exported(tmp_path, ".scl")) == []
+
+
+@pytest.mark.slow
+@requires("C compiler")
+def test_in_a_folder_for_a_board(tmp_path):
+    for name, text in FILES.items():
+        source, folder = tmp_path / f"{name}.frb", tmp_path / name
+        source.write_text(text, "utf-8")
+        words = ["compile", str(source), "--for", "arduino", "--board", "esp32", "-o", str(folder)]
+        assert main(words) == 0, name
+        sources = sorted(folder.rglob("*.c"))
+        headers = "".join(path.read_text("utf-8") for path in folder.rglob("*.h"))
+        (test,) = set(re.findall(r"int (\w+_self_test)\(void\)", headers))
+        entry = tmp_path / f"{name}_main.c"
+        entry.write_text(f"int {test}(void);\nint main(void) {{ return {test}(); }}\n")
+        program = tmp_path / f"{name}_test"
+        words = [HOST, "-std=c99", "-ffp-contract=off", *map(str, sources), str(entry), "-lm"]
+        subprocess.run([*words, "-o", str(program)], check=True)
+        assert subprocess.run([program], check=False).returncode == 0, name
+
+
+@pytest.mark.slow
+@requires("C compiler")
+def test_in_a_unit(tmp_path):
+    for name in ("signals", "gains", "ports", "axes"):
+        source, unit = tmp_path / f"{name}.frb", tmp_path / f"{name}.fmu"
+        source.write_text(FILES[name], "utf-8")
+        assert main(["compile", str(source), "-o", str(unit)]) == 0, name
+        with zipfile.ZipFile(unit) as archive:
+            root = Xml.fromstring(archive.read("modelDescription.xml"))
+        names = [each.get("name") for each in root.iter("ScalarVariable")]
+        assert len(names) == len(set(names)) > 10
 
 
 BESIDE = ("F_next", "F_visits", "F_ring", "F_values", "first", "F_2", "next", "values")

@@ -42,7 +42,7 @@ def without_partners(refused: dict[str, str]) -> list[str]:
 @pytest.mark.slow(seconds=12)
 @pytest.mark.parametrize(
     ("suffix", "refused"),
-    [(".py", []), (".mjs", []), (".rs", ["tipper2.frb"]), (".h", []), (".scl", [])],
+    [(".py", []), (".mjs", []), (".rs", []), (".h", []), (".scl", [])],
 )
 def test_the_tests_of_all_files_pass(tmp_path, capsys, suffix, refused):
     written, others = exported(tmp_path, suffix, capsys)
@@ -69,3 +69,27 @@ def test_c_is_refused_by_a_compiler_for_which_nothing_is_nan(tmp_path, capfd, so
     assert subprocess.run(command, cwd=tmp_path, check=False).returncode == 0
     assert subprocess.run([*command, option], cwd=tmp_path, check=False).returncode != 0
     assert "this code compares with NaN" in capfd.readouterr().err
+
+
+DEFAULTS = (".h", ".c", ".st", ".scl", ".xml", ".py", ".mjs", ".rs")
+
+
+@pytest.mark.slow(seconds=40)
+def test_every_file_has_every_target_without_an_option(tmp_path, capsys):
+    refused = {}
+    for number, path in enumerate(FILES):
+        for suffix in DEFAULTS:
+            status = main(["compile", str(path), "-o", str(tmp_path / f"made_{number}{suffix}")])
+            said = capsys.readouterr().err
+            if status and path.name not in WRONG and "which is not text" not in said:
+                refused[path.name, suffix] = said
+    assert refused == {}
+
+
+@pytest.mark.slow
+def test_rust_needs_core_alone(tmp_path):
+    paths = []
+    for name in ("pd7", "servo", "fan", "soc-zero"):
+        paths.append(tmp_path / f"{name.replace('-', '_')}.rs")
+        assert main(["compile", str(shipped(f"{name}.frb")), "-o", str(paths[-1])]) == 0
+    assert failing_in_rust(paths, tmp_path, core_alone=True) == []

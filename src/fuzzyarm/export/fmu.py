@@ -24,6 +24,7 @@ from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.document import xml_document
 from fuzzyarm.export.fmi import fmi_source
+from fuzzyarm.export.names import in_ascii
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.steps import StepVariable
 from fuzzyarm.extras import installing
@@ -213,7 +214,7 @@ def _platform3() -> str:
 
 def _entries(program: ControllerProgram, targets: dict[str, str]) -> Iterator[Entry]:
     """Yield what has a value reference, what may be set first."""
-    steps = program.steps
+    steps, taken = program.steps, set[str]()
     for sort in ("reference", "measured", "gain", "drive", "signal"):
         for variable in steps.of_sort(sort):
             place = targets[variable.symbol].replace("s->", "state.", 1).replace("->", ".", 1)
@@ -223,11 +224,20 @@ def _entries(program: ControllerProgram, targets: dict[str, str]) -> Iterator[En
             name = {"reference": f"reference.{name}", "measured": f"measured.{name}"}.get(
                 sort, f"signal.{name}" if sort == "signal" else name
             )
-            yield variable, _structured(name), place
+            yield variable, _structured(name, taken), place
 
 
-def _structured(name: str) -> str:
-    """Return a name by the structured naming convention: odd parts stand between quotes."""
+def _structured(name: str, taken: set[str]) -> str:
+    """Return a name by the structured naming convention: odd parts stand between quotes.
+
+    It has ASCII alone: accents are dropped and Greek is spelt; a name that is taken has a number.
+    """
+    plain, number = in_ascii(name), 1
+    name = plain
+    while name in taken:
+        number += 1
+        name = f"{plain}_{number}"
+    taken.add(name)
     parts = name.split(".")
     return ".".join(part if _PLAIN.fullmatch(part) else _quoted(part) for part in parts)
 
@@ -237,7 +247,7 @@ _PLAIN = re.compile(r"[A-Za-z_]\w*(\[\d+\])?", re.ASCII)
 
 def _quoted(part: str) -> str:
     escaped = part.replace("\\", "\\\\").replace("'", "\\'")
-    return f"'{escaped.encode('ascii', 'replace').decode()}'"
+    return f"'{escaped}'"
 
 
 _CAUSALITY = {

@@ -21,7 +21,7 @@ from fuzzyarm.export.numbers import Kind, c_number
 from fuzzyarm.export.printer import Printer, Target
 from fuzzyarm.export.routine import number_lines
 from fuzzyarm.export.typed_program import INDEX, TRUTH
-from fuzzyarm.export.walk_modules import javascript_walk, python_walk
+from fuzzyarm.export.walk_modules import javascript_walk, python_walk, rust_walk
 from fuzzyarm.expression import operations
 from fuzzyarm.expression.operations import Operation
 from fuzzyarm.expression.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
@@ -142,7 +142,8 @@ PYTHON = Target(
     member="self.{}", private="_{}", late="{name}=False", quotient="{} // {}",
     function=("def {name}({parameters}):", ""), when="if {}:", otherwise="else:", loop="while {}:",
     repeat="for {index} in range({count}):", end="", remark="# {}",
-    walk=python_walk, room='memoryview(array("d", bytes(8 * {})))', flawed_floats=True,
+    walk=python_walk, room=('{name} = memoryview(array("d", bytes(8 * {count})))', "{}"),
+    flawed_floats=True,
 )  # fmt: skip
 
 
@@ -199,7 +200,7 @@ JAVASCRIPT = Target(
     member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
     function=("{public}function {name}({parameters}) {{", "}\n"),
     repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
-    walk=javascript_walk, room="new Float64Array({})",
+    walk=javascript_walk, room=("const {name} = new Float64Array({count});", "{}"),
     helpers=tuple(name for name, _ in _JAVASCRIPT_HELPERS.values()),
 )  # fmt: skip
 
@@ -208,7 +209,7 @@ JAVASCRIPT = Target(
 
 _RUST_TYPES = {
     np.float32: "f32", np.float64: "f64", np.int8: "i8", np.int16: "i16", np.int32: "i32",
-    INDEX: "usize", TRUTH: "bool",
+    np.int64: "i64", INDEX: "usize", TRUTH: "bool",
 }  # fmt: skip
 
 _RUST_HELPERS = {
@@ -286,5 +287,6 @@ RUST = Target(
     late="{name}: {type}", array_argument="&[{}]", argument="&{}",
     function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
     when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
+    walk=rust_walk, room=("let mut {name} = [0.0f64; {count}];", "&mut {}"),
     helpers=("least", "greatest", "absolute"),
 )  # fmt: skip

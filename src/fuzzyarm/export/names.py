@@ -172,12 +172,16 @@ def identifier(text: str) -> str:
     Accents are dropped (ė becomes e); Greek letters are spelt. Neither language allows a
     leading underscore, and Structured Text no double or trailing one.
     """
-    spelt = "".join(_spell(letter) for letter in text)
-    plain = unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()
-    words = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
+    words = re.sub(r"[^A-Za-z0-9]+", "_", in_ascii(text)).strip("_")
     if not words:
         return "x"
     return words if words[0].isalpha() else f"x{words}"
+
+
+def in_ascii(text: str) -> str:
+    """Return text without accents, with Greek letters spelt; what has no such spelling is ``_``."""
+    spelt = "".join(_spell(letter) for letter in text)
+    return unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()
 
 
 def _spell(letter: str) -> str:

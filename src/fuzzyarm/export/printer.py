@@ -87,6 +87,10 @@ class Target:
         From a printer, a name and an array to its definition.
     helpers : tuple of str
         Names of helpers that `operation` adds.
+    walk : callable or None
+        From a printer and a walk to the name of its function.
+    room : tuple of str
+        The statement that makes the room of a walk, and how it is handed over.
     flawed_floats : bool
         Whether a port of the language may compute in floats of 32 bits.
     """
@@ -126,7 +130,7 @@ class Target:
     helpers: tuple[str, ...] = ()
     flawed_floats: bool = False
     walk: Callable[[Printer, DefuzzifierWalk], str] | None = None
-    room: str = ""
+    room: tuple[str, str] = ("", "{}")
 
 
 @dataclass
@@ -359,12 +363,13 @@ class FunctionPrinter:
             self.printer.known[line.walk] = target.walk(self.printer, line.walk)
         function = self.printer.known[line.walk]
         room, pair = self.names.new("room"), self.names.new("pair")
-        lines = [target.whole_tuple.format(name=room, value=target.room.format(line.walk.room))]
+        passed = target.room[1].format(room)
+        lines = [target.room[0].format(name=room, count=line.walk.room)]
         for number, part in enumerate(line.parts):
             element = target.element.format(room, number)
             value = self.language.expression(part)
             lines.append(self.language.assign.format(name=element, value=value))
-        lines.append(target.whole_tuple.format(name=pair, value=f"{function}({room})"))
+        lines.append(target.whole_tuple.format(name=pair, value=f"{function}({passed})"))
         pairs = enumerate((line.total, line.value))
         return [*lines, *(self._set(key, target.part.format(pair, i), "") for i, key in pairs)]
 

@@ -14,7 +14,7 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -23,20 +23,29 @@ from fuzzyarm.export.sets import TABLE_HINT
 from fuzzyarm.export.walk import DefuzzifierWalk, WrittenFunction
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.kernels import call, is_kernel
-from fuzzyarm.translation.functions import NotTranslatedError, Translation
-from fuzzyarm.translation.targets import JAVASCRIPT
-from fuzzyarm.translation.types import Array, Scalar, Type, TypedText
+from fuzzyarm.translation.functions import Bindings, NotTranslatedError, Translation, _Function
+from fuzzyarm.translation.targets import C99, JAVASCRIPT
+from fuzzyarm.translation.types import (
+    Array,
+    Nothing,
+    Scalar,
+    TupleType,
+    Type,
+    TypedText,
+    wider,
+)
 
 if TYPE_CHECKING:
     from fuzzyarm.export.printer import Printer
 
-__all__ = ["javascript_walk", "python_walk"]
+__all__ = ["javascript_walk", "python_walk", "rust_walk"]
 
 
 def _tables(printer: Printer, walk: DefuzzifierWalk) -> tuple[str, str]:
     """Return the names of the two arrays of a walk: whole numbers, and floats."""
     layout = walk.layout
-    whole = printer.constant(f"{walk.output}_table", np.int32, layout.whole)
+    kind = np.int64 if np.int64 in printer.target.types else np.int32
+    whole = printer.constant(f"{walk.output}_table", kind, layout.whole)
     return whole, printer.constant(f"{walk.output}_numbers", np.float64, layout.floats)
 
 
@@ -263,3 +272,158 @@ class _InJavaScript(_InModule):
         # No temporary variable of the translation is called as one of the kernel.
         target = replace(JAVASCRIPT, functions=functions, variable="{}_")
         super().__init__(printer, walk, target)
+
+
+# ── Rust ─────────────────────────────────────────────────────────────────────────────
+
+_STRETCH = """/// A stretch of the room that a walk works in; stretches overlap.
+#[derive(Clone, Copy)]
+struct Reals {
+    at: *mut f64,
+    length: usize,
+}
+
+impl Default for Reals {
+    fn default() -> Self {
+        Reals { at: core::ptr::null_mut(), length: 0 }
+    }
+}
+
+impl Reals {
+    fn len(&self) -> usize {
+        self.length
+    }
+}
+
+impl core::ops::Index<usize> for Reals {
+    type Output = f64;
+    fn index(&self, i: usize) -> &f64 {
+        assert!(i < self.length);
+        unsafe { &*self.at.add(i) }
+    }
+}
+
+impl core::ops::IndexMut<usize> for Reals {
+    fn index_mut(&mut self, i: usize) -> &mut f64 {
+        assert!(i < self.length);
+        unsafe { &mut *self.at.add(i) }
+    }
+}
+
+fn part_of_reals(a: Reals, start: i64, end: i64) -> Reals {
+    let last = core::cmp::min(end as usize, a.length);
+    Reals { at: unsafe { a.at.add(start as usize) }, length: last - start as usize }
+}
+
+fn part_of_constants(a: &'static [f64], start: i64, end: i64) -> &'static [f64] {
+    &a[start as usize..core::cmp::min(end as usize, a.len())]
+}
+
+fn counted(start: i64, end: i64, step: i64) -> impl Iterator<Item = i64> {
+    let mut next = start;
+    core::iter::from_fn(move || {
+        let at = next;
+        next += step;
+        if (step > 0 && at < end) || (step < 0 && at > end) { Some(at) } else { None }
+    })
+}
+"""
+
+
+def rust_walk(printer: Printer, walk: DefuzzifierWalk) -> str:
+    """Add the functions of a walk; return the name of that which takes the room."""
+    printer.helper("part_of_reals", _STRETCH)
+    return _written(_InRust(printer, walk), printer, walk)
+
+
+_RUST = replace(
+    C99,
+    name="Rust",
+    types={
+        Scalar.TRUTH: "bool", Scalar.SHORT: "i32", Scalar.WHOLE: "i64", Scalar.REAL: "f64",
+        Array.REALS: "Reals", Array.CONSTANTS: "&'static [f64]", Array.WHOLES: "&'static [i64]",
+        Nothing.NOTHING: "()",
+    },
+    tuple_prefix="",
+    definition="fn {name}({parameters}) -> {returned} {{",
+    parameter="mut {name}: {type}",
+    local="let mut {name}: {type} = Default::default();",
+    constant="let {name}: {type} = {value};",
+    counted="for {index} in counted({start}, {end}, {step}) {{",
+    cast="(({value}) as {type})",
+    operators={**C99.operators, (ast.FloorDiv, Scalar.WHOLE): "({0} / {1})"},
+    truths=("false", "true"),
+    record="({parts})",
+    uniform_record="[{parts}]",
+    part="{}.{}",
+    uniform_part="{}[({}) as usize]",
+    element="{}[({}) as usize]",
+    length="({}.len() as i64)",
+)  # fmt: skip
+
+
+class _InRust(_InModule):
+    entry = (
+        "fn {name}(room: &mut [f64]) -> (f64, f64) {{\n"
+        "    let all = Reals {{ at: room.as_mut_ptr(), length: room.len() }};\n"
+        "    let heap = part_of_reals(all, {heap}, room.len() as i64);\n"
+        "    let pair = {function}(&{whole}, &{floats}, all, heap, 0);\n"
+        "    (pair[0], pair[1])\n}}\n"
+    )
+    head = "fn {name}(number: i64, {parameters}) {{"
+    branch = "    if number == {number} {{ {call}; }}"
+
+    def __init__(self, printer: Printer, walk: DefuzzifierWalk) -> None:
+        real, whole = Scalar.REAL, Scalar.WHOLE
+        functions: dict[Any, tuple[str, Scalar]] = {
+            (min, real): ("least({})", real), (max, real): ("greatest({})", real),
+            (min, whole): ("core::cmp::min({})", whole), (abs, real): ("absolute({})", real),
+            (max, whole): ("core::cmp::max({})", whole), (abs, whole): ("({}).abs()", whole),
+            (math.isnan, real): ("({}).is_nan()", Scalar.TRUTH),
+            **{(int, each): ("(({}) as i64)", whole) for each in (real, whole)},
+            **{(float, each): ("(({}) as f64)", real) for each in (real, whole)},
+        }  # fmt: skip
+        self.of_word = {}
+        for operation in OPERATIONS.values():
+            word = operation.c.partition("(")[0].removeprefix("@")
+            function = getattr(math, operation.python.partition("(")[0], None)
+            if operation.binds == 9 and callable(function):
+                functions[function, real] = f"m_{word}({{}})", real
+                self.of_word[f"m_{word}"] = operation.name
+        self.helpers = MappingProxyType(
+            {"least": "minimum", "greatest": "maximum", "absolute": "absolute", **self.of_word}
+        )
+
+        def real_text(value: float) -> str:
+            return f"({printer.target.number(printer, value, np.float64)})"
+
+        super().__init__(printer, walk, replace(_RUST, functions=functions, real=real_text))
+
+    def new_function(self, function: Any, types: Sequence[Type], bindings: Bindings) -> _Function:
+        """Return a function that is not translated yet."""
+        return _RustFunction(self, function, types, bindings, self.name(function.__name__))
+
+    def type_name(self, type_: Type) -> str:
+        """Return the name of a type."""
+        if not isinstance(type_, TupleType):
+            return self.target.types[type_]
+        parts = [self.type_name(part) for part in type_.parts]
+        return f"[{parts[0]}; {len(parts)}]" if type_.uniform else f"({', '.join(parts)})"
+
+
+class _RustFunction(_Function):
+    def choice(self, node: ast.IfExp) -> TypedText:
+        """Return a choice between two values."""
+        then, otherwise = self.value(node.body), self.value(node.orelse)
+        type_ = wider(then.type, otherwise.type)
+        texts = self.as_type(then, type_), self.as_type(otherwise, type_)
+        condition = self.condition(node.test)
+        return TypedText(f"(if {condition} {{ {texts[0]} }} else {{ {texts[1]} }})", type_)
+
+    def as_type(self, value: TypedText, type_: Type) -> str:
+        """Return the text of a value as one of another type."""
+        if value.type is Scalar.TRUTH and type_ is Scalar.REAL:
+            return f"(({value.text}) as i64 as f64)"
+        return super().as_type(value, type_)
+
+    _VALUES: ClassVar[dict[type, Any]] = {**_Function._VALUES, ast.IfExp: choice}
