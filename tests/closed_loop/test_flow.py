@@ -32,6 +32,14 @@ EQUATIONS = {
             math.sqrt(2 + x[0]) - math.log(3 + x[1]), math.atan(x[0]) * u - x[1] / 3
         ],
     ),
+    "hyperbolas": (
+        [op.sinh(x0) - op.cosh(x1), op.tanh(x0 * x1) + u],
+        lambda t, x, u: [math.sinh(x[0]) - math.cosh(x[1]), math.tanh(x[0] * x[1]) + u],
+    ),
+    "arcs": (
+        [op.tan(x0) * op.asin(x1), op.acos(x0 * x1) - u],
+        lambda t, x, u: [math.tan(x[0]) * math.asin(x[1]), math.acos(x[0] * x[1]) - u],
+    ),
     "time": ([op.sin(t) + x1, u * t - x0], lambda t, x, u: [math.sin(t) + x[1], u * t - x[0]]),
     "corners": (
         [abs(x1) - x0, op.maximum(x0, 0.1) * u - op.where(x1 > 5.0, 1.0, x1)],

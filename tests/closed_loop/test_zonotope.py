@@ -9,6 +9,7 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.closed_loop import zonotope
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
 from fuzzyarm.closed_loop.readings import UnenclosedError, pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, dot, larger, smaller, stacked
@@ -68,7 +69,13 @@ def test_arithmetic_holds_the_exact_value_for_each_choice_of_symbols(a, b, e, f,
 
 
 FUNCTIONS = {"sin": (-4, 4), "cos": (-4, 4), "exp": (-4, 4), "tanh": (-4, 4), "atan": (-4, 4),
-             "log": (0.01, 5), "sqrt": (0.01, 5), "reciprocal": (0.05, 5)}  # fmt: skip
+             "log": (0.01, 5), "sqrt": (0.01, 5), "reciprocal": (0.05, 5), "sinh": (-4, 4),
+             "cosh": (-4, 4), "tan": (-1.4, 1.4), "asin": (-0.95, 0.95),
+             "acos": (-0.95, 0.95)}  # fmt: skip
+
+
+def test_every_smooth_function_of_forms_is_tried_below():
+    assert set(FUNCTIONS) == set(zonotope.FUNCTIONS)
 
 
 @settings(max_examples=cases(20, 300), deadline=None)

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 
 from fuzzyarm.closed_loop.evidence import Gains
 from fuzzyarm.closed_loop.period import LoopAlgebra
 from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.spans import FUNCTIONS, SpanError, exactly, function
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
@@ -372,9 +374,11 @@ def _exactly(operation: str, values: list[Fraction]) -> Fraction:
     }
     if operation in exact:
         return Fraction(exact[operation](*values))
-    at_zero = {"sin": 0, "cos": 1, "tan": 0, "exp": 1, "sinh": 0, "cosh": 1, "tanh": 0, "atan": 0}
-    if operation in at_zero and not values[0]:
-        return Fraction(at_zero[operation])
+    if operation in FUNCTIONS:
+        with suppress(SpanError):
+            value = function(operation, exactly(values[0]))
+            if value.is_point:  # the sine of 0, the root of 4
+                return value.low
     if operation == "sqrt" and values[0] >= 0:
         root = Fraction(math.isqrt(values[0].numerator), math.isqrt(values[0].denominator))
         if root * root == values[0]:

@@ -378,6 +378,54 @@ def arctangent(x: Intervals) -> Intervals:
     return _rising(at, x)
 
 
+def hyperbolic_tangent(x: Intervals) -> Intervals:
+    """Return the hyperbolic tangents: 1 - 2 / (e^2x + 1), of the magnitude with its sign."""
+
+    def at(values: Vector) -> Intervals:
+        size = Intervals.at(np.minimum(np.abs(values), 300.0))
+        intervals = 1.0 - 2.0 / (exponential(size * 2.0) + 1.0)
+        low, high = np.maximum(intervals.low, 0.0), np.minimum(intervals.high, 1.0)
+        high = np.where(np.abs(values) > 300.0, 1.0, high)
+        negative = values < 0.0
+        return Intervals(np.where(negative, -high, low), np.where(negative, -low, high))
+
+    return _rising(at, x)
+
+
+def hyperbolics(x: Intervals) -> tuple[Intervals, Intervals]:
+    """Return the hyperbolic sines and cosines: half of e^x less or more e^-x."""
+    low, high = (_hyperbolics(Intervals.at(end)) for end in (x.low, x.high))
+    across = (x.low < 0.0) & (x.high > 0.0)
+    least = np.where(across, 1.0, np.minimum(low[1].low, high[1].low))
+    cosines = Intervals(least, np.maximum(low[1].high, high[1].high))
+    return Intervals(low[0].low, high[0].high), cosines
+
+
+def _hyperbolics(x: Intervals) -> tuple[Intervals, Intervals]:
+    if np.any(x.size > 700.0):
+        raise EnclosureError("a hyperbolic function of a large number")
+    powers = exponential(x)
+    inverse = 1.0 / powers
+    return (powers - inverse) * 0.5, (powers + inverse) * 0.5
+
+
+def arcsine(x: Intervals) -> Intervals:
+    """Return the arc sines; EnclosureError where something is not between -1 and 1."""
+    if np.any(x.size >= 1.0):
+        raise EnclosureError("the arc sine of an interval that goes to 1 or -1")
+
+    def at(values: Vector) -> Intervals:
+        point = Intervals.at(values)
+        return arctangent(point / square_root(1.0 - point.squared()))
+
+    return _rising(at, x)
+
+
+def arccosine(x: Intervals) -> Intervals:
+    """Return the arc cosines, as far as there are arc sines."""
+    return half_pi() - arcsine(x)
+
+
 @cache
 def half_pi() -> Intervals:
     """Return a quarter turn."""
@@ -405,6 +453,23 @@ def _whole_power(x: Intervals, exponent: int) -> Intervals:
     for _ in range(exponent - 1):
         result = result * x
     return result
+
+
+FUNCTIONS: dict[str, Callable[[Intervals], Intervals]] = {
+    "sqrt": square_root,
+    "exp": exponential,
+    "log": logarithm,
+    "sin": sine,
+    "cos": cosine,
+    "tan": tangent,
+    "asin": arcsine,
+    "acos": arccosine,
+    "atan": arctangent,
+    "sinh": lambda x: hyperbolics(x)[0],
+    "cosh": lambda x: hyperbolics(x)[1],
+    "tanh": hyperbolic_tangent,
+}
+"""The values of smooth operations by their names; their slopes follow from their records."""
 
 
 # ── matrices ─────────────────────────────────────────────────────────────────────────

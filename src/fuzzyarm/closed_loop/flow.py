@@ -9,9 +9,10 @@ expression of f.
 3. The Taylor coefficients of the solutions from X₀ as forms, so that what two states owe to one
    symbol stays together:  x(h) = x₀ + x₁ h + … + xₖ hᵏ + xₖ₊₁ hᵏ⁺¹.
 
-Coefficients of a product are sums of products, those of functions follow from their differential
-equations (s = sin x and c = cos x: s' = c x', c' = -s x'). Between the ends of the step a solution
-is within ⅛ h² |x''| of the straight line between them; x'' is twice a coefficient that is there.
+Coefficients of a product are sums of products; those of a function y of x follow from y' = s x',
+where the slope s is an expression of its own, from the record of the operation. Between the ends of
+the step a solution is within ⅛ h² |x''| of the straight line between them; x'' is twice a
+coefficient that is there.
 
 Where a corner (of ``max``, of a choice) lies within X̂ there are no coefficients. Such a step takes
 the mean of f over the step, which lies in f of the form X₀ + [0, h] f(X̂).
@@ -24,7 +25,7 @@ conservative linearization", CDC 2008.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -41,16 +42,18 @@ from fuzzyarm.closed_loop.readings import (
     read,
     readable,
 )
-from fuzzyarm.closed_loop.zonotope import Forms, dot, stacked
+from fuzzyarm.closed_loop.zonotope import FUNCTIONS, Forms, dot, stacked
 from fuzzyarm.expression.nodes import (
     Apply,
     Constant,
     Node,
     Symbol,
+    as_node,
     constant,
     postorder,
     symbol,
 )
+from fuzzyarm.expression.operations import OPERATIONS
 
 __all__ = ["CornerError", "Flow", "Step"]
 
@@ -94,10 +97,9 @@ class _Series:
         self.symbols = symbols
         self.buffers: dict[Any, _Buffer] = {}
         self.conditions: dict[Node, Intervals] = {}
+        self.inverses: dict[Node, Forms] = {}
         # The series over the box X̂, whose choices hold throughout the step; None in that series.
         self.before: _Series | None = None
-        # By argument, the order up to which its sine and cosine are there: they need each other.
-        self.filled: dict[Node, int] = {}
 
     def buffer(self, key: Any) -> _Buffer:
         """Return where the coefficients of a node stand."""
@@ -115,6 +117,12 @@ class _Series:
         if node in self.flow.steady and k > 0:
             return 0.0
         return self.buffer(node)[k]
+
+    def inverse(self, node: Node) -> Forms:
+        """Return the reciprocal of the lowest coefficient of a node."""
+        if node not in self.inverses:
+            self.inverses[node] = self.coefficient(node, 0).function("reciprocal")
+        return self.inverses[node]
 
     def advance(self, k: int) -> None:
         """Fill in the coefficients of order k."""
@@ -135,8 +143,10 @@ class _Series:
                 ]
                 self.conditions[node] = CONDITIONS[operation](*arguments)
             return
-        if k == 0 and operation not in ("sin", "cos"):
+        if k == 0:
             arguments = [self.coefficient(argument, 0) for argument in node.arguments]
+            if operation == "sqrt" and node in self.flow.slopes:
+                _require_positive(as_forms(arguments[0], self.shape))
             result = applied(
                 node, arguments, self.shape, lambda operand: self.coefficient(operand, 0)
             )
@@ -165,6 +175,11 @@ class _Series:
     def decisions(self) -> _Decisions:
         """Which of two is chosen over the whole step."""
         return _Decisions(self)
+
+
+def _require_positive(x: Forms) -> None:
+    if np.any(x.bounds.low <= 0.0):
+        raise CornerError("the root of 0 within a step")
 
 
 class _Decisions:
@@ -225,83 +240,19 @@ def _quotient_rule(series: _Series, node: Apply, k: int) -> Any:
     upper = as_forms(series.coefficient(a, k), series.shape)
     if isinstance(b, Constant):
         return upper / b.value
-    below = series.coefficient(b, 0)
     if b not in series.flow.steady:  # q b = a: qₖ b₀ = aₖ - Σ bⱼ qₖ₋ⱼ
         quotient = series.buffer(node)
         upper = upper - dot(series.buffer(b)[1 : k + 1], quotient[k - 1 :: -1][:k])
-    return upper / below
+    return upper * series.inverse(b)
 
 
 def _negative_rule(series: _Series, node: Apply, k: int) -> Any:
     return -series.coefficient(node.arguments[0], k)
 
 
-def _wave_rule(series: _Series, node: Apply, k: int) -> Any:
-    (x,) = node.arguments
-    names = ("sin", "cos") if node.operation == "sin" else ("cos", "sin")
-    wave, other = (series.buffer((name, x)) for name in names)
-    if k == 0 and x not in series.filled:
-        value = as_forms(series.coefficient(x, 0), series.shape)
-        wave.put(0, value.function(names[0]))
-        other.put(0, value.function(names[1]))
-        series.filled[x] = 0
-    elif series.filled[x] < k:
-        sine, cosine = series.buffer(("sin", x)), series.buffer(("cos", x))
-        sine.put(k, series.steps(x, cosine, k))
-        cosine.put(k, -series.steps(x, sine, k))
-        series.filled[x] = k
-    return wave[k]
-
-
-def _exp_rule(series: _Series, node: Apply, k: int) -> Any:
-    return series.steps(node.arguments[0], series.buffer(node), k)
-
-
-def _root_rule(series: _Series, node: Apply, k: int) -> Any:
-    # y y = x: 2 y₀ yₖ = xₖ - Σ yⱼ yₖ₋ⱼ, 0 < j < k.
-    root = series.buffer(node)
-    if np.any(series.coefficient(node.arguments[0], 0).bounds.low <= 0.0):
-        raise CornerError("the root of 0 within a step")
-    upper = series.coefficient(node.arguments[0], k)
-    if k > 1:
-        upper = upper - dot(root[1:k], root[k - 1 : 0 : -1])
-    return upper.scaled(0.5) / root[0]
-
-
-def _derived(slope: Callable[[_Series, Apply, int], Forms]) -> Rule:
-    """Return the rule of y with y' = s x': `slope` gives the coefficients of s, below order k."""
-
-    def rule(series: _Series, node: Apply, k: int) -> Any:
-        slopes = series.buffer(("slope", node))
-        slopes.put(k - 1, slope(series, node, k - 1))
-        return series.steps(node.arguments[0], slopes, k)
-
-    return rule
-
-
-def _slope_of_log(series: _Series, node: Apply, k: int) -> Forms:
-    # s = 1/x, so s x = 1:  sₖ = -s₀ Σ xⱼ sₖ₋ⱼ, 0 < j ≤ k.
-    x, slopes = series.buffer(node.arguments[0]), series.buffer(("slope", node))
-    if k == 0:
-        return x[0].function("reciprocal")
-    return -(dot(x[1 : k + 1], slopes[k - 1 :: -1][:k]) * slopes[0])
-
-
-def _slope_of_tanh(series: _Series, node: Apply, k: int) -> Forms:
-    # s = 1 - y², of the coefficients of y up to order k.
-    tanh = series.buffer(node)
-    square = dot(tanh[: k + 1], tanh[k::-1])
-    return -square + 1.0 if k == 0 else -square
-
-
-def _slope_of_atan(series: _Series, node: Apply, k: int) -> Forms:
-    # s = 1/(1 + x²), so s (1 + x²) = 1:  sₖ = -s₀ Σ (x²)ⱼ sₖ₋ⱼ, 0 < j ≤ k.
-    x, slopes = series.buffer(node.arguments[0]), series.buffer(("slope", node))
-    square = series.buffer(("square", node))
-    square.put(k, dot(x[: k + 1], x[k::-1]))
-    if k == 0:
-        return (square[0] + 1.0).function("reciprocal")
-    return -(dot(square[1 : k + 1], slopes[k - 1 :: -1][:k]) * slopes[0])
+def _function_rule(series: _Series, node: Apply, k: int) -> Any:
+    # y' = s x', where s is the derivative in the record of the operation.
+    return series.steps(node.arguments[0], series.buffer(series.flow.slopes[node]), k)
 
 
 def _choice_rule(series: _Series, node: Apply, k: int) -> Any:
@@ -322,13 +273,7 @@ _RULES: dict[str, Rule] = {
     "multiply": _product_rule,
     "divide": _quotient_rule,
     "negative": _negative_rule,
-    "sin": _wave_rule,
-    "cos": _wave_rule,
-    "exp": _exp_rule,
-    "log": _derived(_slope_of_log),
-    "tanh": _derived(_slope_of_tanh),
-    "atan": _derived(_slope_of_atan),
-    "sqrt": _root_rule,
+    **dict.fromkeys(FUNCTIONS, _function_rule),
     "absolute": _absolute_rule,
     "minimum": _choice_rule,
     "maximum": _choice_rule,
@@ -361,6 +306,30 @@ class Step(NamedTuple):
     remainder: NDArray[np.float64]
 
 
+def _slope_of(node: Apply) -> Node:
+    """Return the derivative of a function by its argument, from its record."""
+    partials = OPERATIONS[node.operation].partials
+    assert partials is not None
+    (slope,) = partials(*node.arguments)
+    return readable(as_node(slope))
+
+
+def _steady(nodes: Sequence[Node], moving: Collection[str]) -> set[Node]:
+    """Return which nodes do not change during a step; of a graph in order."""
+    steady: set[Node] = set()
+    for node in nodes:
+        if isinstance(node, Symbol):
+            stays = node.name not in moving
+        else:
+            parts = node.arguments if isinstance(node, Apply) else ()
+            stays = bool(parts) and all(
+                part in steady or isinstance(part, Constant) for part in parts
+            )
+        if stays:
+            steady.add(node)
+    return steady
+
+
 @dataclass(eq=False)
 class Flow:
     """An ordinary differential equation.
@@ -381,21 +350,19 @@ class Flow:
     def __post_init__(self) -> None:
         self.rates = [readable(root) for root in self.rates]
         self.states = [f"x{i}" for i in range(len(self.rates))]
-        nodes = list(postorder(*self.rates))
         moving = {*self.states, "t"}
+        self.slopes: dict[Node, Node] = {}
+        before = -1
+        while before != (before := len(self.slopes)):  # slopes are made of functions, too
+            nodes = list(postorder(*self.rates, *self.slopes.values()))
+            self.steady = _steady(nodes, moving)
+            for node in nodes:
+                if node in self.steady or not isinstance(node, Apply):
+                    continue
+                if node.operation in FUNCTIONS:
+                    self.slopes[node] = _slope_of(node)
         self.order = [node for node in nodes if isinstance(node, Apply)]
         self.symbols = [node for node in nodes if isinstance(node, Symbol)]
-        self.steady: set[Node] = set()
-        for node in nodes:
-            if isinstance(node, Symbol):
-                stays = node.name not in moving
-            else:
-                parts = node.arguments if isinstance(node, Apply) else ()
-                stays = bool(parts) and all(
-                    part in self.steady or isinstance(part, Constant) for part in parts
-                )
-            if stays:
-                self.steady.add(node)
 
     def step(
         self, start: Forms, constants: Mapping[str, Forms], time: float, length: float, order: int

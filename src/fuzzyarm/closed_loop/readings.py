@@ -1,20 +1,21 @@
 """Expressions over affine forms: what each operation is there, and what is not read.
 
-Operations that forms have not are written in others (``tan`` as ``sin / cos``); what cannot be is
-refused by name. A condition is an interval of 0 and 1, and a choice by one that is open holds both
-of its branches.
+Smooth functions are those of :mod:`.zonotope`; powers and choices are written in other operations,
+and what cannot be is refused by name. A condition is an interval of 0 and 1, and a choice by one
+that is open holds both of its branches.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, square_root
-from fuzzyarm.closed_loop.zonotope import Forms, aligned, larger, smaller
+from fuzzyarm.closed_loop.zonotope import FUNCTIONS, Forms, aligned, larger, smaller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.nodes import (
@@ -102,10 +103,7 @@ def _rewritten(operation: str, arguments: tuple[Node, ...]) -> Node:
         return _choice(*arguments)
     if operation == "power":
         return _power(*arguments)
-    rewrite = _IN_OTHERS.get(operation)
-    if rewrite is None:
-        raise UnenclosedError(f"no enclosure is known for '{operation}'")
-    return readable(rewrite(*arguments))
+    raise UnenclosedError(f"no enclosure is known for '{operation}'")
 
 
 def _choice(condition: Node, then: Node, otherwise: Node) -> Node:
@@ -130,19 +128,6 @@ def _power(base: Node, exponent: Node) -> Node:
             result = apply("multiply", result, base)
         return result if number > 0 else apply("divide", constant(1.0), result)
     return apply("exp", apply("multiply", exponent, apply("log", base)))
-
-
-def _exp(x: Node) -> Node:
-    return apply("exp", x)
-
-
-_IN_OTHERS: dict[str, Callable[..., Node]] = {
-    "tan": lambda x: apply("sin", x) / apply("cos", x),
-    "sinh": lambda x: (_exp(x) - _exp(-x)) * 0.5,
-    "cosh": lambda x: (_exp(x) + _exp(-x)) * 0.5,
-    "asin": lambda x: apply("atan", x / apply("sqrt", 1.0 - x * x)),
-}
-"""Operations that are made of others."""
 
 
 # ── conditions: intervals of 0 and 1 ─────────────────────────────────────────────────
@@ -252,12 +237,7 @@ _READINGS: dict[str, Callable[..., Any]] = {
     "multiply": lambda a, b: a * b,
     "divide": lambda a, b: a / b,
     "negative": lambda a: -a,
-    "sin": lambda a: a.function("sin"),
-    "cos": lambda a: a.function("cos"),
-    "exp": lambda a: a.function("exp"),
-    "log": lambda a: a.function("log"),
-    "tanh": lambda a: a.function("tanh"),
-    "atan": lambda a: a.function("atan"),
+    **{name: partial(Forms.function, name=name) for name in FUNCTIONS},
     "sqrt": _root,
     "absolute": _absolute,
     "minimum": smaller,

@@ -25,7 +25,9 @@ HSCC 2005 (fewer symbols).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -33,6 +35,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop import enclosure
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, outward
+from fuzzyarm.expression.evaluation import derivative, specialise
+from fuzzyarm.expression.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
 
 __all__ = ["FUNCTIONS", "Forms", "aligned", "clip", "dot", "larger", "smaller", "stacked"]
 
@@ -252,10 +256,9 @@ class Forms:
 
     def function(self, name: str) -> Forms:
         """Return a function of :data:`FUNCTIONS`."""
-        derivatives = FUNCTIONS[name]
         radius, zero = self.radius, Intervals.at(np.zeros(self.shape))
-        start, slope, bend, _ = derivatives(Intervals.at(self.centre))
-        whole, _, bends, twist = derivatives(self.bounds)
+        start, slope, bend, *_ = _with_derivatives(name, Intervals.at(self.centre), 2)
+        whole, _, bends, twist = _with_derivatives(name, self.bounds, 3)
         square = Intervals.at(radius).squared()
         # In two ways: ½ g''(ξ) d²; or ½ g''(c) d² and the cube, of which a part is linear.
         curved = (bends * square * 0.5).hull(zero)
@@ -346,74 +349,72 @@ def dot(a: Forms, b: Forms) -> Forms:
 # ── functions ────────────────────────────────────────────────────────────────────────
 
 
-def _sine(x: Intervals) -> tuple[Intervals, ...]:
-    s, c = enclosure.waves(x)
-    return s, c, -s, -c
+X, MINUS_ONE = symbol("x"), constant(-1.0)
 
 
-def _cosine(x: Intervals) -> tuple[Intervals, ...]:
-    s, c = enclosure.waves(x)
-    return c, -s, -c, s
+@cache
+def _derivatives_of(name: str) -> tuple[Node, ...]:
+    """Return the first three derivatives of a function of `X`, from its record."""
+    roots: list[Node] = [apply(name, X)]
+    for _ in range(3):
+        # Its numbers are small multiples of powers of two: none of them is rounded.
+        roots.append(specialise(derivative(roots[-1], X.name), {}))
+    return tuple(roots[1:])
 
 
-def _exponential(x: Intervals) -> tuple[Intervals, ...]:
-    return (enclosure.exponential(x),) * 4
-
-
-def _logarithm(x: Intervals) -> tuple[Intervals, ...]:
-    inverse = 1.0 / x
-    square = inverse.squared()
-    return enclosure.logarithm(x), inverse, -square, square * inverse * 2.0
-
-
-def _square_root(x: Intervals) -> tuple[Intervals, ...]:
-    root = enclosure.square_root(x)
-    slope = 0.5 / root
-    return root, slope, -(slope / x * 0.5), slope / x.squared() * 0.75
-
-
-def _reciprocal(x: Intervals) -> tuple[Intervals, ...]:
-    inverse = 1.0 / x
-    square = inverse.squared()
-    return inverse, -square, square * inverse * 2.0, -(square.squared() * 6.0)
-
-
-def _arctangent(x: Intervals) -> tuple[Intervals, ...]:
-    square = x.squared()
-    slope = 1.0 / (square + 1.0)
-    bend = slope.squared()
-    twist = (square * 6.0 - 2.0) * (bend * slope)
-    return enclosure.arctangent(x), slope, -(x * bend * 2.0), twist
-
-
-def _hyperbolic(x: Intervals) -> tuple[Intervals, ...]:
-    """Return the hyperbolic tangents: 1 - 2 / (e^2x + 1), of the magnitude with its sign."""
-
-    def at(values: Vector) -> Intervals:
-        size = Intervals.at(np.minimum(np.abs(values), 300.0))
-        intervals = 1.0 - 2.0 / (enclosure.exponential(size * 2.0) + 1.0)
-        low, high = np.maximum(intervals.low, 0.0), np.minimum(intervals.high, 1.0)
-        high = np.where(np.abs(values) > 300.0, 1.0, high)
-        negative = values < 0.0
-        return Intervals(np.where(negative, -high, low), np.where(negative, -low, high))
-
-    value = Intervals(at(x.low).low, at(x.high).high)
-    square = value.squared()
-    slope = 1.0 - square
-    return value, slope, -(value * slope * 2.0), slope * (square * 6.0 - 2.0)
-
-
-FUNCTIONS: dict[str, Callable[[Intervals], tuple[Intervals, ...]]] = {
-    "sin": _sine,
-    "cos": _cosine,
-    "exp": _exponential,
-    "log": _logarithm,
-    "sqrt": _square_root,
-    "reciprocal": _reciprocal,
-    "atan": _arctangent,
-    "tanh": _hyperbolic,
+PAIRS: dict[str, Callable[[Intervals], tuple[Intervals, Intervals]]] = {
+    "sin cos": enclosure.waves,
+    "sinh cosh": enclosure.hyperbolics,
 }
-"""By name: the values of a function and of its first three derivatives over intervals."""
+"""Functions that are enclosed together, and are each other's derivatives."""
+
+
+def _with_derivatives(name: str, x: Intervals, count: int) -> tuple[Intervals, ...]:
+    """Return a function's values and its first derivatives over intervals."""
+    if name == "reciprocal":
+        inverse = 1.0 / x
+        square = inverse.squared()
+        return inverse, -square, square * inverse * 2.0, -(square.squared() * 6.0)
+    values: dict[Node, Intervals] = {X: x}
+    for pair, together in PAIRS.items():
+        if name in pair.split():
+            first, second = (apply(word, X) for word in pair.split())
+            values[first], values[second] = together(x)
+    roots = (apply(name, X), *_derivatives_of(name)[:count])
+    for node in postorder(*roots):
+        if node not in values:
+            values[node] = _enclosed(node, values)
+    return tuple(values[root] for root in roots)
+
+
+def _enclosed(node: Node, values: Mapping[Node, Intervals]) -> Intervals:
+    if isinstance(node, Constant):
+        return Intervals.at(node.value)
+    assert isinstance(node, Apply)
+    arguments = [values[argument] for argument in node.arguments]
+    if node.operation == "multiply":
+        first, second = node.arguments
+        if first is second:
+            return arguments[0].squared()
+        if first is MINUS_ONE:  # nothing is rounded
+            return -arguments[1]
+    if node.operation == "power":
+        exponent = node.arguments[1]
+        assert isinstance(exponent, Constant)
+        return enclosure.power(arguments[0], exponent.value)
+    return {**_ARITHMETIC, **enclosure.FUNCTIONS}[node.operation](*arguments)
+
+
+_ARITHMETIC: dict[str, Callable[..., Intervals]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "negative": operator.neg,
+}
+
+FUNCTIONS = (*enclosure.FUNCTIONS, "reciprocal")
+"""Smooth functions of forms: operations of which :mod:`.enclosure` has the values."""
 
 
 # ── corners ──────────────────────────────────────────────────────────────────────────
