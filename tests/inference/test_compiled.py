@@ -634,3 +634,13 @@ def test_an_input_with_one_edge_has_a_bucket_on_either_side():
             bucket = int(bucket_of(x, first, scale, len(starts) - 1.0))
             # Rounding may lead next to an edge into the other one, from where a step is taken.
             assert starts[bucket] == (x >= edge) or x in {below, above}
+
+
+@pytest.mark.parametrize("size", [1, 511, 512, 513, 8192, 8193])
+def test_blocks_of_any_room_give_the_bits_of_single_points(pd7: RuleBase, size: int) -> None:
+    fast = compiled(dataclasses.replace(pd7))
+    e, ce = np.random.default_rng(size).uniform(-7.0, 7.0, (2, size))
+    for columns in ((e, ce), (e.astype(np.float32), ce), (e[::-1], ce)):  # as they are, or copied
+        found = fast(*columns)["u"]
+        wanted = [fast.at(float(x), float(y))[0] for x, y in zip(*columns, strict=True)]
+        np.testing.assert_array_equal(found, wanted)

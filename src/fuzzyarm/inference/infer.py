@@ -227,7 +227,7 @@ DEFAULT_TOLERANCE = 1e-9
 """Of the range of the output, where an ``=`` states no tolerance."""
 
 MANY_SAMPLES = 2_000_000
-"""Expectations that need more samples of their outputs are worth loading NumPy."""
+"""Expectations that need more samples of their outputs are worth loading the kernel."""
 
 
 def check_expectations(
@@ -251,22 +251,17 @@ def check_expectations(
     if not rulebase.expectations:
         return []
     try:
-        prepared = prepare(rulebase)
+        point = prepare(rulebase)
     except FuzzyarmError as error:  # the same for all of them: said once
         return [_failed(rulebase.expectations[0], str(error))]
     samples = sum(output.defuzzifier.resolution or 0 for output in rulebase.outputs)
     many = samples * len(rulebase.expectations) > MANY_SAMPLES
-    evaluate = partial(_as_array, rulebase) if many else prepared.evaluate
+    evaluate = partial(infer, rulebase) if many else point.evaluate
     failures: list[Diagnostic] = []
     for expectation in rulebase.expectations:
         on_step()
         failures += _check(rulebase, evaluate, expectation)
     return failures
-
-
-def _as_array(rulebase: RuleBase, inputs: Mapping[str, float]) -> Mapping[str, float]:
-    results = infer(rulebase, {name: [value] for name, value in inputs.items()})
-    return {name: float(values[0]) for name, values in results.items()}
 
 
 def _check(

@@ -10,12 +10,18 @@ processor takes several at a time.
 What a program does with a row beside min, max, product and sum (other norms, curved terms,
 the defuzzifiers) it calls by address.
 
-A closed loop asks for one point at a time, millions of times. There half of the work would be to
-find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
+A closed loop asks for one point at a time, millions of times. There two thirds of the work would be
+to find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
 number. What is added and multiplied, in which order, stands in functions that both walks share
 (`bucket_of`, `on_line` and `settled` here, `weighed` of :mod:`.firing_strengths`, `layer_area` and
 `layer_moment` of :mod:`.closed_form`), and the bits are the same; norms beside the four, curved
 terms, expressions in parentheses and the other defuzzifiers are asked with rows of length one.
+
+Neither walk stands in for the other. With 49 rules (pd7) and random points, each called from C: a
+point takes 54 ns by `evaluate` and 149 by `sweep` with room for one; of 100,000 points one takes 10
+ns by `sweep` and 54 by `evaluate`. With the Gaussian terms of a weighted average it is 161 and 244,
+46 and 162; where integrals or Karnik and Mendel's steps are nearly all of the work the two differ
+by a quarter.
 
 Where there is no ordinary value (not a number, outside a range that forbids it, no rule
 fires and nothing is stated) the output is NaN; the caller asks another engine then.

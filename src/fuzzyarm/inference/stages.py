@@ -24,6 +24,10 @@ def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:
         If rules read an output as a value and, at the same time, how far it is asserted.
     """
     full = plan(rulebase)
+    chained = any(isinstance(step, str) for step in full.steps[: len(full.rules)])
+    members = (member for output in full.outputs.values() for member in output.members)
+    if not chained and not any(member.formula is not None for member in members):
+        return (rulebase,)  # as nearly all
     levels = _levels(full)
     count = max(levels.values(), default=1)
     if count == 1:

@@ -29,6 +29,9 @@ from fuzzyarm.model.rulebase import RuleBase
 CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""
 
+FEW = 512
+"""Up to so many points go through a block of their own: a large one takes longer to come by."""
+
 POINTS_PER_PROGRAM = 32
 """Wanted in a chunk, as a mean, where there are many programs …"""
 
@@ -44,6 +47,10 @@ SHARES = 4
 
 MOST_COLUMNS = 64
 """Inputs, and outputs, for which the machine code over arrays has room."""
+
+
+_Sweep = Callable[[tuple[Any, ...], int, int], int]
+"""From arrays, the first element and the one behind the last to how many outputs have no value."""
 
 
 def on_block(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
@@ -79,8 +86,8 @@ class Sweeps:
         self._compiled = compiled
         length = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, length)
-        self._free: list[_Chunk] = []
-        self._sweeps: list[Callable[[tuple[Any, ...], int, int], int]] = []
+        self._free: dict[int, list[_Chunk]] = {FEW: [], self._chunk: []}
+        self._sweeps: dict[int, list[_Sweep]] = {FEW: [], self._chunk: []}
 
     def many(
         self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
@@ -123,24 +130,29 @@ class Sweeps:
         """Evaluate plain arrays; return how many outputs have no ordinary value."""
         # A few shares for each thread: another process may hold one of them up.
         share = max(self._chunk, math.ceil(size / (SHARES * workers)))
+        room = self._room(size)
 
         def fill(starts: Iterator[int]) -> int:
             try:
-                sweep_arrays = self._sweeps.pop()
+                sweep_arrays = self._sweeps[room].pop()
             except IndexError:
-                sweep_arrays = self._sweeper()
+                sweep_arrays = self._sweeper(room)
             missing = sum(sweep_arrays(arrays, at, min(at + share, size)) for at in starts)
-            self._sweeps.append(sweep_arrays)
+            self._sweeps[room].append(sweep_arrays)
             return missing
 
         return sum(in_threads(fill, range(0, size, share), workers))
 
-    def _sweeper(self) -> Callable[[tuple[Any, ...], int, int], int]:
-        block = make_block(self._layout, self._chunk)
+    def _room(self, size: int) -> int:
+        """Return the points for which the block of so many has room."""
+        return FEW if size <= FEW else self._chunk
+
+    def _sweeper(self, points: int) -> _Sweep:
+        block = make_block(self._layout, points)
         return sweep_routine(
             sweep,
             block.numbers,
-            (self._chunk, block.whole[WIDTH]),
+            (points, block.whole[WIDTH]),
             (len(self.rulebase.inputs), block.columns),
             (len(self.rulebase.outputs), block.results),
             (POINTS, MISSING),
@@ -154,18 +166,20 @@ class Sweeps:
         part: tuple[slice, ...],
     ) -> int:
         """Evaluate one chunk of points; return how many outputs have no ordinary value."""
-        try:
-            chunk = self._free.pop()
-        except IndexError:
-            chunk = _Chunk(self._layout, self._chunk, compiled=self._compiled)
         shape = tuple(extent.stop - extent.start for extent in part)
-        count = chunk.whole[POINTS] = math.prod(shape)
+        count = math.prod(shape)
+        room = self._room(count)
+        try:
+            chunk = self._free[room].pop()
+        except IndexError:
+            chunk = _Chunk(self._layout, room, compiled=self._compiled)
+        chunk.whole[POINTS] = count
         for column, array in zip(chunk.columns, arrays.values(), strict=True):
             column[:count].reshape(shape)[...] = part_of(array, working, part)
         chunk.run()
         results[:, *part] = chunk.results[:, :count].reshape(-1, *shape)
         missing = chunk.whole[MISSING]
-        self._free.append(chunk)
+        self._free[room].append(chunk)
         return missing
 
     def _complete(

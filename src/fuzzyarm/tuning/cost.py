@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.formulas import CONSTANTS, Formula, FormulaError, read_formula
-from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference import infer
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.loop.metrics import METRICS
@@ -143,7 +143,7 @@ def errors_of(rulebase: RuleBase, samples: Samples) -> dict[str, float]:
     """Return the errors of a rule base on samples, by name; infinite where no rule fires."""
     inputs = dict(zip(samples.names, samples.inputs.T, strict=True))
     try:
-        values = infer_arrays(rulebase, inputs)[samples.target]
+        values = infer(rulebase, inputs)[samples.target]
     except InferenceError:
         return dict.fromkeys(ERRORS, math.inf)
     return errors_between(np.broadcast_to(values, samples.values.shape), samples.values)
