@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,13 +16,11 @@ from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.routine import Accuracy, CallCost, CWriter, RoutineArgument, TestPoints
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable, WholeNumberScale
 from fuzzyarm.expression.nodes import symbol
-from fuzzyarm.expression.printing import Language, c_language
+from fuzzyarm.expression.printing import c_language
 from fuzzyarm.table.fidelity import dense_points
 from fuzzyarm.table.header import index_words
 from fuzzyarm.table.lookup import blend, corner_offsets, share_of_way, strides_of
 from fuzzyarm.text.numbers import number_text
-
-# --- What the statements of a table have in common in every language ---
 
 Core = FloatTable | FixedTable
 
@@ -43,61 +41,6 @@ class Side:
     name: str  # of the parameter
     size: int  # levels
     stride: int  # cells from one of its indices to the next
-
-
-class TableCode:
-    """The parts of a look-up as text; one subclass for each language."""
-
-    language: Language
-    types: dict[Kind, str]
-    number: Callable[[float, Kind], str]
-    """The literal of a number of a type."""
-
-    def __init__(self, core: Core, parameters: Sequence[str]) -> None:
-        self.core = core
-        self.fixed = isinstance(core, FixedTable)
-        self.outer, self.inner, self.wide = (self.types[kind] for kind in core.precision)
-        shape = core.table.shape
-        self.sides = [
-            Side(axis, name, size, stride)
-            for axis, (name, size, stride) in enumerate(
-                zip(parameters, shape, strides_of(shape), strict=True)
-            )
-            if size > 1
-        ]
-        self.offsets = corner_offsets(shape)
-
-    def literals(self, numbers: NDArray[Any]) -> list[str]:
-        """Return some constants."""
-        return [self.number(x, self.core.precision.inside) for x in numbers.tolist()]
-
-    def points(self, side: Side) -> list[str]:
-        """Return the thresholds of an input, or its levels where it is interpolated."""
-        return self.literals(self.core.points[side.axis])
-
-    def share(self, x: str, lower: str, upper: str) -> str:
-        """Return the share of the way in floating point."""
-        return self.language.expression(share_of_way(symbol(x), symbol(lower), symbol(upper)))
-
-    def blend(self, near: str, far: str, share: str) -> str:
-        """Return the value at a share of the way in floating point."""
-        return self.language.expression(blend(symbol(near), symbol(far), symbol(share)))
-
-    def blended(
-        self,
-        corners: list[str],
-        shares: Sequence[str],
-        assign: Callable[[int, int, str, str], str],
-    ) -> str:
-        """Blend corners pairwise, the last input first, and return the last value.
-
-        `assign` is given the side, the number of the pair and the pair; it returns what the
-        blended value is called.
-        """
-        for side in range(len(shares) - 1, -1, -1):
-            pairs = zip(corners[0::2], corners[1::2], strict=True)
-            corners = [assign(side, k, near, far) for k, (near, far) in enumerate(pairs)]
-        return corners[0]
 
 
 # --- The statements in C ---
@@ -150,14 +93,17 @@ _BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
 """
 
 
-class _CTable(TableCode):
-    types = C_TYPES
-    number = staticmethod(c_number)
+class _CTable:
+    """The statements of a look-up; other languages print `fuzzyarm.export.lowering`."""
 
     def __init__(self, core: Core, writer: CWriter, parameters: Sequence[str]) -> None:
-        super().__init__(core, parameters)
-        self.writer = writer
-        self.parameters = parameters
+        self.core, self.writer, self.parameters = core, writer, parameters
+        self.fixed = isinstance(core, FixedTable)
+        self.outer, self.inner, self.wide = (C_TYPES[kind] for kind in core.precision)
+        shape = core.table.shape
+        axes = enumerate(zip(parameters, shape, strides_of(shape), strict=True))
+        self.sides = [Side(axis, *rest) for axis, rest in axes if rest[1] > 1]
+        self.offsets = corner_offsets(shape)
         self.language = c_language(self.inner)
         # The type that holds every index, and the suffix of its literals.
         small = core.values.size <= 0xFFFF
@@ -169,13 +115,17 @@ class _CTable(TableCode):
         lines = [f"(void){name}; /* one level only */" for name, size in sized if size == 1]
         return lines + (self._interpolate() if self.core.linear else self._pick())
 
+    def _literals(self, numbers: NDArray[Any]) -> list[str]:
+        return [c_number(x, self.core.precision.inside) for x in numbers.tolist()]
+
     def _constant(self, side: Side, what: str) -> str:
         name = f"{identifier(self.core.table.axes[side.axis].name)}_{what}"
-        return self.writer.constant(self.core.precision.inside, self.points(side), name)
+        points = self._literals(self.core.points[side.axis])
+        return self.writer.constant(self.core.precision.inside, points, name)
 
     def _values(self) -> str:
         table = self.core.table
-        name, literals = f"{identifier(table.output)}_values", self.literals(self.core.values)
+        name, literals = f"{identifier(table.output)}_values", self._literals(self.core.values)
         kind = self.core.precision.inside
         return self.writer.constant(kind, literals, name, columns=table.shape[-1])
 
@@ -208,17 +158,16 @@ class _CTable(TableCode):
         lines.append(f"const {kind} *const {cell} = &{values}[{' + '.join(terms)}];")
         helper = self._blend_helper()
 
-        def assign(side: int, pair: int, near: str, far: str) -> str:
-            call = f"{helper}({near}, {far}, {shares[side]})"
-            if side == 0:  # the one value that remains
-                return call
-            name = names.new(f"v_{pair}_{side}")
-            lines.append(f"const {self.wide} {name} = {call};")
-            return name
-
         corners = [f"{cell}[{offset}{self.u}]" for offset in self.offsets]
-        value = self.blended(corners, shares, assign)
-        return [*lines, f"return {self._narrow(value)};"]
+        # Pairwise, the last input first, until one value remains.
+        for axis in range(len(shares) - 1, -1, -1):
+            pairs = zip(corners[0::2], corners[1::2], strict=True)
+            corners = [f"{helper}({near}, {far}, {shares[axis]})" for near, far in pairs]
+            if axis:
+                values_of = [(names.new(f"v_{k}_{axis}"), call) for k, call in enumerate(corners)]
+                lines += [f"const {self.wide} {name} = {call};" for name, call in values_of]
+                corners = [name for name, _ in values_of]
+        return [*lines, f"return {self._narrow(corners[0])};"]
 
     def _neighbour(self, side: Side, names: Names) -> tuple[list[str], str, str]:
         """Return the statements for one input, its share of the way and its lower neighbour."""
@@ -226,7 +175,7 @@ class _CTable(TableCode):
         clamp = self.writer.helper("clamp", _CLAMP, TYPE=self.inner)
         levels = self._constant(side, "levels")
         x, i = names.new(f"x_{side.name}"), names.new(f"i_{side.name}")
-        points = self.points(side)
+        points = self._literals(self.core.points[side.axis])
         argument = f"({self.inner}){side.name}" if self.inner != self.outer else side.name
         index_text = f"0{u}"
         if side.size > 2:
@@ -236,7 +185,8 @@ class _CTable(TableCode):
             index_text = f"{count}(&{levels}[1], {side.size - 2}{u}, {x})"
         t = names.new(f"t_{side.name}")
         lower, upper = f"{levels}[{i}]", f"{levels}[{i} + 1u]"
-        share = self.share(x, lower, upper)
+        way = share_of_way(symbol(x), symbol(lower), symbol(upper))
+        share = self.language.expression(way)
         if self.fixed:
             share = f"(((int32_t){x} - {lower}) * 32768)\n        / ((int32_t){upper} - {lower})"
         return [
@@ -248,7 +198,7 @@ class _CTable(TableCode):
     def _blend_helper(self) -> str:
         if self.fixed:
             return self.writer.helper("blend", _BLEND_FIXED)
-        value = self.blend("near", "far", "share")
+        value = self.language.expression(blend(*map(symbol, ("near", "far", "share"))))
         return self.writer.helper("blend", _BLEND, TYPE=self.inner, VALUE=value)
 
     def _narrow(self, expression: str) -> str:
