@@ -21,6 +21,7 @@ from fuzzyarm.cli import main
 from fuzzyarm.controller.on_plant import site_of
 from fuzzyarm.controller.reach import reaches_of
 from fuzzyarm.controller.text import with_files
+from fuzzyarm.export.replica import Replica
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.expression.records import KindError
 from fuzzyarm.expression.sources import SOURCES, OptionKind, SourceState, source
@@ -396,6 +397,76 @@ def test_the_linear_opponent_keeps_the_dead_band():
     assert "deadband" in kinds
 
 
+# --- What the relay and the delay do ---
+
+
+@given(VALUES, WIDTHS)
+@settings(max_examples=cases(20, 60), deadline=None)
+def test_a_relay_switches_at_the_edges_of_its_band(values, width):
+    lines = (f"y = relay of e, width {width!r}, levels -3 .. 7", "drive voltage = y")
+    found = driven(made(controller(*lines)), values, compiled=False)
+    level = -3.0
+    for x, y in zip(values, found, strict=True):
+        if abs(x) > 0.5 * width:
+            level = 7.0 if x > 0.0 else -3.0
+        assert y == level
+    if has_machine_code():
+        assert bits(found) == bits(driven(made(controller(*lines)), values))
+
+
+@pytest.mark.parametrize("periods", [1, 3, 40])
+def test_a_delayed_signal_is_that_of_some_periods_ago(periods):
+    lines = (f"y = delayed of e, time {10 * periods} ms", "drive voltage = y")
+    text = made(controller(*lines))
+    expected = [*[COURSE[0]] * periods, *COURSE][: len(COURSE)]
+    for how in {False, has_machine_code()}:
+        assert driven(text, COURSE, how) == expected
+    (cells,) = {len(text.run(compiled=how).state) for how in {False, has_machine_code()}}
+    assert cells == 1 + periods + 1 + 1  # periods, memory, the drive, the skipped periods
+
+
+def test_a_period_without_a_number_leaves_a_delay_and_a_relay_as_they_were():
+    lines = (
+        "d = delayed of e, time 20 ms",
+        "r = relay of e, width 2, levels 0 .. 1",
+        "drive voltage = d + 100 * r",
+    )
+    text = made(controller(*lines))
+    course = [1.5, 2.0, math.nan, 0.5, -0.5, 0.0]
+    whole = driven(text, [x for x in course if not math.isnan(x)], compiled=False)
+    for how in {False, has_machine_code()}:
+        found = driven(text, course, how)
+        assert found == [*whole[:2], whole[1], *whole[2:]]
+        assert found == [101.5, 101.5, 101.5, 101.5, 102.0, 100.5]
+
+
+def test_a_loop_with_a_delayed_signal_is_proved_stable_until_it_is_too_late():
+    claims = []
+    for time in (10, 20, 500):
+        lines = (
+            f"d = delayed of e, time {time} ms",
+            "drive voltage = 12 * d",
+        )
+        text = made(controller(*lines))
+        claims.append(fuzzyarm.prove(text, "stable", plant="motor").verdict)
+    assert claims == ["proved", "proved", "refuted"]
+
+
+def test_a_delay_and_a_relay_are_exported_without_another_line_for_them():
+    lines = (
+        "d = delayed of e, time 40 ms",
+        "r = relay of d, width 0.5, levels -1 .. 1",
+        "drive voltage = r + d",
+    )
+    text = made(controller(*lines))
+    replica = Replica(steps_of(text))
+    found = []
+    for x in COURSE:
+        ports = {"measured:shaft:position": -x, "reference:shaft:position": 0.0}
+        found += replica.step(ports).values()
+    assert bits(found) == bits(driven(text, COURSE, compiled=False))
+
+
 # --- What is said of mistakes ---
 
 
@@ -416,6 +487,9 @@ def test_the_linear_opponent_keeps_the_dead_band():
         ("y = backlash of e, width 2", "trailing-text", "WORD of NAME", "hysteresis of e, width"),
         ("y = deadband of e, width 2, width 3", "duplicate-setting", "'width' is set twice", ""),
         ("y = integral of e, start n", "unexpected-token", "a number after start, found 'n'", ""),
+        ("y = relay of e, width 2", "incomplete-statement", "the levels of relay is missing", ""),
+        ("y = delayed of e, time 25 ms", "bad-number", "is 2.5 control periods", "0.03 s"),
+        ("y = delayed of e, time 1 h", "bad-number", "is 360,000 control periods", "at most 250"),
         ("y = deadband of f, width 2", "unknown-signal", "called 'f'", ""),
     ],
 )  # fmt: skip

@@ -258,8 +258,10 @@ class ProgramWalk:
             return self._value(root, argument, names)
 
         results[VALUE] = value(kind.expression)
-        for cell, root in enumerate(kind.nexts, frame + 1):
-            self._keep(cell, value(root))
+        # All are of the time before: none is kept until each of them is known.
+        after = [value(root) for root in kind.nexts]
+        for cell, state in enumerate(after, frame + 1):
+            self._keep(cell, state)
         return results[VALUE]
 
     def _infer(self, begin: int) -> None:

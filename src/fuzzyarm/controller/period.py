@@ -122,10 +122,10 @@ class Update(Generic[T]):
     line: SignalLine
     source: Source
 
-    @property
+    @cached_property
     def kind(self) -> SourceKind:
         """Its record."""
-        return self.source.record
+        return self.source.sized(self.period.model.period)
 
     @cached_property
     def x(self) -> T:
@@ -502,7 +502,7 @@ class ControlPeriod(Generic[T]):
     def _of_source(
         self, axes: Axes, axis: str, index: int, line: SignalLine, source: Source
     ) -> Iterator[Remembered]:
-        kind, options = source.record, dict(source.options)
+        kind, options = source.sized(self.model.period), dict(source.options)
         sheet = self.sheet(source.name, index) if kind.of == "call" else None
         if isinstance(sheet, RuleBase):
             for number, output in enumerate(sheet.outputs):

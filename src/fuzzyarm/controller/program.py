@@ -503,7 +503,7 @@ class _Writer:
 
     def _source(self, axes: Axes, line: SignalLine, source: Source) -> int:
         """Write the instructions of a source; return the cell of its value."""
-        kind = source.record
+        kind = source.sized(self.model.period)
         if kind.of == "call":
             return self._look_up(source)
         cell = self._taken_of(source)

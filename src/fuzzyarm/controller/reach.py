@@ -340,6 +340,8 @@ class Ranges(Algebra[Reach]):
         near = Surroundings(reach.at, reach.pace, model.period, model.every, options)
         settings = {name: value.at for name, value in update.settings.items()}
         unit = of_difference(reach.unit) if kind.difference else reach.unit
+        if kind.dimensionless:
+            unit = {}
         bounds = Reach(
             range_of_source(kind, near, settings, kind.starts(options)),
             math.inf if kind.pace is None else kind.pace(near),

@@ -277,6 +277,9 @@ def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
     if code is not None:  # a plain function says so itself: `inspect` is slow to import
         names: tuple[str, ...] = code.co_varnames[: code.co_argcount]
         return names
+    own: tuple[str, ...] | None = getattr(function, "argument_names", None)
+    if own is not None:
+        return own
     import inspect
 
     return tuple(inspect.signature(function).parameters)

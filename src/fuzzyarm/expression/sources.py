@@ -6,6 +6,21 @@ help, the kernel, ranges, proofs, describing functions, diagrams, C and Structur
 record, and nothing else says what a source is. The list is closed: each of them has a textbook
 structure after it.
 
+To add a source
+---------------
+1. Write its update as a function of the arguments below, with arithmetic, comparisons and
+   :mod:`fuzzyarm.op`, no ``if``: the value of this period. What it remembers is a
+   :class:`SourceState`: a name, its next value (a function of ``value`` and of the arguments), and
+   its start.
+2. Add one ``kind(…)`` to `_register`, or call :func:`source` from a program of your own.
+3. Rebuild the machine code (``python -m fuzzyarm.native.build``), add a line to the table in
+   ``docs/controllers.md``, and run ``pytest tests/controller/test_sources.py``: it takes every
+   record through the language, both kinds of loop, ranges, proofs, describing functions, diagrams
+   and exports.
+
+Without ``bounds`` its range follows from its update. A proof takes its update as it is, or refuses
+it by the name of the operation that it cannot enclose.
+
 The arguments of an update are found by their names:
 
 ================  ==============================================================================
@@ -24,9 +39,9 @@ an option         by its word: a number or a time (0 where it is not given), 1 o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.expression import op
@@ -85,6 +100,8 @@ class OptionKind(NamedTuple):
         Whether its number must be above 0.
     alike : bool
         Whether it is in the unit of what the source is taken of.
+    periods : bool
+        Whether its time must be whole control periods, at most `MOST_PERIODS`.
     """
 
     takes: Literal["number", "figure", "time", "range", "words", "windup"]
@@ -93,6 +110,7 @@ class OptionKind(NamedTuple):
     needed: bool = False
     positive: bool = False
     alike: bool = False
+    periods: bool = False
 
     @property
     def example(self) -> str:
@@ -188,6 +206,11 @@ class SourceKind(Kind):
         The source that it takes back, ``rate`` of the integral.
     elsewhere : str
         Words that others have for it, with blanks between.
+    dimensionless : bool
+        Whether its values have no unit, whatever it is taken of.
+    of_periods : callable or None
+        Of a source that remembers as many values as an option has periods: from that number to its
+        update and its states. The record itself has those of one period.
     """
 
     of: Literal["port", "signal", "error", "call"] = "signal"
@@ -203,6 +226,8 @@ class SourceKind(Kind):
     linear: bool = False
     inverse_of: str = ""
     elsewhere: str = ""
+    dimensionless: bool = False
+    of_periods: Callable[[int], tuple[Callable[..., X], tuple[SourceState, ...]]] | None = None
 
     @cached_property
     def symbols(self) -> tuple[str, ...]:
@@ -263,12 +288,49 @@ class SourceKind(Kind):
                 numbers[name] = _number(value)
         return numbers
 
+    def sized(self, options: Mapping[str, Setting], period: float) -> SourceKind:
+        """Return its record with as many states as an option has periods."""
+        word = next((word for word, kind in self.options.items() if kind.periods), "")
+        if self.of_periods is None or not word:
+            return self
+        return _sized(self, whole_periods(_number(options.get(word)), period))
+
     def starts(self, options: Mapping[str, Setting]) -> list[float]:
         """Return its states before the first period."""
         return [
             _number(options.get(state.start)) if isinstance(state.start, str) else state.start
             for state in self.states
         ]
+
+
+MOST_PERIODS = 250
+"""Values that a source remembers at most: each is a variable of an exported program."""
+
+
+def whole_periods(time: float, period: float) -> int:
+    """Return a time in whole control periods; a half counts up."""
+    return math.floor(time / period + 0.5 + 1e-9)
+
+
+@cache
+def _sized(kind: SourceKind, count: int) -> SourceKind:
+    if count > MOST_PERIODS:
+        message = f"{kind.name} remembers {count:,} values; at most {MOST_PERIODS} are covered"
+        raise KindError(message, kind.name)
+    assert kind.of_periods is not None
+    update, states = kind.of_periods(count)
+    return replace(kind, function=update, states=states, of_periods=None)
+
+
+class _Named:
+    """A function whose arguments have names that are made."""
+
+    def __init__(self, names: Sequence[str], function: Callable[..., X]) -> None:
+        self.argument_names = tuple(names)
+        self.function = function
+
+    def __call__(self, *arguments: X) -> X:
+        return self.function(*arguments)
 
 
 def _number(value: Setting | None) -> float:
@@ -375,6 +437,32 @@ def _hysteresis(x: X, held: X, width: X) -> X:
     return op.minimum(op.maximum(held, x - 0.5 * width), x + 0.5 * width)
 
 
+def _delayed(count: int) -> tuple[Callable[..., X], tuple[SourceState, ...]]:
+    """Return a row of values, each handed on once in a period; x where it has seen nothing yet."""
+    names = [f"late{k + 1}" for k in range(count)]
+    after = [_Named(["x", *before], _seen_or_x) for before in ([], *([name] for name in names))]
+    # Each is next what the one before it is now: the first x, the value the last.
+    *nexts, value = after
+    states = tuple(
+        SourceState(name, following, math.nan) for name, following in zip(names, nexts, strict=True)
+    )
+    return value, states
+
+
+def _seen_or_x(x: X, *before: X) -> X:
+    return op.where(unseen(before[0]), x, before[0]) if before else x
+
+
+def _switched(x: X, on: X, width: X) -> X:
+    """Return 1 above the band, 0 below it, and within it what it was."""
+    return op.where(x > 0.5 * width, 1.0, op.where(x < -0.5 * width, 0.0, on))
+
+
+def _relay(x: X, on: X, width: X, levels_low: X, levels_high: X) -> X:
+    """Return one of two levels, by the side on which x has last left the band."""
+    return op.where(_switched(x, on, width) > 0.5, levels_high, levels_low)
+
+
 # ── the sources ──────────────────────────────────────────────────────────────────────
 
 BOTH = ("reference", "measured")
@@ -387,6 +475,11 @@ WIDTH = {
 
 def _symmetric(size: float) -> Interval:
     return Interval(-size, size)
+
+
+def _levels(options: Mapping[str, Setting]) -> Interval:
+    levels = options.get("levels")
+    return Interval(*levels) if isinstance(levels, tuple) else EVERYTHING
 
 
 def _of_integral(near: Surroundings) -> Interval:
@@ -529,6 +622,34 @@ def _register() -> None:
         kept="signal",
         pace=lambda near: near.pace,
         elsewhere="backlash play",
+    )
+    handed_on, late = _delayed(1)
+    kind(
+        "delayed",
+        handed_on,
+        doc="a signal some control periods ago; begins at its first value",
+        options={"time": OptionKind("time", "how long ago", needed=True, periods=True)},
+        states=late,
+        of_periods=_delayed,
+        kept="signal",
+        bounds=lambda near: near.at,
+        pace=lambda near: near.pace,
+        linear=True,
+        elsewhere="delay dead-time deadtime transport-delay z-1 previous",
+    )
+    kind(
+        "relay",
+        _relay,
+        doc="switch with hysteresis: its high level once a signal is above half the width, its low"
+        " one once it is below minus that; begins low",
+        options={
+            **WIDTH,
+            "levels": OptionKind("range", "its values: low and high", needed=True),
+        },
+        states=(SourceState("on", _switched),),
+        dimensionless=True,
+        bounds=lambda near: _levels(near.options),
+        elsewhere="switch bang-bang on-off two-point thermostat",
     )
     kind("rules", of="call", doc="what a rule base concludes; one signal for each output")
     kind("table", of="call", doc="the value of a lookup table")

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
-from fuzzyarm.expression.sources import Setting
+from fuzzyarm.expression.sources import MOST_PERIODS, Setting, whole_periods
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
@@ -414,12 +414,29 @@ class _Scope:
                     hint=f"add  , {word} {option.example}",
                 )
             value = options.get(word)
+            if option.periods and isinstance(value, Time):
+                self._judge_periods(source, word, value)
             if not option.positive or not isinstance(value, Figure | Word):
                 continue
             for number in self._numbers_of(value):
                 if not number > 0.0:
                     message = f"the {word} of {source.kind} must be above 0, not {number:g}"
                     self.scope.report("bad-number", message, value.span)
+
+    def _judge_periods(self, source: Source, word: str, time: Time) -> None:
+        """Report a time that is not a whole number of control periods, or that is too many."""
+        period = next((node.time for node in self.nodes if isinstance(node, PeriodNode)), 0.0)
+        if not period > 0.0:
+            return
+        count = whole_periods(time, period)
+        if not math.isclose(time, count * period, rel_tol=1e-6, abs_tol=1e-12):
+            message = f"the {word} of {source.kind} is {time / period:.4g} control periods"
+            hint = f"whole ones:  {number_text(count * period)} s"
+            self.scope.report("bad-number", message, time.figure.span, hint=hint)
+        elif count > MOST_PERIODS:
+            message = f"the {word} of {source.kind} is {count:,} control periods"
+            hint = f"at most {MOST_PERIODS}"
+            self.scope.report("bad-number", message, time.figure.span, hint=hint)
 
     def _numbers_of(self, value: Figure | Word) -> list[float]:
         """Return a number, or those of a gain, as far as they are known."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import Site, site_of
 from fuzzyarm.errors import UsageError
+from fuzzyarm.expression.sources import whole_periods
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, LoopConstants
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_number, as_seconds, as_signal
@@ -302,7 +303,7 @@ def motion(
 
 def periods_of(delay: float, period: float) -> int:
     """Return a delay in whole control periods, a half counts up."""
-    return math.floor(delay / period + 0.5 + 1e-9)
+    return whole_periods(delay, period)
 
 
 def is_whole(delay: float, period: float) -> bool:

@@ -204,6 +204,10 @@ class Source:
         """The record of its kind; KindError if it is unknown."""
         return SOURCES[self.kind]
 
+    def sized(self, period: float) -> SourceKind:
+        """Return the record of its kind, with as many states as its options have periods."""
+        return self.record.sized(dict(self.options), period)
+
     def option(self, word: str) -> Setting | None:
         """Return an option; None without it."""
         return dict(self.options).get(word)
