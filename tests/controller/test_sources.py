@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import runpy
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +22,6 @@ from fuzzyarm.cli import main
 from fuzzyarm.controller.on_plant import site_of
 from fuzzyarm.controller.reach import reaches_of
 from fuzzyarm.controller.text import with_files
-from fuzzyarm.export.replica import Replica
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.expression.records import KindError
 from fuzzyarm.expression.sources import SOURCES, OptionKind, SourceState, source
@@ -452,19 +452,20 @@ def test_a_loop_with_a_delayed_signal_is_proved_stable_until_it_is_too_late():
     assert claims == ["proved", "proved", "refuted"]
 
 
-def test_a_delay_and_a_relay_are_exported_without_another_line_for_them():
+def test_a_delay_and_a_relay_are_exported_without_another_line_for_them(tmp_path, capsys):
     lines = (
         "d = delayed of e, time 40 ms",
         "r = relay of d, width 0.5, levels -1 .. 1",
         "drive voltage = r + d",
     )
-    text = made(controller(*lines))
-    replica = Replica(steps_of(text))
-    found = []
-    for x in COURSE:
-        ports = {"measured:shaft:position": -x, "reference:shaft:position": 0.0}
-        found += replica.step(ports).values()
-    assert bits(found) == bits(driven(text, COURSE, compiled=False))
+    text = controller(*lines)
+    (tmp_path / "late.frb").write_text(text)
+    assert main(["compile", str(tmp_path / "late.frb"), "-o", str(tmp_path / "late.py")]) == 0
+    assert "worst difference to the controller in double precision: 0 (" in capsys.readouterr().out
+    exported = runpy.run_path(str(tmp_path / "late.py"))["Controller"]()
+    course = [*COURSE[:9], math.nan, *COURSE[9:]]
+    found = [exported.step(reference_position=0.0, measured_position=-x) for x in course]
+    assert bits(found) == bits(driven(made(text), course, compiled=False))
 
 
 # --- What is said of mistakes ---
