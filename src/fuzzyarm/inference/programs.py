@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.expression.formulas import CONSTANTS
-from fuzzyarm.expression.kinds import SHAPES, TNORMS
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference import (
     centroid_kernel,
     closed_form,
@@ -174,11 +174,6 @@ def demand_covered(plan: OutputPlan, inputs: Sequence[str]) -> None:
     program = program_of(plan)
     if program is LEVELS and output.aggregation != "max":
         raise NotCoveredError(f"the exact {what} under aggregation {output.aggregation}")
-    if program.takes_long:
-        for member in plan.members:
-            if TNORMS[member.implication].own:
-                under = f"implication {member.implication}"
-                raise NotCoveredError(f"the exact {what} under {under}")
 
 
 def _demand_number(plan: OutputPlan, member: Member, inputs: Sequence[str]) -> None:

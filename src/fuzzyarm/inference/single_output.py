@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import type_reduction_kernel
-from fuzzyarm.inference.block import TermNumbers
+from fuzzyarm.inference.block import NotCoveredError, TermNumbers
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter, made_by, wanted
 from fuzzyarm.inference.plan import OutputPlan, Plan
 from fuzzyarm.inference.programs import (
@@ -19,6 +20,7 @@ from fuzzyarm.inference.programs import (
     ENDS_OF_ROWS,
     DefuzzifierProgram,
     demand_covered,
+    program_of,
 )
 from fuzzyarm.inference.row_functions import Addresses
 
@@ -82,6 +84,7 @@ class _OneOutput:
         self.floats: list[float] = []
         if not output.discrete:
             demand_covered(output, ())
+            _demand_known_implications(output)
 
     def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
         """There are no rules."""
@@ -131,3 +134,12 @@ class _OneOutput:
             whole += [0, consequent]
         # What reads ahead of a condition, as some languages do, stays inside.
         self.floats += [0.0, 0.0]
+
+
+def _demand_known_implications(plan: OutputPlan) -> None:
+    """Refuse exact integrals under an implication of one's own: a program may lack its norms."""
+    if program_of(plan).takes_long:
+        for member in plan.members:
+            if TNORMS[member.implication].own:
+                what = f"{plan.record.name} of '{plan.output.name}'"
+                raise NotCoveredError(f"the exact {what} under implication {member.implication}")
