@@ -34,8 +34,7 @@ export class ExportPane extends Pane {
     super(store, hand, "exports", S.exports);
     const { body } = this;
     this.groups = el("div", { class: "groups" });
-    this.leftOut = el("p", { class: "note", hidden: true, textContent: S.noModule });
-    body.append(el("p", { class: "note", textContent: S.exportsNote }), this.groups, this.leftOut);
+    body.append(el("p", { class: "note", textContent: S.exportsNote }), this.groups);
     store.on("view", this.build);
     store.on("text", this.build);
   }
@@ -44,7 +43,6 @@ export class ExportPane extends Pane {
     if (this.store.view !== "files" || !this.hand.file()) return;
     const { forms = {} } = await this.hand.askNow("exports");
     const groups = groupsOf(Object.keys(forms));
-    this.leftOut.hidden = ".mjs" in forms || !groups.length;
     this.groups.replaceChildren(...groups.map(([name, suffixes]) => this.group(name, suffixes, forms)));
   };
 

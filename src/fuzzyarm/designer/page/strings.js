@@ -177,7 +177,6 @@ export const S = {
 
   exports: "Export",
   exportsNote: "Of the text as it is now, saved or not; the files that a controller uses are taken as they are saved.",
-  noModule: "JavaScript is made of rule bases alone: open the one that is used here.",
   exportGroups: {
     programs: "Program",
     tables: "Table",
@@ -194,6 +193,7 @@ export const S = {
     ".py": "MicroPython",
     ".fmu": "FMU",
     ".mjs": "JavaScript",
+    ".rs": "Rust",
     ".lut": "Table .lut",
     ".csv": "CSV",
     ".tex": "LaTeX",
