@@ -9,7 +9,6 @@ controller remembers is part of the zonotope.
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -30,6 +29,7 @@ from fuzzyarm.expression.nodes import Constant, Node, replace, symbols
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.arithmetic import Stop
 
 __all__ = ["Box", "Demand", "FollowedBoxes", "Follower", "Goal"]
 
@@ -158,8 +158,8 @@ class Follower:
         s; rounded up to whole control periods.
     demands : sequence of Demand, optional
         What is asked.
-    until : float, optional
-        When to give up, as ``time.monotonic`` has it.
+    stop : Stop, optional
+        When to give up.
     goal : callable, optional
         Where boxes are to arrive. Demands are asked of a box until then; boxes are followed until
         all have arrived.
@@ -183,11 +183,11 @@ class Follower:
         problem: LoopProblem,
         duration: float,
         demands: Sequence[Demand] = (),
-        until: float = math.inf,
+        stop: Stop | None = None,
         goal: Goal | None = None,
     ) -> None:
         self.problem = problem
-        self.until = until
+        self.stop = stop or Stop()
         self.goal = goal
         equations = problem.equations
         self.period = problem.period
@@ -290,7 +290,7 @@ class Follower:
             if arrived.all():
                 break
             self._demand_bounded(at[-1])
-            if clock.monotonic() > self.until:
+            if self.stop.now:
                 raise EnclosureError("time is over")
             states, memory = self._fewer(states, memory, count, algebra)
         return FollowedBoxes(

@@ -307,7 +307,7 @@ def certify(
     assert claim is not None
     budget = request.budget or TUBE_BUDGET
     tube = certify_tube(
-        controller, claim, budget=max(budget - verdict.seconds, LEAST_SHARE * budget),
+        controller, claim, budget=max(budget - verdict.work, LEAST_SHARE * budget),
         tell=lambda count, gap: tell(f"certificate of {verdict.statement}", count, gap),
         **setup_of(request, claim),
     )  # fmt: skip

@@ -26,6 +26,7 @@ from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.expression.operations import Interval
+from fuzzyarm.proof.arithmetic import Stop
 
 __all__ = ["Demand", "Progress", "Tube", "tube"]
 
@@ -221,8 +222,8 @@ class _Bisection:
         most: int, progress: Progress | None, goal: Goal | None,
     ) -> None:  # fmt: skip
         self.begun = clock.monotonic()
-        self.until = self.begun + budget
-        self.follower = Follower(problem, duration, demands, self.until, goal)
+        self.stop = Stop(budget)
+        self.follower = Follower(problem, duration, demands, self.stop, goal)
         self.most = most
         self.progress = progress
         self.done = 0.0
@@ -238,7 +239,7 @@ class _Bisection:
         while waiting:
             batch, waiting = waiting[:AT_ONCE], waiting[AT_ONCE:]
             halves = bool(self.follower.names) and count < self.most
-            halves &= clock.monotonic() < self.until
+            halves &= not self.stop.now
             for group, course, weights in self._followed(batch, whole=not halves):
                 halved = list(group)
                 if course is not None:
@@ -285,7 +286,7 @@ class _Bisection:
             return [(list(boxes), course, course.weight)]
         except EnclosureError as error:
             # Once time is over no part of them can be followed either.
-            if len(boxes) == 1 or clock.monotonic() > self.until:
+            if len(boxes) == 1 or self.stop.now:
                 self.reason = str(error)
                 return [(list(boxes), None, self.follower.last_weight)]
             middle = len(boxes) // 2

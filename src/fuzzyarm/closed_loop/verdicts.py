@@ -97,6 +97,8 @@ class LoopVerdict(Shown):
         Attempts of the search.
     seconds : float
         How long it took.
+    work : float
+        What of its budget it took, s.
     reason : str
         Why it is undecided, or what limits the region.
     line : int
@@ -119,6 +121,7 @@ class LoopVerdict(Shown):
     uncertain: tuple[str, ...] = ()
     pieces: int = 0
     seconds: float = 0.0
+    work: float = field(default=0.0, compare=False, repr=False)
     reason: str = ""
     line: int = 0
     claim: LoopClaim | None = field(default=None, compare=False)
@@ -322,6 +325,7 @@ class _Case:
             verdict=verdict,
             pieces=self.attempts,
             seconds=time.monotonic() - self.started,
+            work=self.stop.spent,
             line=0 if self.claim.span == NOWHERE else self.claim.span.line,
             claim=self.claim,
             **facts,

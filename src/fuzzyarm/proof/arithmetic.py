@@ -8,6 +8,7 @@ times as fast as the ``Fraction`` of Python.
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable
 from fractions import Fraction
@@ -137,13 +138,23 @@ class TimeOverError(FuzzyarmError, TimeoutError):
         super().__init__("time ran out")
 
 
+PATIENCE = 10.0
+"""Seconds on the clock for each second of work, after which a proof gives up whatever it did."""
+
+_worked = getattr(time, "thread_time", time.process_time)
+
+
 class Stop:
     """When to give up, and whom to tell of the progress.
+
+    Time is that of work: the processor's, in the thread that makes the stop. So a verdict is the
+    same on a machine that does something else beside. The clock is an upper stop, see
+    :data:`PATIENCE`.
 
     Parameters
     ----------
     seconds : float
-        How long a proof may take.
+        How long a proof may work.
     tell : callable, optional
         Called with the number of open pieces and the gap between the bounds; NaN before there are
         bounds, while pieces are still being cut.
@@ -152,18 +163,29 @@ class Stop:
     def __init__(
         self, seconds: float = np.inf, tell: Callable[[int, float], None] | None = None
     ) -> None:
-        self.until = time.monotonic() + seconds
+        self._seconds = seconds
+        self._thread = threading.get_ident()
+        self._begun = time.monotonic()
+        self._work = _worked()
         self.tell = tell
+
+    @property
+    def spent(self) -> float:
+        """How many seconds were worked."""
+        on_the_clock = time.monotonic() - self._begun
+        if threading.get_ident() != self._thread:  # whose work is not known
+            return on_the_clock
+        return max(_worked() - self._work, on_the_clock / PATIENCE)
 
     @property
     def left(self) -> float:
         """How many seconds are left."""
-        return self.until - time.monotonic()
+        return self._seconds - self.spent
 
     @property
     def now(self) -> bool:
         """Whether time is over."""
-        return time.monotonic() > self.until
+        return self.spent > self._seconds
 
     def half(self) -> Stop:
         """Return the first half of the time that is left, for the first of two searches."""

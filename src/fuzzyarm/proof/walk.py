@@ -8,7 +8,6 @@ from there.
 from __future__ import annotations
 
 import math
-import time
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -141,7 +140,7 @@ class AxisLines:
         key = "value", id(prover), tuple(sorted(region.items()))
         if key not in self._cache:
             if prover.model is None:
-                prover.stop = Stop(min(BOXES_SECONDS, self.stop.until - time.monotonic()))
+                prover.stop = Stop(min(BOXES_SECONDS, self.stop.left))
             try:
                 self._cache[key] = prover.value(region)
             except FuzzyarmError:
