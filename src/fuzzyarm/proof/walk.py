@@ -1,8 +1,8 @@
 """The memoryless part of one axis of a controller, line by line, with a law for each signal.
 
-The walk of :mod:`fuzzyarm.controller.reach` knows plants and units; this one knows slopes, and
-asks rule bases for what :mod:`fuzzyarm.proof.sector` proves. The ranges of the sources come
-from there.
+A control period (:mod:`fuzzyarm.controller.period`) over laws: it knows slopes, and asks rule bases
+for what :mod:`fuzzyarm.proof.sector` proves. The ranges of the sources are those of
+:mod:`fuzzyarm.controller.reach`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,9 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fuzzyarm.controller.on_plant import Site
-from fuzzyarm.controller.program import AXIS, SourceError, of_axis
+from fuzzyarm.controller.period import Algebra, Call, ControlPeriod, Lesson, Update
+from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.reach import Reach, combine, hull, largest, overlap, reaches_of, symmetric
 from fuzzyarm.controller.text import ControllerText, input_names
 from fuzzyarm.errors import FuzzyarmError
@@ -26,7 +25,7 @@ from fuzzyarm.expression.nodes import Node, symbols
 from fuzzyarm.expression.operations import EVERYTHING, Interval
 from fuzzyarm.expression.sources import Setting
 from fuzzyarm.inference import infer
-from fuzzyarm.model.controller import Drive, Learn, Product, SignalLine, Source, Zoom
+from fuzzyarm.model.controller import Drive, SignalLine, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import LIKE_EXPECT
@@ -76,9 +75,6 @@ class AxisLines:
         self, text: ControllerText, site: Site | None, name: str, stop: Stop, cache: dict[Any, Any]
     ) -> None:
         self.text, self.site, self.name, self.stop = text, site, name, stop
-        self.index = text.model.axis_names.index(name)
-        self.lines = next(axes.lines for axes in text.model.axes if name in axes.names)
-        self.learned = {line.table: line for line in self.lines if isinstance(line, Learn)}
         reaches = reaches_of(text, site)
         own_reaches = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
         self._names = _names_of(own_reaches)
@@ -88,11 +84,6 @@ class AxisLines:
         self.definitions: dict[str, tuple[Source, SignalLaw | None]] = {}
         self.only_values = False
         self._cache = cache
-
-    def sheet(self, name: str) -> RuleBase | LookupTable | None:
-        """Return the rule base or table of this axis."""
-        sheets = self.text.sheets.get(name)
-        return sheets[self.index if len(sheets) > 1 else 0] if sheets else None
 
     def silent(self, sheet: RuleBase) -> RuleBase:
         """Return a rule base that is NaN where no rule fires and it states no value for that."""
@@ -107,14 +98,6 @@ class AxisLines:
             self._cache[key] = replace(sheet, outputs=outputs)
         rulebase: RuleBase = self._cache[key]
         return rulebase
-
-    def gain(self, name: str) -> SignalLaw | None:
-        """Return a gain of this axis; None where it is not one."""
-        gain = next((model for model in self.text.model.gains if model.name == name), None)
-        if gain is None:
-            return None
-        value = gain.values[self.index if len(gain.values) > 1 else 0].value(math.pi)
-        return constant(value)
 
     def name_of(self, of: Source) -> str:
         """Return what a source is called; those that differ have names that differ."""
@@ -187,72 +170,76 @@ class _Notes:
     flat: list[str] = field(default_factory=list)
 
 
-class LineWalk:
-    """Goes over the lines of one axis, with the sources where they are asked for."""
+class LineWalk(Algebra[SignalLaw]):
+    """Laws as the numbers of a control period of an axis, with sources where they are asked for."""
 
     def __init__(self, case: AxisLines, question: Asked) -> None:
         self.case = case
         self.question = question
         self.notes = _Notes()
-        self.laws: dict[str, SignalLaw] = {}
         self.drives: dict[str, list[tuple[Drive, SignalLaw]]] = {}
 
     def run(self) -> LineWalk:
         """Go over all lines."""
-        for line in self.case.lines:
-            if isinstance(line, SignalLine):
-                self._signal(line)
-            elif isinstance(line, Zoom):
-                self._zoom(line)
-            elif isinstance(line, Drive):
-                law = self._products(line.products)
-                self.drives.setdefault(line.port, []).append((line, law))
+        ControlPeriod(self.case.text, self).run({}, {}, only={self.case.name})
         return self
 
-    def _signal(self, line: SignalLine) -> None:
-        if line.source is None:
-            laws = [self._products(line.products)]
-        else:
-            laws = self._source(line.source, len(line.names))
-            factors = line.products[0].factors if line.products else ()
-            for factor in factors:
-                by = self._named(factor.value)
-                laws = [(over if factor.divides else times)(law, by) for law in laws]
-        self.laws.update(zip(line.names, laws, strict=False))
+    def drive(self, axis: str, line: Drive, value: SignalLaw) -> SignalLaw:
+        """Note a drive, before its limits."""
+        self.drives.setdefault(line.port, []).append((line, value))
+        return value
 
-    def _named(self, value: str | float) -> SignalLaw:
-        if not isinstance(value, str):
-            return constant(value)
-        if value in self.laws:
-            return self.laws[value]
-        gain = self.case.gain(value)
-        return unknown(EVERYTHING, f"'{value}' is a law of its own") if gain is None else gain
+    # --- numbers ---
 
-    def _products(self, products: Sequence[Product]) -> SignalLaw:
-        total = constant(0.0)
-        for product in products:
-            first, *others = product.factors
-            law = self._named(first.value)
-            for factor in others:
-                law = (over if factor.divides else times)(law, self._named(factor.value))
-            total = plus(total, scaled(law, -1.0) if product.negative else law)
-        return total
+    def number(self, value: float) -> SignalLaw:
+        """Return the law of a number."""
+        return constant(value)
+
+    def unknown(self, name: str) -> SignalLaw:
+        """Return the law of a partner."""
+        return unknown(EVERYTHING, f"'{name}' is a law of its own")
+
+    def add(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a sum."""
+        return plus(a, b)
+
+    def negated(self, x: SignalLaw) -> SignalLaw:
+        """Return a law times -1."""
+        return scaled(x, -1.0)
+
+    def subtract(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a difference."""
+        return plus(a, scaled(b, -1.0))
+
+    def multiply(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a product."""
+        return times(a, b)
+
+    def divide(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a quotient."""
+        return over(a, b)
+
+    def limit(self, x: SignalLaw, low: float, high: float) -> SignalLaw:
+        """Return it as it is: limits of drives are judged with what is noted."""
+        return x
+
+    def near(self, x: SignalLaw, before: SignalLaw, most: float) -> SignalLaw:
+        """Return it as it is."""
+        return x
 
     # --- sources ---
 
-    def _source(self, of: Source, count: int) -> list[SignalLaw]:
-        if of.kind == "rules":
-            return self._rules(of, count)
-        if of.record.of == "call":
-            return [self._table(of)]
-        curve = self._curve(of)
+    def source(self, update: Update[SignalLaw]) -> SignalLaw:
+        """Return a curve of its signal, or a source of its own, where it is asked for."""
+        of = update.source
+        curve = self._curve(update)
         if curve is not None:
-            law = curved(curve, self._named(of.name), exact=bool(self.question.form))
+            law = curved(curve, update.x, exact=bool(self.question.form))
             if law.gains and law.gains == dict.fromkeys(law.gains, NOTHING):
                 self.notes.flat.append(source_name(of))
-            return [law]
+            return law
         name = self.case.name_of(of)
-        self.case.remember(name, of, self.laws.get(of.name))
+        self.case.remember(name, of, None if update.kind.ports else update.x)
         at = self.question.at.get(name, NOTHING)
         along: Interval | str
         if not self.question.form or at == NOTHING:
@@ -261,53 +248,55 @@ class LineWalk:
             along = Interval(1.0 / self.question.form[name], 1.0 / self.question.form[name])
         else:
             along = f"'{name}' is one part of the sum only"
-        return [SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)]
+        return SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)
 
-    def _curve(self, of: Source) -> Node | None:
+    def _curve(self, update: Update[SignalLaw]) -> Node | None:
         """Return a source as an expression over ``x``, where it is one: it remembers nothing."""
-        kind = of.record
+        kind = update.kind
         if kind.of != "signal" or kind.states or kind.function is None:
             return None
         numbers = {"period": self.case.text.model.period}
-        for name, value in kind.settings(dict(of.options)).items():
-            number = self._named(value).constant
-            if number is not None:
-                numbers[name] = number
+        for name, law in update.settings.items():
+            if law.constant is not None:
+                numbers[name] = law.constant
         root = specialise(kind.expression, numbers)
         return root if set(symbols(root)) <= {"x"} else None
 
-    def _zoom(self, line: Zoom) -> None:
-        by, inside = self._named(line.by).constant, self._named(line.inside).constant
-        for name in line.signals:
-            law = self.laws[name]
-            if by is None or inside is None or law.rest != NOTHING:
-                why = "signals are magnified where they are not 0 at rest"
-                self.laws[name] = unknown(EVERYTHING, why)
-                continue
-            inner = overlap(law.at, symmetric(inside))
-            large = scaled(law, by)
-            along = law.along
-            if isinstance(along, Interval) and isinstance(large.along, Interval):
-                along = hull(along, large.along)
-            at = hull(law.at, combine("multiply", inner, Interval(by, by)))
-            self.laws[name] = replace(large, at=at, linear=None, along=along)
+    def zoom(
+        self, line: Zoom, signals: Mapping[str, SignalLaw], by: SignalLaw, inside: SignalLaw
+    ) -> dict[str, SignalLaw]:
+        """Return magnified signals, which keep their slopes within the window only."""
+        return {name: self._zoomed(law, by, inside) for name, law in signals.items()}
+
+    def _zoomed(self, law: SignalLaw, by: SignalLaw, inside: SignalLaw) -> SignalLaw:
+        factor, window = by.constant, inside.constant
+        if factor is None or window is None or law.rest != NOTHING:
+            return unknown(EVERYTHING, "signals are magnified where they are not 0 at rest")
+        inner = overlap(law.at, symmetric(window))
+        large = scaled(law, factor)
+        along = law.along
+        if isinstance(along, Interval) and isinstance(large.along, Interval):
+            along = hull(along, large.along)
+        at = hull(law.at, combine("multiply", inner, Interval(factor, factor)))
+        return replace(large, at=at, linear=None, along=along)
 
     # --- rule bases ---
 
-    def _rules(self, of: Source, count: int) -> list[SignalLaw]:
-        sheet = self.case.sheet(of.name)
+    def called(self, call: Call[SignalLaw]) -> list[SignalLaw]:
+        """Return the laws of a rule base or a table."""
+        assert isinstance(call.line, SignalLine)
+        assert call.line.source is not None
+        if call.line.source.kind != "rules":
+            return [self._table(call)]
+        sheet = call.sheet
         if not isinstance(sheet, RuleBase):
-            return [unknown(EVERYTHING, f"'{of.name}' could not be read")] * count
-        names = input_names(sheet)
-        laws = self._inputs(names, of.inputs)
+            return [unknown(EVERYTHING, f"'{call.name}' could not be read")] * len(call.line.names)
+        laws = call.inputs(input_names(sheet))
         self._note_group(laws)
         return [self._conclusion(sheet, output.name, laws) for output in sheet.outputs]
 
-    def _inputs(self, names: Sequence[str], sources: Sequence[str]) -> dict[str, SignalLaw]:
-        """Return the inputs of a rule base or a table by its own names."""
-        names_used = [name for name in names if name != AXIS or AXIS in sources]
-        laws = {name: self._named(law) for name, law in zip(names_used, sources, strict=False)}
-        return {name: laws.get(name) or constant(float(self.case.index + 1)) for name in names}
+    def learn(self, lesson: Lesson[SignalLaw]) -> None:
+        """Leave it: the table is unknown where it is looked up."""
 
     def _note_group(self, laws: Mapping[str, SignalLaw]) -> None:
         sources: dict[str, None] = {}
@@ -447,23 +436,20 @@ class LineWalk:
 
     # --- tables ---
 
-    def _table(self, of: Source) -> SignalLaw:
-        sheet = self.case.sheet(of.name)
-        if not isinstance(sheet, LookupTable):
-            return unknown(EVERYTHING, f"'{of.name}' could not be read")
-        learned = self.case.learned.get(of.name)
+    def _table(self, call: Call[SignalLaw]) -> SignalLaw:
+        if not isinstance(call.sheet, LookupTable):
+            return unknown(EVERYTHING, f"'{call.name}' could not be read")
         try:
-            axes, values = of_axis(sheet, self.case.index)
+            table = call.lattice()
         except SourceError as error:
             return unknown(EVERYTHING, str(error))
-        at = Interval(float(values.min()), float(values.max()))
-        if learned is not None:
-            bound = largest(self._named(learned.bound).at)
-            return unknown(hull(at, symmetric(bound)), f"'{of.name}' learns")
-        table = replace(sheet, axes=tuple(axes), values=np.asarray(values))
-        laws = self._inputs(table.names, of.inputs)
+        at = Interval(float(table.values.min()), float(table.values.max()))
+        if call.learner is not None:
+            bound = largest(call.period.operand(call.learner.bound).at)
+            return unknown(hull(at, symmetric(bound)), f"'{call.name}' learns")
+        laws = call.inputs(table.names)
         self._note_group(laws)
-        for axis in axes:
+        for axis in table.axes:
             self._note_zone(laws[axis.name], Interval(axis.low, axis.high))
         if all(law.at.low == law.at.high for law in laws.values()):
             value = float(table.lookup(*(law.at.low for law in laws.values())))
