@@ -240,6 +240,17 @@ def test_a_sum_in_parentheses_may_exceed_one(norm: str, union: str) -> None:
     assert compiled(rulebase)(a=0.9, b=0.1) == at_a_point.evaluate({"a": 0.9, "b": 0.1})
 
 
+def test_a_hedge_without_a_value_above_one_silences_its_rule_alone() -> None:
+    text = SUMS.format(norm="min", union="probor").replace("very (a", "seldom (a")
+    read = parse(text).rulebase
+    assert read is not None
+    (block,) = read.blocks
+    rulebase = dataclasses.replace(read, blocks=(dataclasses.replace(block, disjunction="sum"),))
+    assert compiled(rulebase).reason == "'seldom' of a sum, which may exceed 1"
+    at = {"a": 0.9, "b": 0.1}
+    assert infer(rulebase, at) == compiled(rulebase)(at) == prepare(rulebase).evaluate(at)
+
+
 def test_antecedents_of_any_form_are_covered() -> None:
     text = """rulebase nested
 input a 0 .. 1

@@ -31,7 +31,7 @@ from fuzzyarm.inference.row_functions import (
 )
 from fuzzyarm.inference.stages import stages
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, RuleBase
-from fuzzyarm.model.shapes import straight_lines
+from fuzzyarm.model.shapes import apply_hedges, straight_lines
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
@@ -183,6 +183,8 @@ class _Writer:
         if key not in self.truths:
             hedges = 0
             if isinstance(expression, Hedged):
+                if planned.disjunction == "sum":
+                    _demand_values_above_one(expression.hedges)
                 hedges = self.addresses.hedged(expression.hedges)
                 expression = expression.operand
             norm, operands = self._joined(expression, planned)
@@ -434,6 +436,13 @@ class _Writer:
         if rule.norm == at.MIN and max(rule.parts) < 0:  # a sum in parentheses may exceed 1
             neutral = rows_of_rule[-1]
         return rows_of_rule + [neutral] * (self.operands - len(rule.parts))
+
+
+def _demand_values_above_one(hedges: tuple[Hedge, ...]) -> None:
+    """Refuse hedges that have no value at a sum of degrees: such a rule does not fire."""
+    if any(math.isnan(apply_hedges(hedges, 1.0 + i / 8)) for i in range(1, 17)):
+        words = " ".join(hedge.name for hedge in hedges)
+        raise NotCoveredError(f"'{words}' of a sum, which may exceed 1")
 
 
 def _homes(cells: InputCells) -> dict[int, list[int]]:
