@@ -58,7 +58,8 @@ class KernelBuildHook(BuildHookInterface):
                 f"fuzzyarm is built without machine code and will be slow:\n{done.stderr.strip()}"
             )
             return
-        (module,) = folder.glob("_kernels.*")
+        # Beside the module lies the digest of its C.
+        (module,) = (path for path in folder.glob("_kernels.*") if path.suffix != ".digest")
         build_data["pure_python"] = False
         build_data["tag"] = f"cp311-abi3-{_tag_of(module)}"
         if version != "editable":
