@@ -3,6 +3,7 @@
 import json
 import time
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -96,6 +97,18 @@ def test_a_certificate_is_part_of_the_budget(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_file_takes_the_certificate_of_one_claim(capsys, tmp_path):
+    path = tmp_path / "two.frb"
+    text = Path(ON[1]).read_text("utf-8")
+    claims = "prove stable on motor\nprove stable on motor from position in -0.1 .. 0.1\n"
+    path.write_text(f"{text}\n{claims}", "utf-8")
+    assert main(["prove", str(path), "--certificate", str(tmp_path / "c.json")]) == 2
+    told = capsys.readouterr().err
+    assert f"--certificate takes one claim, and {path} has 2" in told
+    assert '--claim "stable on motor"' in told
+    assert not (tmp_path / "c.json").exists()
+
+
 def test_a_certificate_knows_the_sensors(capsys, tmp_path):
     path = tmp_path / "c.json"
     late = ["--sensor-delay", "position=1ms", "--sensor-delay", "velocity=1ms"]

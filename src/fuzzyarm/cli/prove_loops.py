@@ -80,6 +80,14 @@ def print_loops(
     """Judge claims about the loop of a controller, and print verdicts; yield them with a status."""
     if not claims:
         return
+    for option, out in (("--certificate", request.certificate), ("--plot", request.plot)):
+        if out is not None and len(claims) > 1:
+            from fuzzyarm.closed_loop.claims import claim_text
+
+            raise UsageError(
+                f"{option} takes one claim, and {path} has {len(claims)}",
+                hint=f'--claim "{claim_text(claims[0])}"',
+            )
     from fuzzyarm.closed_loop.orders import loops_of
 
     with progress() as tell:
