@@ -302,7 +302,7 @@ def test_compare_prints_a_line_for_each(capsys, tmp_path):
     rows = json.loads(capsys.readouterr().out)
     assert [row["controller"] for row in rows] == ["pd", "pd-motor", "dac"]
     assert rows[0]["operations"]["total"] == 10
-    assert [row["exported_operations"] for row in rows] == [None, 24, None]
+    assert [row["exported_operations"] for row in rows] == [None, 22, None]
     fours = ("rms", "rms_periods", "rms_path", "variation")
     assert all(len(row[name]) == 4 for row in rows for name in fours)
     assert figure.read_bytes().startswith(b"\x89PNG")
