@@ -133,7 +133,8 @@ def test_a_parser_of_other_people_reads_it(options, tmp_path):
     (file,) = export_files(routines_of(table, **options), tmp_path / "plc.st").files
     parsed = blark.parse_source_code(file[1])
     assert parsed.exception is None
-    (block,) = parsed.transform().items
+    *helpers, block = parsed.transform().items
+    assert {type(item).__name__ for item in helpers} <= {"Function"}
     assert (type(block).__name__, str(block.name)) == ("FunctionBlock", "plc_real")
     if options is OPTIONS[0]:  # the parser does refuse what is wrong; it takes its time
         wrong = blark.parse_source_code(file[1].replace("END_WHILE;", "END_FOR;", 1))
