@@ -30,7 +30,6 @@ from fuzzyarm.export.steps import (
     Find,
     Grid,
     LearningTable,
-    Pick,
     Set,
     Step,
     Steps,
@@ -347,7 +346,7 @@ class CController:
                 f"s->until_set_point = last ? {self.prefix.upper()}_SET_POINT_EVERY"
                 " : (s->until_set_point - 1u);",
             ]
-        uses = self._uses()
+        uses = self.steps.uses()
         for block in self.steps.blocks():
             lines += self._block(block, uses)
         return lines
@@ -376,14 +375,6 @@ class CController:
     def _outer_number(self, value: float) -> str:
         kind = self.steps.precision.outside
         return c_number(rounded([value], kind, "a drive").tolist()[0], kind)
-
-    def _uses(self) -> dict[str, int]:
-        """Count how often each local variable is read."""
-        counts: dict[str, int] = {}
-        for step in self.steps.steps:
-            for name in reads(step):
-                counts[name] = counts.get(name, 0) + 1
-        return counts
 
     def _step(self, step: Step, following: Step | None, uses: dict[str, int]) -> list[str]:
         if isinstance(step, Set):
@@ -762,18 +753,6 @@ def _use_words(controller: CController, stem: str, *, alone: bool) -> list[str]:
 
 
 _TYPE_OF = {"reference": "reference", "measured": "measured", "drive": "drives"}
-
-
-def reads(step: Step) -> Iterator[str]:
-    """Yield the symbols that a step reads."""
-    if isinstance(step, Set):
-        yield from symbols(step.value)
-    elif isinstance(step, Ask | Find):
-        yield from step.inputs
-    elif isinstance(step, Pick):
-        yield step.cell
-    else:
-        yield from (step.cell, step.judged, *symbols(step.rate), *symbols(step.bound))
 
 
 def _whole(table: LearningTable) -> str:

@@ -17,7 +17,6 @@ from fuzzyarm.export.steps import (
     Block,
     Find,
     LearningTable,
-    Pick,
     Set,
     Step,
     Steps,
@@ -189,10 +188,7 @@ class _Lowering:
             left, every = symbol(LEFT), Whole(self.steps.model.every)
             yield Assign(LAST, symbol(ENDS) | (left <= Whole(1)))
             yield Assign(LEFT, where(symbol(LAST), every, left - Whole(1)))
-        self.uses: dict[str, int] = {}
-        for step in self.steps.steps:
-            for name in _reads(step):
-                self.uses[name] = self.uses.get(name, 0) + 1
+        self.uses = self.steps.uses()
         for block in self.steps.blocks():
             yield from self._block(block)
 
@@ -346,15 +342,3 @@ def _renewed(line: Line, change: object) -> Line:
         for value in line
     )  # fmt: skip
     return type(line)(*values)
-
-
-def _reads(step: Step) -> Iterator[str]:
-    """Yield the symbols that a step reads."""
-    if isinstance(step, Set):
-        yield from symbols(step.value)
-    elif isinstance(step, Ask | Find):
-        yield from step.inputs
-    elif isinstance(step, Pick):
-        yield step.cell
-    else:
-        yield from (step.cell, step.judged, *symbols(step.rate), *symbols(step.bound))

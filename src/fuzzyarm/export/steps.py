@@ -193,6 +193,18 @@ class Teach(NamedTuple):
 Step = Set | Ask | Find | Pick | Teach
 
 
+def _reads(step: Step) -> Iterator[str]:
+    """Yield the symbols that a step reads."""
+    if isinstance(step, Set):
+        yield from symbols(step.value)
+    elif isinstance(step, Ask | Find):
+        yield from step.inputs
+    elif isinstance(step, Pick):
+        yield step.cell
+    else:
+        yield from (step.cell, step.judged, *symbols(step.rate), *symbols(step.bound))
+
+
 class Guard(NamedTuple):
     """What stands around the steps of an axis.
 
@@ -282,6 +294,10 @@ class Steps:
     needs_last: bool = False
     needs_first: dict[str, None] = field(default_factory=dict)
     guards: list[tuple[Guard, int, int]] = field(default_factory=list)
+
+    def uses(self) -> Counter[str]:
+        """Count how often each symbol is read."""
+        return Counter(name for step in self.steps for name in _reads(step))
 
     def blocks(self) -> Iterator[Block]:
         """Yield all steps, by their guards."""
