@@ -13,7 +13,7 @@ NPM      := npm --prefix $(DESIGNER) --no-audit --no-fund --no-update-notifier -
 # Where Python may not keep what it compiles, every test process would compile all modules anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test native wheels lint lint-page page-tools unit quick docs lessons bench mutants fuzz editors designer types lock clean help
+.PHONY: demo test native wheels lint lint-page page-tools unit quick docs lessons bench fuzz editors designer types lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
@@ -24,8 +24,6 @@ help:
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed;"
 	@echo "            with BEFORE=TREE/.venv/bin/python beside another tree, in turns"
-	@echo "make mutants  change the source in 300 ways and see which a test notices; goes on in"
-	@echo "            build/mutants where it was interrupted"
 	@echo "make fuzz   all random cases of the tests; then texts, tables, rule bases and proofs, 20,000 each, 5,000 loops"
 	@echo "            and 12,000 commands: seven hours"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
@@ -75,10 +73,6 @@ lessons: $(VENV)/.run
 
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/$(if $(BEFORE),beside.py --before $(BEFORE),run_all.py)
-
-mutants: $(VENV)/.dev
-	@mkdir -p build
-	$(BIN)/python tools/mutants.py --record build/mutants
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --dist worksteal --thorough
