@@ -389,8 +389,18 @@ RUN = record(
     precision=text("of the numbers", "float32", "float64"),
     pi=number("the π that was used"),
     load_in_hold=truth("of the arm: whether a load stays in the hand during the hold"),
+    skipped=by_name(
+        {"type": "integer"},
+        "control periods skipped for a value that was not a number, by axis of the controller; "
+        "empty if none was",
+    ),
+    periods=whole("control periods of the run"),
+    lost=by_name(
+        {"type": "integer"},
+        "samples whose error was not a number, by output; metrics are those of the others",
+    ),
     diverged=number("at what time the run left its bounds, s", null="where it did not"),
-    ended=text("why it ended early") | {"type": ["string", "null"]},
+    ended=number("at what time the plant ended the run by itself, s", null="where it did not"),
     compiled=truth("whether it ran as machine code"),
     plant=text("its name"),
     outputs=by_name({"type": "string"}, "units by output"),

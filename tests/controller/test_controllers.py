@@ -133,7 +133,7 @@ def test_overriding_gains_of_sums():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"K_Q": [1.0]}, "did you mean K_P"),
+        ({"K_Q": [1.0]}, "did you mean .K_P."),
         ({"K_P": [1.0, 2.0, 3.0]}, "1 or 2 numbers"),
         ({"K_P": [float("nan")]}, "out of range"),
         ({"K_P": [1e13]}, "out of range"),

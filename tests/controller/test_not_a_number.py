@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 
@@ -11,9 +12,10 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm import load, shipped, simulate
+from fuzzyarm import load, shipped, simulate, tune
+from fuzzyarm.cli.main import main
 from fuzzyarm.controller.catalogue import controller
-from fuzzyarm.controller.text import with_files
+from fuzzyarm.controller.text import PortError, with_files
 from fuzzyarm.export.steps import steps_of
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.loop import Options, Sensor
@@ -196,7 +198,8 @@ def test_a_run_tells_what_was_skipped(tmp_path):
         "  drive u = e - m, within -50 .. 50\n"
     )
     run = simulate(text, plant=Failing(), step=1.0)
-    assert run.notes == ("axis a skipped 10 periods: a value that it reads was not a number",)
+    assert (run.skipped, run.lost, run.periods, run.notes) == ({"a": 10}, {}, 100, ())
+    assert run.gaps == ["axis a skipped 10 of 100 periods: a value that it reads was not a number"]
     assert np.isfinite(run.drives["u"]).all()
 
 
@@ -268,7 +271,7 @@ def test_a_sensor_that_rounds_or_differs_goes_on_after_lost_samples(tmp_path, se
     )
     options = Options(sensors=sensors, compiled=compiled)
     run = simulate(text, plant=Moving(), step=1.0, options=options)
-    assert run.notes == ("axis a skipped 10 periods: a value that it reads was not a number",)
+    assert (run.skipped, run.lost) == ({"a": 10}, {"x": 10})
     assert run.diverged is None
 
 
@@ -279,13 +282,122 @@ class Blind(Failing):
         return [math.nan if 0.3 <= t < 0.4 else x[0], x[0]]
 
 
-def test_a_response_with_lost_samples_has_no_overshoot_rather_than_none_of_it(tmp_path):
+def figures_of_known(run):
+    """Return errors, their times and the outputs where they are numbers."""
+    errors = run.error_matrix[:, 0]
+    known = ~np.isnan(errors)
+    return errors[known], run.time[known] - run.time[0], (run.reference[:, 0] - errors)[known]
+
+
+@ENGINES
+def test_metrics_are_those_of_the_samples_that_are_numbers(tmp_path, compiled):
     text = tmp_path / "c.frb"
     text.write_text(
-        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n"
-        "  drive u = e * 50, within -50 .. 50\n"
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  v = rate of e\n"
+        "  drive u = e * 50 + v * 3, within -50 .. 50\n"
     )
-    clear, lost = (simulate(text, plant=p(), step=1.0) for p in (Failing, Blind))
-    (whole,), (part,) = clear.metrics.values(), lost.metrics.values()
-    assert whole.overshoot > 0.5
-    assert (part.overshoot, part.rise, part.settling) == (None, None, None)
+    options = Options(compiled=compiled)
+    run = simulate(text, plant=Blind(), step=1.0, options=options)
+    e, t, output = figures_of_known(run)
+    assert run.lost == {"x": 10}
+    assert len(e) == 90
+    (found,) = run.metrics.values()
+    expected = {
+        "rms": np.sqrt(np.mean(e**2)), "max": e[np.argmax(np.abs(e))], "final": e[-1],
+        "rise": t[output >= 0.9][0] - t[output >= 0.1][0], "overshoot": output.max() - 1.0,
+        "ise": np.sum(e**2) * 0.01, "iae": np.sum(abs(e)) * 0.01,
+        "itae": np.sum(t * abs(e)) * 0.01,
+        "rms_periods": np.sqrt(np.mean(e**2)), "rms_path": np.sqrt(np.mean(e**2)),
+    }  # fmt: skip
+    for name, value in expected.items():
+        assert getattr(found, name) == pytest.approx(value, rel=1e-12), name
+    assert expected["overshoot"] > 0.05
+    last = np.flatnonzero(abs(output - 1.0) > 0.02)[-1]
+    assert found.settling == (t[last + 1] if last + 1 < len(t) else None)
+
+
+class Late(Failing):
+    """A mass whose position is unknown at the start."""
+
+    def measure(self, t, x, u, p):
+        return [math.nan if t < 0.05 else x[0], x[0]]
+
+
+class Never(Failing):
+    """A mass whose position is never known."""
+
+    def measure(self, t, x, u, p):
+        return [math.nan, x[0]]
+
+
+def test_a_first_sample_may_be_lost_and_all_of_them(tmp_path):
+    text = tmp_path / "c.frb"
+    text.write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  drive u = e * 50 - 1\n"
+    )
+    late = simulate(text, plant=Late(), step=1.0)
+    assert (late.skipped, late.lost) == ({"a": 5}, {"x": 5})
+    assert (late.drives["u"][:6] == [0.0, 0.0, 0.0, 0.0, 0.0, 49.0]).all()
+    (found,) = late.metrics.values()
+    errors = late.error_matrix[5:, 0]
+    assert (found.max, found.final) == (errors[np.abs(errors).argmax()], errors[-1])
+    never = simulate(text, plant=Never(), step=1.0)
+    assert (never.diverged, never.lost) == (None, {"x": 100})
+    (found,) = never.metrics.values()
+    numbers = found.as_dict()
+    assert {name for name, value in numbers.items() if value is not None} == {
+        "effort", "variation", "saturated", "chatter",
+    }  # fmt: skip
+
+
+def test_the_command_tells_what_was_skipped(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("c.frb").write_text(
+        "controller c\nperiod 10 ms\naxis a\n  e = error of x\n  drive u = e * 50\n"
+    )
+    Path("mass.py").write_text(
+        "import math\nfrom fuzzyarm.plant import Plant, Port\n\n\nclass Mass(Plant):\n"
+        '    inputs = {"u": Port("N")}\n    outputs = {"x": Port("m")}\n'
+        '    states = {"x": "m", "v": "m/s"}\n    duration = 1.0\n\n'
+        "    def derivative(self, t, x, u, p):\n        return [x[1], u[0]]\n\n"
+        "    def measure(self, t, x, u, p):\n"
+        "        return [math.nan if 0.3 <= t < 0.4 else x[0]]\n"
+    )
+    run = ["simulate", "c.frb", "--plant", "mass.py", "--step", "1"]
+    assert main(run) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-2:] == [
+        "axis a skipped 10 of 100 periods: a value that it reads was not a number",
+        "x was not a number in 10 of 100 samples: metrics are those of the others",
+    ]
+    assert main([*run, "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert (data["skipped"], data["periods"], data["lost"]) == ({"a": 10}, 100, {"x": 10})
+    assert main(["compare", *run[1:]]) == 0
+    assert "c: axis a skipped 10 of 100 periods" in capsys.readouterr().err
+
+
+def test_gains_are_tuned_on_runs_with_lost_samples(tmp_path):
+    text = tmp_path / "c.frb"
+    text.write_text(
+        "controller c\nperiod 10 ms\n"
+        "gain K = 5, tune 1 .. 100 log\ngain D = 1, tune 0.1 .. 50 log\n"
+        "axis a\n  e = error of x\n  v = rate of e\n  drive u = e * K + v * D\n"
+    )
+    for cost in ("rms", "itae"):
+        tuned = tune(
+            text, Blind(), step=1.0, cost=cost, evals=40, unseen=0, linear=False, workers=1
+        )
+        before, best = tuned.found.trials[0].score.cost, tuned.found.best.score.cost
+        assert 0.0 < best < 0.8 * before < math.inf
+
+
+@ENGINES
+@pytest.mark.parametrize("value", [None, "1.0", [1.0], 1j])
+def test_a_measured_value_is_a_number(compiled, value):
+    run = made(SERVO).run(compiled=compiled)
+    with pytest.raises(PortError, match="measured value of 'x' is not a number"):
+        run.step({"x": value}, {"x": 0.0})
+    with pytest.raises(PortError, match="reference of 'x' is not a number"):
+        run.step({"x": 0.0}, {"x": value})
+    assert run.step({"x": np.float32(-1.0)}, {"x": 0})["u"] != 0.0  # nothing came of it

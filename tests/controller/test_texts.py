@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
+from fuzzyarm.controller import GainError
 from fuzzyarm.controller.text import ControllerRun, PortError, with_files
 from fuzzyarm.inference import infer
 from fuzzyarm.language import RuleBaseError, format_text, parse, read_text
@@ -171,7 +172,7 @@ def test_the_weight_of_a_set_point_and_gains_by_name():
     assert run.step({"x": 2.0}, {"x": 4.0})["u"] == (0.25 * 4.0 - 2.0) * (3 * math.pi / 2)
     run = made(text).run(compiled=False, gains={"K": 2.0, "b": 1.0})
     assert run.step({"x": 2.0}, {"x": 4.0})["u"] == 4.0
-    with pytest.raises(PortError, match="no gain 'k'"):
+    with pytest.raises(GainError, match="no gain 'k'"):
         made(text).run(compiled=False, gains={"k": 2.0})
 
 

@@ -359,6 +359,9 @@ def _compare_references(
             runs.append(run_along(controller, motion, conventions, options, connect))
             bar(1)
     _print_notes(runs)
+    for run in runs:
+        for gap in run.gaps:
+            print_error(f"note: {run.controller}: {gap}")
     around = conditions(request)
     heading = f"{runs[0].trajectory}{', ' if around else ''}{around}"
     if request.plot:

@@ -246,6 +246,9 @@ def run_as_json(result: Run) -> dict[str, Any]:
         "load_in_hold": result.conventions.load_in_hold,
         "diverged": result.diverged,
         "ended": result.ended,
+        "skipped": dict(result.skipped),
+        "periods": result.periods,
+        "lost": result.lost,
         "compiled": result.compiled,
         "plant": result.plant,
         "outputs": dict(zip(result.labels, result.units, strict=True)),
@@ -263,6 +266,7 @@ def _as_text(result: Run) -> str:
         lines += _error_lines(result)
     elif result.samples:
         lines += _metric_lines(result)
+    lines += result.gaps
     if result.ended is not None:
         lines.append(
             f"ended by the plant at {result.ended:.4f} s; the figures are those until then"

@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.controller.law import Gain, GainError, Law, LawBlock, collect, lacks_number, view
+from fuzzyarm.controller.law import Gain, Law, LawBlock, collect, lacks_number, unknown_gain, view
 from fuzzyarm.plant.setting import Clock, Moment, Pair, Reference, RunArithmetic, State, pose_of
 from fuzzyarm.text.shown import one_line
 
@@ -106,7 +106,7 @@ class Controller:
             If a name is unknown or a value out of range.
         """
         for name in values:
-            raise unknown_gain(self, name)
+            raise unknown_gain(self.name, self.gains, name)
         return self
 
     def __add__(self, other: Controller) -> Sum:
@@ -140,7 +140,7 @@ class CompiledController(Controller):
         changed = dict(self._gains)
         for name, value in values.items():
             if name not in changed:
-                raise unknown_gain(self, name)
+                raise unknown_gain(self.name, changed, name)
             changed[name] = changed[name].with_value(value)
         return CompiledController(self.law, changed)
 
@@ -222,7 +222,7 @@ class Sum(Controller):
             if not any(
                 bare in addend.gains and owner in {"", addend.name} for addend in self.addends
             ):
-                raise unknown_gain(self, name)
+                raise unknown_gain(self.name, self.gains, name)
         changed = []
         for addend in self.addends:
             addend_gains = {}
@@ -252,13 +252,3 @@ class Sum(Controller):
             first += torque[0]
             second += torque[1]
         return first, second
-
-
-def unknown_gain(controller: Controller, name: str) -> GainError:
-    """Describe a gain that `controller` does not have, with the nearest that it has."""
-    import difflib
-
-    near = difflib.get_close_matches(name, list(controller.gains), n=1, cutoff=0.4)
-    names = ", ".join(dict.fromkeys(key.split(".")[0] for key in controller.gains)) or "none"
-    hint = f"did you mean {near[0]}?" if near else f"its gains: {names}"
-    return GainError(f"{controller.name} has no gain '{name}'", name=name, hint=hint)

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference.errors import NotANumberError
+from fuzzyarm.inference.point import number_of
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
@@ -24,6 +26,7 @@ from fuzzyarm.plant.setting import (
     stored_double,
     stored_single,
 )
+from fuzzyarm.text.names import near_hint
 
 # --- Gains as data: name, value, unit, meaning, and where the value comes from ---
 
@@ -37,6 +40,14 @@ class GainError(FuzzyarmError, ValueError):
         super().__init__(message, hint=hint)
         self.name = name
         self.value = value
+
+
+def unknown_gain(owner: str, gains: Iterable[str], name: str) -> GainError:
+    """Describe a gain that a controller does not have, with the nearest that it has."""
+    known = list(gains)
+    names = ", ".join(dict.fromkeys(key.split(".")[0] for key in known)) or "none"
+    hint = near_hint(name, known)[0] or f"its gains: {names}"
+    return GainError(f"{owner} has no gain '{name}'", name=name, hint=hint)
 
 
 @dataclass(frozen=True)
@@ -60,6 +71,8 @@ class Gain:
         Whether zero and below are out of range.
     bounds : pair of float, optional
         Smallest and largest value; by default anything below 1e12 in magnitude.
+    places : int, optional
+        How many numbers it takes where one does not go for all; by default as many as it has.
     """
 
     name: str
@@ -69,6 +82,7 @@ class Gain:
     origin: Origin = "printed"
     positive: bool = False
     bounds: tuple[float, float] | None = None
+    places: int = 0
 
     def with_value(self, value: Sequence[float], origin: Origin = "given") -> Gain:
         """Return the gain with another value; a single number goes for all places.
@@ -78,15 +92,14 @@ class Gain:
         GainError
             If the count does not fit or a number is out of range.
         """
-        values = tuple(float(number) for number in value)
+        values = tuple(self._number(number) for number in value)
+        places = max(self.places, len(self.value))
         if len(values) == 1:
             values *= len(self.value)
-        if len(values) != len(self.value):
-            raise GainError(
-                f"gain {self.name} takes 1 or {len(self.value)} numbers, not {len(values)}",
-                name=self.name,
-                value=value,
-            )
+        elif len(values) != places:
+            takes = "1 number" if places == 1 else f"1 or {places} numbers"
+            message = f"gain {self.name} takes {takes}, not {len(values)}"
+            raise GainError(message, name=self.name, value=value)
         low, high = self.bounds or (-1e12, 1e12)
         range_words = f"a {'positive' if self.positive else 'finite'} number below 1e12"
         if self.bounds:
@@ -96,6 +109,13 @@ class Gain:
                 message = f"gain {self.name} = {number} is out of range"
                 raise GainError(message, name=self.name, value=number, hint=range_words)
         return replace(self, value=values, origin=origin)
+
+    def _number(self, value: object) -> float:
+        try:
+            return number_of(self.name, value)
+        except NotANumberError:
+            message = f"gain {self.name} is not a number: {value!r}"
+            raise GainError(message, name=self.name, value=value) from None
 
 
 Gains = Mapping[str, Gain]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
@@ -35,16 +35,14 @@ from fuzzyarm.controller.program import (
     Wiring,
     write_down,
 )
-from fuzzyarm.controller.text import ControllerText, ports_of
+from fuzzyarm.controller.text import ControllerText, gains_of, ports_of
 from fuzzyarm.kernels import kernel
 from fuzzyarm.model.controller import (
     Axes,
     ControllerModel,
     Drive,
-    Learn,
     Product,
     SignalLine,
-    Zoom,
 )
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, Arm
@@ -59,7 +57,6 @@ from fuzzyarm.plant.setting import (
     Timing,
     stored,
 )
-from fuzzyarm.requests.bounds import LARGEST_RATE
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.text.names import near_hint
 
@@ -314,7 +311,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
         That of the laws by default. What the plant lacks is an error when the law is used.
     """
     model = text.model
-    gains = tuple(_gains(model))
+    gains = tuple(gains_of(model))
 
     @cache
     def partners() -> dict[str, CompiledController]:
@@ -573,26 +570,6 @@ def _value(product: Product, gains: Mapping[str, float]) -> float:
         else:
             value *= number
     return value
-
-
-def _gains(model: ControllerModel) -> Iterator[Gain]:
-    """Yield the gains of a text, with the range that their use allows."""
-    lines = [line for _, line in model.lines()]
-    rates = {line.rate for line in lines if isinstance(line, Learn)}
-    positive = {line.bound for line in lines if isinstance(line, Learn)}
-    for line in lines:
-        if isinstance(line, Zoom):
-            positive |= {line.by, line.inside}
-    for gain in model.gains:
-        yield Gain(
-            gain.name,
-            tuple(value.value(np.pi) for value in gain.values),
-            gain.unit or "1",
-            "",
-            "own",
-            positive=gain.name in positive,
-            bounds=(0.0, LARGEST_RATE) if gain.name in rates else None,
-        )
 
 
 # --- What it has learned ---

@@ -16,7 +16,7 @@ import numpy as np
 
 from fuzzyarm.controller.files import demand_text_file, without_controller
 from fuzzyarm.controller.kernel import step
-from fuzzyarm.controller.law import GainError, view
+from fuzzyarm.controller.law import Gain, unknown_gain, view
 from fuzzyarm.controller.program import (
     AXIS,
     ControllerCode,
@@ -26,6 +26,8 @@ from fuzzyarm.controller.program import (
     write_down,
 )
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference.errors import NotANumberError
+from fuzzyarm.inference.point import number_of
 from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language.reading import load_rulebase, parse_once, read_text
 from fuzzyarm.model.controller import (
@@ -36,6 +38,7 @@ from fuzzyarm.model.controller import (
     Line,
     SignalLine,
     Use,
+    Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import (
@@ -47,6 +50,7 @@ from fuzzyarm.plant.setting import (
     stored_double,
     stored_single,
 )
+from fuzzyarm.requests.bounds import LARGEST_RATE
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
@@ -105,18 +109,17 @@ class ControllerText(Shown, OfKind):
         Raises
         ------
         GainError
-            If it does not have a gain.
+            If it does not have a gain, or one cannot have such a value.
         """
-        known = {gain.name for gain in self.model.gains}
-        for name in gains:
+        known = {gain.name: gain for gain in gains_of(self.model)}
+        values = {}
+        for name, value in gains.items():
             if name not in known:
-                hint = near_hint(name, known)[0] or f"its gains: {', '.join(sorted(known))}"
-                raise GainError(f"{self.model.name} has no gain '{name}'", name=name, hint=hint)
+                raise unknown_gain(self.model.name, known, name)
+            given = known[name].with_value(np.atleast_1d(value).tolist())
+            values[name] = tuple(map(Amount.of, given.value))
         changed = tuple(
-            replace(gain, values=tuple(map(Amount.of, np.atleast_1d(gains[gain.name]))))
-            if gain.name in gains
-            else gain
-            for gain in self.model.gains
+            replace(gain, values=values.get(gain.name, gain.values)) for gain in self.model.gains
         )
         return replace(self, model=replace(self.model, gains=changed), source="")
 
@@ -450,6 +453,36 @@ def wiring_of(model: ControllerModel) -> Wiring:
     return Wiring(references, measured, drives, (), at, {})
 
 
+def gains_of(model: ControllerModel) -> Iterator[Gain]:
+    """Yield the gains of a text, with the range that their use allows."""
+    lines = [line for _, line in model.lines()]
+    rates = {line.rate for line in lines if isinstance(line, Learn)}
+    positive = {line.bound for line in lines if isinstance(line, Learn)}
+    for line in lines:
+        if isinstance(line, Zoom):
+            positive |= {line.by, line.inside}
+    for gain in model.gains:
+        yield Gain(
+            gain.name,
+            tuple(value.value(math.pi) for value in gain.values),
+            gain.unit or "1",
+            "",
+            "own",
+            positive=gain.name in positive,
+            bounds=(0.0, LARGEST_RATE) if gain.name in rates else None,
+            places=len(model.axis_names),
+        )
+
+
+def _number(value: object, what: str, port: str) -> float:
+    try:
+        return number_of(port, value)
+    except NotANumberError:
+        message = f"the {what} '{port}' is not a number: {value!r}"
+        hint = "of a lost sample it is math.nan" if value is None else ""
+        raise PortError(message, port=port, hint=hint) from None
+
+
 class ControllerRun:
     """A controller as it runs: what it remembers, and a step for each period.
 
@@ -468,6 +501,8 @@ class ControllerRun:
     ------
     SourceError
         If it has a partner, which knows the arm only, or a rule base that cannot be evaluated.
+    GainError
+        If it does not have a gain, or one cannot have such a value.
 
     Examples
     --------
@@ -489,6 +524,8 @@ class ControllerRun:
         single: bool = False,
         compiled: bool | None = None,
     ) -> None:
+        if gains:
+            text = text.with_gains(gains)
         model = text.model
         if model.partners:
             name = model.partners[0].name
@@ -501,11 +538,6 @@ class ControllerRun:
         self.program: ControllerCode = write_down(
             model, text.sheets, {}, self._wiring, self.arithmetic
         )
-        self._gains = {name: np.atleast_1d(value).tolist() for name, value in (gains or {}).items()}
-        for name in self._gains:
-            if name not in self.program.gains:
-                hint = near_hint(name, self.program.gains)[0]
-                raise PortError(f"{model.name} has no gain '{name}'", port=name, hint=hint)
         binding = {"stored": stored_single if single else stored_double}
         # "if": the kernel takes an array of whole numbers, the code, and one of floats, the cells.
         self._step: Callable[..., None] = routine(step, "if", binding, compiled=compiled)
@@ -521,7 +553,7 @@ class ControllerRun:
 
     def start(self) -> None:
         """Forget everything."""
-        cells = self.program.cells_with(self._gains, self.arithmetic)
+        cells = self.program.cells.copy()
         cells[PERIOD] = self.text.model.period
         cells[SINGLE] = float(self.arithmetic.single)
         self._cells = cells if self.arithmetic.compiled else view(cells)
@@ -579,7 +611,7 @@ class ControllerRun:
         Raises
         ------
         PortError
-            If a value is missing.
+            If a value is missing or not a number; NaN is a lost sample.
         """
         cells = self._cells
         for names, numbers, what in (
@@ -589,7 +621,8 @@ class ControllerRun:
             for name, cell in names.items():
                 if name not in numbers:
                     raise PortError(f"no {what} '{name}'", port=name)
-                cells[cell] = numbers[name]
+                value = numbers[name]
+                cells[cell] = value if type(value) is float else _number(value, what, name)
         self._periods += 1
         cells[LAST] = float(self._periods % self.text.model.every == 0)
         self._step(self._code, cells)

@@ -454,12 +454,13 @@ def note_changes(drives: list[float], size: int, clock: list[float], tick: int) 
 # --- Errors in all control periods ---
 #
 # Behind those stand, a number for each tracked output: the sums of the squares of its error, from
-# the reference as the law is told it, and from the path on which the set points lie.
+# the reference as the law is told it, and from the path on which the set points lie; and the
+# number of periods whose error is not a number, which are in neither sum.
 
-HELD, LED = range(2)
+HELD, LED, UNKNOWN = range(3)
 """In the order in which they stand."""
 
-ERRORS = 2
+ERRORS = 3
 """Numbers for each tracked output."""
 
 
@@ -473,10 +474,13 @@ def note_errors(
     for i in range(count):
         value = board[taps[i]]
         error = board[taps[count + i]] - value
-        errors[HELD * count + i] += error * error
-        if led:
-            error = path[tick * count + i] - value
-        errors[LED * count + i] += error * error
+        if math.isnan(error):
+            errors[UNKNOWN * count + i] += 1.0
+        else:
+            errors[HELD * count + i] += error * error
+            if led:
+                error = path[tick * count + i] - value
+            errors[LED * count + i] += error * error
 
 
 # --- Actuators ---
@@ -655,18 +659,27 @@ def rms(errors: Vector) -> Vector:
     Parameters
     ----------
     errors : ndarray, shape (n, k) or (n,)
-        Samples of the tracking error; no samples give not a number.
+        Samples of the tracking error; lost samples (NaN) do not count, none gives NaN.
     """
     if not len(errors):
         return _none(errors)
     # The last running sum is the sum that np.mean takes, in a third of the time.
     squares = np.add.accumulate(np.square(errors), axis=0)[-1]
+    if np.isnan(squares).any():
+        return by_column(errors, lambda known: math.sqrt(np.mean(np.square(known))))
     return np.asarray(np.sqrt(squares / len(errors)))
 
 
 def final(errors: Vector) -> Vector:
-    """Return the last error of each column; without samples not a number."""
-    return np.asarray(errors[-1]) if len(errors) else _none(errors)
+    """Return the last error of each column that is a number; without any NaN."""
+    return by_column(errors, lambda known: known[-1])
+
+
+def by_column(errors: Vector, figure: Callable[[Vector], float]) -> Vector:
+    """Return a figure of the errors of each column that are numbers; NaN where none is."""
+    columns = [column[~np.isnan(column)] for column in np.atleast_2d(errors.T)]
+    figures = np.array([figure(known) if len(known) else math.nan for known in columns])
+    return figures.reshape(errors.shape[1:])
 
 
 def signed_maximum(errors: Vector, kind: Literal["magnitude", "positive"] = "magnitude") -> Vector:
@@ -675,16 +688,13 @@ def signed_maximum(errors: Vector, kind: Literal["magnitude", "positive"] = "mag
     Parameters
     ----------
     errors : ndarray, shape (n, 2)
-        Samples of the tracking error; no samples give not a number.
+        Samples of the tracking error; lost samples (NaN) do not count, none gives NaN.
     kind : {"magnitude", "positive"}
         The error of largest magnitude with its sign, or the most positive one.
     """
-    if not len(errors):
-        return _none(errors)
     if kind == "positive":
-        return np.asarray(errors.max(axis=0))
-    rows = np.abs(errors).argmax(axis=0)
-    return np.asarray(errors[rows, np.arange(errors.shape[1])])
+        return by_column(errors, np.max)
+    return by_column(errors, lambda known: known[np.abs(known).argmax()])
 
 
 def _none(errors: Vector) -> Vector:

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.loop.loop import rms, signed_maximum
+from fuzzyarm.loop.loop import final, rms, signed_maximum
 from fuzzyarm.text.jsonable import jsonable
 
 Vector = NDArray[np.float64]
@@ -140,7 +140,8 @@ def metrics_of(
     Parameters
     ----------
     time, reference, errors : ndarray, shape (n,)
-        Of the samples; reference and errors in one unit.
+        Of the samples; reference and errors in one unit. An error of NaN is a lost sample, which
+        no figure of errors counts.
     drives : ndarray, shape (n, k)
         Those of the axis.
     limits : list of pair of float
@@ -155,8 +156,13 @@ def metrics_of(
     if not len(errors):
         none = math.nan
         return Metrics(none, none, none, None, None, None, none, none, none, none, none, none, none)
-    magnitude = np.abs(errors)
-    elapsed = time - time[0]
+    known = ~np.isnan(errors)
+    magnitude = np.abs(errors[known])
+    elapsed = (time - time[0])[known]
+    ise, iae, itae = (
+        float(np.sum(values) * period) if len(values) else math.nan
+        for values in (np.square(magnitude), magnitude, elapsed * magnitude)
+    )
     rise, overshoot, settling = _step_response(time, reference, errors)
     at_limit = np.zeros(len(errors), bool)
     limited = any(low > -math.inf or high < math.inf for low, high in limits)
@@ -170,13 +176,13 @@ def metrics_of(
     return Metrics(
         float(rms(errors)),
         float(signed_maximum(errors[:, None], maximum)[0]),
-        float(errors[-1]),
+        float(final(errors[:, None])[0]),
         rise,
         overshoot,
         settling,
-        float(np.sum(errors**2) * period),
-        float(np.sum(magnitude) * period),
-        float(np.sum(elapsed * magnitude) * period),
+        ise,
+        iae,
+        itae,
         float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
         float(np.abs(drives[1:] - drives[:-1]).sum() / span) if drives.size else 0.0,
         float(at_limit.mean()) if limited else 0.0,
@@ -194,13 +200,18 @@ def _step_response(
     if len(jumps) > 1 or reference[-1] != reference[begin]:
         return None, None, None
     output = reference - errors
-    start, target = float(output[max(begin - 1, 0)]), float(reference[-1])
+    known = np.flatnonzero(~np.isnan(output))
+    if not (known >= begin).any():
+        return None, None, None
+    before = known[known < max(begin, 1)]
+    start, target = float(output[before[-1] if len(before) else known[0]]), float(reference[-1])
     size = target - start
-    if size == 0.0 or np.isnan(output[begin:]).any():
+    if size == 0.0:
         return None, None, None
     # 0 at the start, 1 at the target, for steps up and down.
-    way = (output[begin:] - start) / size
-    after = time[begin:] - time[begin]
+    known = known[known >= begin]
+    way = (output[known] - start) / size
+    after = time[known] - time[begin]
     low, high = np.flatnonzero(way >= 0.1), np.flatnonzero(way >= 0.9)
     rise = float(after[high[0]] - after[low[0]]) if len(high) else None
     overshoot = max(0.0, float(way.max()) - 1.0) * abs(size)

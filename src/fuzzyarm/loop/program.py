@@ -27,6 +27,7 @@ from fuzzyarm.loop.loop import (
     NEXT,
     SAMPLES,
     TICK,
+    UNKNOWN,
     UNTIL,
     LoopBlock,
     loop_bindings,
@@ -184,7 +185,8 @@ class LoopProgram:
         for law in self._laws:
             if isinstance(law, on_plant.TextLaw):
                 program = law.program(self.arithmetic)
-                counts |= program.skipped(self.memory_of(law, memory))
+                for axis, count in program.skipped(self.memory_of(law, memory)).items():
+                    counts[axis] = max(count, counts.get(axis, 0))
         return {axis: count for axis, count in counts.items() if count}
 
 
@@ -279,9 +281,13 @@ class RunRecord:
         return np.asarray(sums / max(self.ticks - 1, 1))
 
     def squares(self, kind: int) -> NDArray[np.float64]:
-        """Return for each tracked output the mean square of its errors in all control periods."""
-        sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)[kind]
-        return np.asarray(sums / self.ticks if self.ticks else np.full(len(sums), np.nan))
+        """Return for each tracked output the mean square of its errors in all control periods.
+
+        A period whose error is not a number does not count.
+        """
+        sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)
+        counted = self.ticks - sums[UNKNOWN]
+        return np.where(counted > 0, sums[kind] / np.maximum(counted, 1.0), np.nan)
 
     @property
     def _errors(self) -> int:

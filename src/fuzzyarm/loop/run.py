@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -196,6 +196,11 @@ class Run(Plotted):
         What was taken otherwise than it was asked for, in sentences.
     along : bool
         Whether it followed a trajectory of the plant.
+    skipped : mapping of str to int
+        Of each axis of the controller that skipped some: the control periods in which a value
+        that it reads was not a number.
+    periods : int
+        Number of control periods.
     """
 
     controller: str
@@ -231,6 +236,8 @@ class Run(Plotted):
     cause: str = ""
     notes: tuple[str, ...] = ()
     along: bool = False
+    skipped: Mapping[str, int] = field(default_factory=dict)
+    periods: int = 0
 
     def __repr__(self) -> str:
         errors = zip(self.labels, self.rms, self.units, strict=True)
@@ -270,6 +277,25 @@ class Run(Plotted):
     def where(self) -> str:
         """What it ran on: a trajectory by its name, references with their plant."""
         return where(self.plant, self.trajectory, along=self.along)
+
+    @property
+    def lost(self) -> dict[str, int]:
+        """Samples without an error, of each tracked output that has some; no metric counts them."""
+        counts = zip(self.labels, np.isnan(self.error_matrix).sum(axis=0).tolist(), strict=True)
+        return {label: count for label, count in counts if count}
+
+    @property
+    def gaps(self) -> list[str]:
+        """Skipped periods and lost samples in words."""
+        return [
+            f"axis {axis} skipped {count} of {self.periods} periods: "
+            "a value that it reads was not a number"
+            for axis, count in self.skipped.items()
+        ] + [
+            f"{label} was not a number in {count} of {self.samples} samples: "
+            "metrics are those of the others"
+            for label, count in self.lost.items()
+        ]
 
     @property
     def torques(self) -> Vector:
@@ -343,7 +369,7 @@ def with_gains(
     """Return a controller with some gains replaced, by numbers or one number for each axis."""
     if not gains:
         return controller
-    values = {k: [v] if isinstance(v, int | float) else list(v) for k, v in gains.items()}
+    values = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
     changed = controller.with_gains(values)
     changed.name = controller.name
     return changed
@@ -653,9 +679,9 @@ class ClosedLoop:
             every=followed.every,
             output_units={label(port): output.unit for port, output in interface.outputs.items()},
             along=followed.along,
-            notes=self.notes(course)
-            + tuple(_skipped_words(program.skipped(record.memory)))
-            + (() if over or stopped is None else _coarse(course)),
+            notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
+            skipped=program.skipped(record.memory),
+            periods=record.ticks,
         )
 
     def _cause(self, record: RunRecord) -> str:
@@ -735,12 +761,6 @@ class ClosedLoop:
             *self._by_port(course, record.rows.T),
             [block != 0 for block in blocks],
         )
-
-
-def _skipped_words(skipped: Mapping[str, int]) -> Iterator[str]:
-    for axis, count in skipped.items():
-        periods = "1 period" if count == 1 else f"{count} periods"
-        yield f"axis {axis} skipped {periods}: a value that it reads was not a number"
 
 
 @dataclass(frozen=True)

@@ -219,7 +219,9 @@ def _numbers(
     for name, value in zip(ports, answer, strict=True):
         if not _is_number(value):
             raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
-        if not math.isfinite(value):
+        # Where states are finite, an output of NaN is a lost sample.
+        is_lost = what == "measure" and bool(plant.states) and math.isnan(value)
+        if not math.isfinite(value) and not is_lost:
             hint = "it divides by zero, or takes a root of what is negative"
             at_first = "at the start, with all inputs at 0 or their nearest limit"
             message = f"{what} returns {value} for '{name}' {at_first}"

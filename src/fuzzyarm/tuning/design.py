@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.controller.law import unknown_gain
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.arrangement import mirror_faults, partition_faults
 from fuzzyarm.model.controller import ControllerModel, GainModel
@@ -350,8 +351,10 @@ def gain_ranges(
 
     Raises
     ------
+    GainError
+        If a gain is unknown.
     TuneError
-        If a gain is unknown, or two lines tune the same gain differently.
+        If two lines tune the same gain differently.
     """
     tunings: dict[str, GainTuning] = {}
     for block in blocks:
@@ -364,8 +367,7 @@ def gain_ranges(
     models = {gain_model.name: gain_model for gain_model in model.gains}
     for name in tunings:
         if name not in models:
-            hint = near_hint(name, models)[0] or f"there are {', '.join(models) or 'none'}"
-            raise TuneError(f"{model.name} has no gain '{name}'", name=name, hint=hint)
+            raise unknown_gain(model.name, models, name)
     for gain in model.gains:
         if with_file_ranges and gain.tune is not None:
             ends = gain.tune.low, gain.tune.high
