@@ -93,6 +93,17 @@ def test_every_option_that_names_a_file_is_known_to_read_or_to_write():
     assert sorted(found - READ - FOLDERS - WRITTEN.keys()) == []
 
 
+def test_what_writes_files_offers_force_on_its_help_page():
+    written = {command for command, _ in WRITTEN.keys() | FOLDERS} - {"demo"}
+    offered = {
+        name
+        for name in COMMANDS
+        if any("--force" in argument.names for argument in find_command(name).arguments)
+    }
+    assert offered == written | {"new"}
+    assert all("--force" in find_command(name).parser().format_help() for name in offered)
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -157,3 +168,12 @@ def test_o_without_a_sweep_names_the_option_for_samples(folder, capsys):
 def test_a_mistyped_file_gets_the_nearest_one(folder, capsys, command):
     assert main([*command.split(), "pd6.frb"]) == 1
     assert "did you mean 'pd7.frb'?" in capsys.readouterr().err
+
+
+def test_a_demo_keeps_the_files_of_its_folder(tmp_path, capsys):
+    theirs = tmp_path / "servo.frb"
+    theirs.write_text("what a person wrote\n")
+    assert main(["demo", "--keep", str(tmp_path)]) == 1
+    assert "servo.frb already exists (--keep names a new folder)" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["servo.frb"]
+    assert theirs.read_text() == "what a person wrote\n"

@@ -33,9 +33,13 @@ def with_choice(description: str | None) -> str:
 
 
 def request_command(
-    name: str, description: str | None, run: Callable[[AnyRequest], int], kind: type[AnyRequest]
+    name: str,
+    description: str | None,
+    run: Callable[[AnyRequest], int],
+    kind: type[AnyRequest],
+    *more: Argument,
 ) -> Command:
-    """Return the record of a command whose arguments are the fields of a request."""
+    """Return the record of a command whose arguments are the fields of a request, and others."""
 
     def run_words(words: argparse.Namespace) -> int:
         try:
@@ -43,7 +47,7 @@ def request_command(
         except RequestError as error:
             raise of_option(error, kind) from None
 
-    arguments = [argument_of(field) for field in fields_of(kind)]
+    arguments = [*map(argument_of, fields_of(kind)), *more]
     groups = list(dict.fromkeys(argument.group for argument in arguments))
     arguments.sort(key=lambda argument: (argument.group == LAST, groups.index(argument.group)))
     return Command(name, description, run_words, tuple(arguments))

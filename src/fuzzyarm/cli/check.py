@@ -16,6 +16,7 @@ from fuzzyarm.api import (
 from fuzzyarm.cli.command import (
     UsageError,
     WordError,
+    always,
     announced,
     argument,
     command,
@@ -265,5 +266,6 @@ COMMANDS = (
         argument("files FILE", "a .frb file, or - for stdin", nargs="+"),
         flag("--check", "only say which files would change", either="mode"),
         flag("--diff", "only print what would change", either="mode"),
+        rewrites=always,
     ),
 )

@@ -36,11 +36,6 @@ EXIT_INTERRUPTED = 130
 
 # --- The record of a command ---
 
-FORCE = "--force"
-"""With any command: replace a file that fuzzyarm did not write (`text/made.py`)."""
-
-FORCE_HELP = "replace files that fuzzyarm did not write"
-
 
 class Argument(NamedTuple):
     """One argument: its names and options as `add_argument` takes them, and where it stands.
@@ -60,12 +55,14 @@ class Command(NamedTuple):
 
     `run` takes the parsed arguments and returns the exit status. The line on the page of all
     commands stands in `main.COMMANDS`, so that no module of a command is needed for it.
+    `rewrites` tells whether the arguments ask it to write over what it reads.
     """
 
     name: str
     description: str | None
     run: Callable[[argparse.Namespace], int]
     arguments: Sequence[Argument]
+    rewrites: Callable[[argparse.Namespace], bool] = lambda _arguments: False
 
     def parser(self) -> argparse.ArgumentParser:
         """Return the parser of its words."""
@@ -158,9 +155,16 @@ def command(
     description: str | None,
     run: Callable[[argparse.Namespace], int],
     *arguments: Argument,
+    rewrites: Callable[[argparse.Namespace], bool] | None = None,
 ) -> Command:
     """Return the record of a command."""
-    return Command(name, description, run, arguments)
+    made = Command(name, description, run, arguments)
+    return made if rewrites is None else made._replace(rewrites=rewrites)
+
+
+def always(_arguments: argparse.Namespace) -> bool:
+    """Whether a command writes over what it reads: it is made for that."""
+    return True
 
 
 def argument(words: str, text: str | None = None, *, either: str = "", **options: Any) -> Argument:
@@ -194,6 +198,7 @@ def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
 MODEL = argument("file FILE", "a rule base or a table")
 MODE = argument("--mode", "how to look a table up", choices=LOOKUP_MODES)
 JSON = flag("--json", "print the result as JSON")
+FORCE = flag("--force", "replace files that fuzzyarm did not write")
 
 
 def json_of(what: str) -> Argument:

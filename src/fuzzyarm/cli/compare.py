@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     DIVERGED,
+    FORCE,
     WordError,
     demand_figure,
     print_error,
@@ -409,4 +410,4 @@ def _markdown(runs: Sequence[Run]) -> Iterator[str]:
         yield f"| {' | '.join(row)} |"
 
 
-COMMANDS = (request_command("compare", _COMPARE, _compare, CompareWords),)
+COMMANDS = (request_command("compare", _COMPARE, _compare, CompareWords, FORCE),)

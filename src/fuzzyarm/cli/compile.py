@@ -40,14 +40,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_sheet
 from fuzzyarm.cli.arguments import request_command
-from fuzzyarm.cli.command import (
-    UsageError,
-    WordError,
-    busy,
-    print_json,
-    require_suffix,
-    say,
-)
+from fuzzyarm.cli.command import FORCE, UsageError, WordError, busy, print_json, require_suffix, say
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.making import SOURCE, ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
@@ -435,4 +428,4 @@ def _controller_data(exported: ExportedController) -> dict[str, Any]:
     }
 
 
-COMMANDS = (request_command("compile", __doc__, _run, ExportWords),)
+COMMANDS = (request_command("compile", __doc__, _run, ExportWords, FORCE),)

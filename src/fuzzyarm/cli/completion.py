@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 
-from fuzzyarm.cli.command import FORCE, FORCE_HELP, Command
+from fuzzyarm.cli.command import Command
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -39,8 +39,6 @@ def _whole_parser(records: Iterable[tuple[Command, str]]) -> argparse.ArgumentPa
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command, summary in records:
         subparser = commands.add_parser(command.name, help=summary)
-        if not any(FORCE in argument.names for argument in command.arguments):
-            subparser.add_argument(FORCE, action="store_true", help=FORCE_HELP)
         for action in command.add_to(subparser):
             _offer_names(action)
             values = str(action.metavar).partition(".")[0]

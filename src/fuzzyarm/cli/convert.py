@@ -40,6 +40,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.cli.command import (
+    FORCE,
     WordError,
     argument,
     busy,
@@ -477,6 +478,7 @@ COMMANDS = (
         argument("--block NAME", "which function block of an .fcl to take"),
         argument("--terms N", "number of terms of the output, where IN is a table", type=int),
         flag("--quiet -q", "print errors only"),
+        FORCE,
         json_of("what was found"),
         *group(
             "scripts",
@@ -491,7 +493,6 @@ COMMANDS = (
             argument("--python PATH", "run it by another Python, 3.11 or newer"),
             argument("--call NAME", "call a function or class of it that builds a system"),
             flag("--points", "keep scikit-fuzzy's straight lines between points"),
-            flag("--force", "replace files that are there"),
         ),
     ),
 )

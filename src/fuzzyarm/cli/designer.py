@@ -22,7 +22,16 @@ import argparse
 import contextlib
 from pathlib import Path
 
-from fuzzyarm.cli.command import WordError, argument, command, flag, hush, require_suffix, say
+from fuzzyarm.cli.command import (
+    FORCE,
+    WordError,
+    argument,
+    command,
+    flag,
+    hush,
+    require_suffix,
+    say,
+)
 from fuzzyarm.errors import FuzzyarmError
 
 
@@ -42,9 +51,6 @@ def _run(arguments: argparse.Namespace) -> int:
         return 0
     from fuzzyarm.designer.folder import SUFFIXES
     from fuzzyarm.designer.server import serve
-    from fuzzyarm.text.protected import let_rewrite
-
-    let_rewrite()
 
     if path.exists() and not path.is_dir() and path.suffix.lower() not in SUFFIXES:
         raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")
@@ -107,5 +113,7 @@ COMMANDS = (
             default=[],
         ),
         argument("--export PAGE", "write one page that needs no server (.html)"),
+        FORCE,
+        rewrites=lambda arguments: arguments.export is None,
     ),
 )

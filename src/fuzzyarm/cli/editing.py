@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, cast
 
 from fuzzyarm.cli.command import (
+    FORCE,
     WordError,
+    always,
     argument,
     at,
     command,
@@ -248,6 +250,7 @@ COMMANDS = (
         _TEXT,
         argument("--table OUT", "write the compiled table at each save"),
         argument("--figure FIG", "write a figure at each save"),
+        FORCE,
         at("the crisp inputs (the middle)"),
         argument(
             "--view",
@@ -263,5 +266,6 @@ COMMANDS = (
         _serve,
         flag("--stdio", "talk over stdin and stdout (usual)"),
         argument("--tcp [HOST:]PORT", "wait for a connection instead", type=_address),
+        rewrites=always,
     ),
 )

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import load_sheet
 from fuzzyarm.cli.command import (
+    FORCE,
     MODE,
     MODEL,
     WordError,
@@ -170,6 +171,7 @@ COMMANDS = (
         argument("inputs NAME=VALUE", "a value for each input", nargs="*"),
         flag("--explain", "show the way to the result"),
         argument("--plot FIG", "draw the inference: .png, .svg or .pdf"),
+        FORCE,
         json_of("the outputs"),
         argument("--defuzzifier HOW", "instead of the file's, such as 'centroid(101)'"),
         argument("--held NAME=VALUE", "last value of an output", action="append", default=[]),

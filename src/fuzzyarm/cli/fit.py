@@ -27,6 +27,7 @@ from pathlib import Path
 from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
+    FORCE,
     attempted,
     busy,
     demand_places,
@@ -90,4 +91,4 @@ def _run(request: FitWords) -> int:
     return 1 if faults else 0
 
 
-COMMANDS = (request_command("fit", with_choice(__doc__), _run, FitWords),)
+COMMANDS = (request_command("fit", with_choice(__doc__), _run, FitWords, FORCE),)

@@ -29,10 +29,12 @@ from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
+    FORCE,
     UsageError,
     attempted,
     demand_figure,
     demand_places,
+    group,
     print_error,
     print_json,
     progress_bar,
@@ -291,4 +293,6 @@ class _Watched:
         }
 
 
-COMMANDS = (request_command("learn", with_choice(__doc__), _run, LearnWords),)
+COMMANDS = (
+    request_command("learn", with_choice(__doc__), _run, LearnWords, *group("output", FORCE)),
+)

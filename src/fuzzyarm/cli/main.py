@@ -18,7 +18,6 @@ from fuzzyarm import interrupts
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     EXIT_USAGE,
-    FORCE,
     Command,
     UsageError,
     announced,
@@ -64,10 +63,6 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 A module is imported when one of its commands is called; its `COMMANDS` are the records.
 """
-
-REWRITING = frozenset({"fmt", "lsp", "new", "shipped"})
-"""Commands that write over what they read, or files for people, and see to those themselves; `tune`
-and `designer` write over what they read where they are asked to."""
 
 HEADINGS = {
     "new": "Start",
@@ -254,12 +249,11 @@ def _run(words: list[str]) -> int:
     try:
         with announced(f"at work on: {_shortened(words)}"):
             command = find_command(name)
-            force, rest = FORCE in words, words[1:]
-            if not any(FORCE in argument.names for argument in command.arguments):
-                rest = [word for word in rest if word != FORCE]
-            kept = contextlib.nullcontext() if name in REWRITING else sources_kept(force=force)
-            with kept:
-                return command.run(_parse(command.parser(), rest))
+            arguments = _parse(command.parser(), words[1:])
+            if command.rewrites(arguments):
+                return command.run(arguments)
+            with sources_kept(force=getattr(arguments, "force", False)):
+                return command.run(arguments)
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
 
@@ -353,8 +347,7 @@ def _help_page() -> str:
             "and run it on any plant.",
             *lines,
             "",
-            "fuzzyarm COMMAND --help lists the options of one command. With any of them --force",
-            "replaces a file that fuzzyarm did not write. Exit status: 0 fine,",
+            "fuzzyarm COMMAND --help lists the options of one command. Exit status: 0 fine,",
             "1 the input is at fault, 2 wrong usage; 3 a run diverged, 4 a proof stayed",
             "undecided, 130 interrupted.",
         ]

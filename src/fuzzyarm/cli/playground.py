@@ -21,7 +21,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from fuzzyarm.cli.command import argument, command, flag, say
+from fuzzyarm.cli.command import FORCE, argument, command, flag, say
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.extras import install, installing
 
@@ -66,6 +66,7 @@ COMMANDS = (
         _run,
         argument("files FILE", "a .frb or .lut file that a visitor finds", nargs="*"),
         argument("-o --out DIR", "the folder", required=True),
+        FORCE,
         flag("--install", "install the compiler of the kernels, where it is missing"),
         argument("--pyodide FOLDER", "a folder with Pyodide's files (default: npm fetches them)"),
     ),

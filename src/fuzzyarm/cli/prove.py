@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any
 from fuzzyarm.cli.arguments import request_command
-from fuzzyarm.cli.command import UsageError, demand_figure, demand_places, print_json, say
+from fuzzyarm.cli.command import FORCE, UsageError, demand_figure, demand_places, print_json, say
 from fuzzyarm.cli.prove_loops import check, loop_data, print_loops, prove_loops
 from fuzzyarm.cli.prove_sectors import (
     EXIT_REFUTED,
@@ -185,4 +185,4 @@ def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
     }
 
 
-COMMANDS = (request_command("prove", __doc__, _run, ProveWords),)
+COMMANDS = (request_command("prove", __doc__, _run, ProveWords, FORCE),)

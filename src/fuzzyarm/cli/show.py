@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import load_sheet
 from fuzzyarm.cli.command import (
+    FORCE,
     UsageError,
     WordError,
     argument,
@@ -317,6 +318,7 @@ COMMANDS = (
         _plot,
         argument("file FILE", "a rule base, a table or a controller"),
         out("FIG", "the figure to write"),
+        FORCE,
         argument(
             "--what",
             "part to draw, or what it does in a loop",

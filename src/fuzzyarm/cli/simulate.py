@@ -34,10 +34,12 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
+    FORCE,
     UsageError,
     busy,
     demand_figure,
     demand_places,
+    group,
     hush,
     print_json,
     progress_bar,
@@ -403,4 +405,6 @@ def _list(as_json: bool) -> None:
     print("\n".join(in_columns(rows)))
 
 
-COMMANDS = (request_command("simulate", with_choice(__doc__), _run, SimulateWords),)
+COMMANDS = (
+    request_command("simulate", with_choice(__doc__), _run, SimulateWords, *group("output", FORCE)),
+)

@@ -19,6 +19,7 @@ from fuzzyarm.builder.starting import (
     starting_text,
 )
 from fuzzyarm.cli.command import (
+    always,
     argument,
     command,
     flag,
@@ -180,14 +181,18 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 
 def _tell() -> int:
-    text = shipped("pd7.frb").read_text(encoding="utf-8")
-    Path("pd7.frb").write_text(text, encoding="utf-8")
+    text, servo = (shipped(name).read_text(encoding="utf-8") for name in ("pd7.frb", "servo.frb"))
+    files = {"pd7.frb": text, "broken.frb": _broken(text), "servo.frb": servo}
+    for name, content in files.items():
+        if os.path.lexists(name) and Path(name).read_bytes() != content.encode():
+            raise NewFileError(f"{name} already exists", hint="--keep names a new folder")
+    for name, content in files.items():
+        Path(name).write_text(content, encoding="utf-8")
     _say("A fuzzy controller is a text file: ranges, terms and a grid of 49 rules.")
     print(text)
     _say("It is checked: for mistakes, and for what is allowed but probably not meant.")
     statuses = [_step("check", "pd7.frb") == 0]
     _say("Every mistake of a file is found in one run, with its position and a hint.")
-    Path("broken.frb").write_text(_broken(text), encoding="utf-8")
     statuses.append(_step("check", "broken.frb") == 1)
     _say("It is drawn: terms as small plots, rules as a grid.")
     statuses.append(_step("show", "pd7.frb") == 0)
@@ -200,8 +205,6 @@ def _tell() -> int:
     statuses.append(_step("show", "pd7.lut") == 0)
     statuses.append(_step("eval", "pd7.lut", *_POINT) == 0)
     _say("A controller puts gains around it: here one that turns a shaft by 1 rad.")
-    servo = shipped("servo.frb").read_text(encoding="utf-8")
-    Path("servo.frb").write_text(servo, encoding="utf-8")
     print(servo)
     run = ("simulate", "servo.frb", "--plant", "motor", "--step", "1", "--for", "500ms")
     statuses.append(_step(*run) == 0)
@@ -253,6 +256,7 @@ COMMANDS = (
         ),
         argument("--around FILE", "the rule base of a controller; pd7.frb by default"),
         flag("--force", "replace a file that is there"),
+        rewrites=always,
     ),
     command(
         "shipped",
@@ -262,6 +266,7 @@ COMMANDS = (
         out("DIR", "the folder, or the file, to copy to", required=False),
         flag("--force", "replace files that are there"),
         json_of("the list"),
+        rewrites=always,
     ),
     command("demo", _DEMO, _demo, argument("--keep DIR", "work in DIR and leave the files there")),
 )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
+    FORCE,
     JSON,
     argument,
     busy,
@@ -387,6 +388,7 @@ COMMANDS = (
         ),
         argument("--plot DIR", "draw the error profiles into a folder"),
         argument("--overview FIG", "draw all rows beside each other"),
+        FORCE,
         flag("--markdown", "print tables for a page"),
         JSON,
     ),

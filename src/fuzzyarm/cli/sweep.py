@@ -27,10 +27,12 @@ from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
+    FORCE,
     UsageError,
     announced,
     attempted,
     demand_figure,
+    group,
     print_error,
     print_json,
     say,
@@ -167,4 +169,6 @@ def _as_json(many: Many, plan: Sweep, request: SweepWords) -> dict[str, Any]:
     return report
 
 
-COMMANDS = (request_command("sweep", with_choice(__doc__), sweep, SweepWords),)
+COMMANDS = (
+    request_command("sweep", with_choice(__doc__), sweep, SweepWords, *group("output", FORCE)),
+)

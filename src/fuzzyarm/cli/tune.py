@@ -26,6 +26,7 @@ Examples
 
 from __future__ import annotations
 
+import argparse
 import math
 import os
 import shutil
@@ -41,6 +42,7 @@ from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
+    FORCE,
     TOLD_EVERY,
     Pace,
     announced,
@@ -48,6 +50,7 @@ from fuzzyarm.cli.command import (
     demand_figure,
     demand_places,
     duration_words,
+    group,
     print_error,
     print_json,
     require_suffix,
@@ -59,7 +62,6 @@ from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import same_file, stamp_of
 from fuzzyarm.text.numbers import counted
-from fuzzyarm.text.protected import let_rewrite
 
 if TYPE_CHECKING:
     from fuzzyarm.tuning.result import Tuned
@@ -187,8 +189,6 @@ def _require_sensible(request: TuneWords) -> None:
 
     if request.out:
         require_suffix(request.out, (".frb",))
-        if same_file(request.file, request.out):
-            let_rewrite()
     demand_figure(request.plot)
     demand_places(request.out)
     require_sensible(request)
@@ -327,4 +327,12 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
         yield f"wrote {', '.join(map(os.fspath, written))}"
 
 
-COMMANDS = (request_command("tune", with_choice(__doc__), _run, TuneWords),)
+def _is_in_place(arguments: argparse.Namespace) -> bool:
+    return arguments.out is not None and same_file(arguments.file, arguments.out)
+
+
+COMMANDS = (
+    request_command(
+        "tune", with_choice(__doc__), _run, TuneWords, *group("output", FORCE)
+    )._replace(rewrites=_is_in_place),
+)

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.api import load_used_rules
 from fuzzyarm.cli.command import (
+    FORCE,
     WordError,
     argument,
     command,
@@ -206,6 +207,7 @@ COMMANDS = (
         argument("data DATA", "samples: .csv or .parquet"),
         argument("--target NAME", "the column that the output is judged by"),
         argument("--plot FIG", "draw residuals, calibration and rules: .png, .svg or .pdf"),
+        FORCE,
         flag("--all", "list every rule"),
         json_of("the judgement"),
     ),

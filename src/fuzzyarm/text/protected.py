@@ -15,7 +15,6 @@ __all__ = [
     "demand_made",
     "demand_no_source",
     "is_in_command",
-    "let_rewrite",
     "note_result",
     "note_source",
     "sources_kept",
@@ -37,8 +36,8 @@ class _Notes:
         self.results: set[_Identity] = set()
 
 
-_notes: list[_Notes | None] = []
-"""Those of each command that runs within another; None for one that rewrites what it reads."""
+_notes: list[_Notes] = []
+"""Those of each command that runs within another."""
 
 
 class SourceFileError(FuzzyarmError, ValueError):
@@ -84,16 +83,10 @@ def sources_kept(*, force: bool = True) -> Iterator[None]:
         _notes.pop()
 
 
-def let_rewrite() -> None:
-    """Let the innermost command write over what it reads, as it was asked to."""
-    if _notes:
-        _notes[-1] = None
-
-
 def note_source(path: str | os.PathLike[str]) -> None:
     """Note that a file is read; SourceFileError where it was said that it will be written."""
     identities = _identities(path)
-    for notes in filter(None, _notes):
+    for notes in _notes:
         if notes.results & identities:
             raise SourceFileError(os.fspath(path))
         notes.sources |= identities
@@ -102,14 +95,14 @@ def note_source(path: str | os.PathLike[str]) -> None:
 def note_result(path: str | os.PathLike[str]) -> None:
     """Note that a file that is there will be written: to read it is then an error at once."""
     if os.path.exists(path):
-        for notes in filter(None, _notes):
+        for notes in _notes:
             notes.results |= _identities(path)
 
 
 def demand_no_source(path: str | os.PathLike[str]) -> None:
     """Raise SourceFileError where a file that was read would be written."""
     identities = _identities(path)
-    for notes in filter(None, _notes):
+    for notes in _notes:
         if notes.sources & identities:
             raise SourceFileError(os.fspath(path))
         notes.results -= identities  # it is a result from now on, and may be read
@@ -123,12 +116,12 @@ def demand_made(path: str | os.PathLike[str]) -> None:
 
 def keeps_foreign() -> bool:
     """Whether a command runs that replaces only files that fuzzyarm wrote."""
-    return bool(_notes) and (_notes[-1] is not None and not _notes[-1].force)
+    return bool(_notes) and not _notes[-1].force
 
 
 def is_in_command() -> bool:
     """Whether what is written now is the result of a command, apart from what it reads."""
-    return bool(_notes) and _notes[-1] is not None
+    return bool(_notes)
 
 
 def _identities(path: str | os.PathLike[str]) -> set[_Identity]:
