@@ -22,7 +22,7 @@ import numpy as np
 
 from fuzzyarm.api import load
 from fuzzyarm.controller.kernel import step
-from fuzzyarm.export.controller_c import TestSequence, controller_c
+from fuzzyarm.export.c import controller_c
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.cost import step_cost
 from fuzzyarm.export.steps import steps_of
@@ -101,14 +101,8 @@ class Case:
         self.program = self._compiled(folder, ports)
 
     def _compiled(self, folder: Path, ports: list) -> Path:
-        files, made = controller_c(
-            self.steps, "made", "made", ".h", TestSequence([[0.0]], [[0.0]], 1.0), ["a benchmark"]
-        )
-        (folder / "made.h").write_text(files[".h"])
-
-        def member(port):
-            return made.targets[port.symbol].replace("->", ".", 1)
-
+        made = controller_c(self.steps, "made", "made", ".h", None, ["a benchmark"])
+        (folder / "made.h").write_text(made.files[".h"])
         sorts = [s for s in ("reference", "measured", "drive") if self.steps.of_sort(s)]
         types = {"reference": "reference", "measured": "measured", "drive": "drives"}
         text = MAIN.format(
@@ -117,10 +111,10 @@ class Case:
             seconds=SECONDS,
             declared="\n".join(f"    static made_{types[sort]} {sort};" for sort in sorts),
             sets="\n".join(
-                f"            {member(port)} = rows[k][{i}];" for i, port in enumerate(ports)
+                f"            {made.place(port)} = rows[k][{i}];" for i, port in enumerate(ports)
             ),
             called=", ".join(["&s", *(f"&{sort}" for sort in sorts)]),
-            first=member(self.steps.of_sort("drive")[0]),
+            first=made.place(self.steps.of_sort("drive")[0]),
         )
         (folder / "main.c").write_text(text)
         program, data = folder / "main", folder / "rows.bin"

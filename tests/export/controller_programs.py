@@ -10,7 +10,7 @@ from c_programs import compile_c, execute
 
 from fuzzyarm import load, shipped
 from fuzzyarm.controller.text import with_files
-from fuzzyarm.export.controller_c import TestSequence, controller_c
+from fuzzyarm.export.c import controller_c
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.names import identifier
 from fuzzyarm.language import parse
@@ -163,9 +163,8 @@ def run_in_c(programs, folder, *flags):
     """
     parts, calls, data = [], [], b""
     for name, (steps, rows) in programs.items():
-        empty = TestSequence([[0.0]], [[0.0]], 1.0)
-        files, _ = controller_c(steps, name, name, ".h", empty, ["for a test"])
-        (folder / f"{name}.h").write_text(files[".h"])
+        made = controller_c(steps, name, name, ".h", None, ["for a test"])
+        (folder / f"{name}.h").write_text(made.files[".h"])
         parts += [f'#include "{name}.h"', driver(steps, name)]
         calls.append(
             f"    if (run_{name}(in, to, {len(rows)}L) != 0) {{\n        return 1;\n    }}"

@@ -14,7 +14,7 @@ from c_programs import STRICT
 from controller_programs import driver
 from needs import need
 
-from fuzzyarm.export.controller_c import TestSequence, controller_c
+from fuzzyarm.export.c import controller_c
 
 TOOLS = ("arm-none-eabi-gcc", "qemu-system-arm")
 
@@ -51,9 +51,8 @@ def need_cortex() -> None:
 
 def run_on_cortex(name, steps, rows, folder: Path):
     """Run a controller over rows on the processor; return its drives, row by row, and its flash."""
-    empty = TestSequence([[0.0]], [[0.0]], 1.0)
-    files, _ = controller_c(steps, name, name, ".h", empty, ["for a test"])
-    (folder / f"{name}.h").write_text(files[".h"])
+    made = controller_c(steps, name, name, ".h", None, ["for a test"])
+    (folder / f"{name}.h").write_text(made.files[".h"])
     (folder / "in.bin").write_bytes(np.ascontiguousarray(rows, np.float64).tobytes())
     main = [
         "#include <stdio.h>", f'#include "{name}.h"', driver(steps, name),

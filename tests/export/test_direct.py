@@ -521,8 +521,7 @@ def test_kinds_of_a_user_are_the_same_in_c(tmp_path, own_kinds):
     block = RuleBlock(rules, conjunction="yager2", disjunction="yager2")
     model = dataclasses.replace(model, blocks=(block,))
     x = np.linspace(-2, 2, 301)
-    routines, results = compared_in_c(model, tmp_path, [x])
-    assert routines[0].headers == ("math.h",)
+    _routines, results = compared_in_c(model, tmp_path, [x])
     for k, norm in enumerate((TNORMS["yager2"].scalar, SNORMS["yager2"].scalar)):
         expected = []
         for v in x.tolist():

@@ -14,8 +14,7 @@ import numpy as np
 
 from fuzzyarm.export.avr import FLAGS, TOOLS, Measured, MeasuredStep, has_compiler, measure
 from fuzzyarm.export.boards import Board, Footprint, demand_fit
-from fuzzyarm.export.c import CLibrary, c_library
-from fuzzyarm.export.controller_c import CController, controller_library
+from fuzzyarm.export.c import LIBRARY, CText, controller_c, routines_c
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.names import ARDUINO_MACROS, Names, identifier
 from fuzzyarm.export.numbers import C_TYPES, ExportError, Kind, c_number
@@ -48,7 +47,7 @@ class BoardFolder:
     ----------
     files : dict of str to str
         Texts by their paths in the folder.
-    library : CLibrary
+    library : CText
         What is in it.
     board : Board
         What it was fitted to.
@@ -61,7 +60,7 @@ class BoardFolder:
     """
 
     files: dict[str, str]
-    library: CLibrary
+    library: CText
     board: Board
     measured: Measured | None
     constants: int
@@ -75,7 +74,7 @@ class _BoardPart:
 
     stem: str
     words: str  # what it is, in one line
-    library: CLibrary
+    library: CText
     call: MeasuredStep
     sketch: list[str]
     state: int
@@ -86,12 +85,7 @@ class _BoardPart:
 
     def sources(self) -> dict[str, str]:
         """Return the texts of the library by the names of their files."""
-        library = self.library
-        return {
-            f"{self.stem}.h": library.header,
-            f"{self.stem}.c": library.source,
-            f"{self.stem}_self_test.c": library.test,
-        }
+        return {f"{self.stem}{end}": text for end, text in self.library.files.items()}
 
     def measured(self, board: Board) -> Measured | None:
         """Return what it takes on a board; None where nothing here can measure it."""
@@ -132,8 +126,8 @@ def board_folder(
         part = _controller_part(exported, stem, board)
     else:
         part = _routines_part(exported, stem, board)
-    constants = part.library.writer.flash
-    largest = part.library.writer.largest
+    constants = part.library.printer.flash
+    largest = part.library.printer.largest
     words = "its tables alone"
     footprint = Footprint(constants, part.state, part.stack, words, constants, largest)
     demand_fit(footprint, board, stem)
@@ -169,7 +163,7 @@ def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) 
 
 
 def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _BoardPart:
-    library = c_library(routines, stem, stem)
+    library = routines_c(routines, stem, stem, LIBRARY)
     first = routines[0]
     vectors = first.vectors()
     rows = [list(row) for row in zip(*vectors.inputs, strict=True)][:_SKETCH_CALLS]
@@ -195,7 +189,7 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Boa
 
 def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _BoardPart:
     steps, trial_run = program.steps, program.tried
-    library, writer = controller_library(steps, stem, stem, trial_run.vectors, program.head())
+    library = controller_c(steps, stem, stem, LIBRARY, trial_run.vectors, program.head())
     kind = C_TYPES[steps.precision.outside]
     rows = [list(row) or [0.0] for row in trial_run.vectors.inputs][:_SKETCH_CALLS]
     sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
@@ -211,7 +205,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
             *_rows("given", kind, rows, steps.precision.outside),
         ],
         start=[f"{stem}_init(&state);"],
-        load=[f"{_member(writer, port)} = given[k][{k}];" for k, port in enumerate(variables)],
+        load=[f"{library.place(port)} = given[k][{k}];" for k, port in enumerate(variables)],
         call=f"{stem}_step({arguments});",
         count=len(rows),
         arrays=0,
@@ -220,10 +214,10 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
     model = program.text.model
     words = plain(f"{model.name}: {model.description}" if model.description else model.name)
     notes = [f"`{prototype}`" for prototype in library.prototypes]
-    sketch = list(_controller_sketch(program, writer, stem, board))
+    sketch = list(_controller_sketch(program, library, stem, board))
     inputs = len(steps.of_sort("measured"))
     return _BoardPart(
-        stem, words, library, call, sketch, writer.ram(), 0, notes, model.period, inputs
+        stem, words, library, call, sketch, library.printer.ram(), 0, notes, model.period, inputs
     )
 
 
@@ -247,15 +241,11 @@ def _number(value: float, kind: Kind) -> str:
     return '__builtin_nanf("")' if math.isnan(value) else c_number(value, kind)
 
 
-def _member(controller: CController, port: StepVariable) -> str:
-    return controller.targets[port.symbol].replace("->", ".", 1)
-
-
 # --- The sketch ---
 
 
 def _routine_sketch(
-    routines: Sequence[Routine], library: CLibrary, stem: str, board: Board
+    routines: Sequence[Routine], library: CText, stem: str, board: Board
 ) -> Iterator[str]:
     """Yield the lines of a sketch that reads every input from a pin and prints every output."""
     names = _sketch_names()
@@ -290,7 +280,7 @@ def _routine_sketch(
 
 
 def _controller_sketch(
-    program: ControllerProgram, controller: CController, stem: str, board: Board
+    program: ControllerProgram, controller: CText, stem: str, board: Board
 ) -> Iterator[str]:
     """Yield the lines of a sketch that runs a controller at its period."""
     steps, model = program.steps, program.text.model
@@ -330,7 +320,7 @@ def _controller_sketch(
     kind = steps.precision.outside
     for port in steps.of_sort("reference"):
         zero = c_number(0.0, kind)
-        member = _member(controller, port)
+        member = controller.place(port)
         yield f"    {member} = {zero}; /* what you want of {_said(program, port)} */"
     arguments = ["&state"]
     if steps.of_sort("reference"):
@@ -341,7 +331,7 @@ def _controller_sketch(
     for number, port in enumerate(measured):
         text = _from_pin(-1.0, 1.0, number, None, kind, board)
         remark = f"/* {_said(program, port)}: the range of your sensor */"
-        yield f"    {_member(controller, port)} = {text}; {remark}"
+        yield f"    {controller.place(port)} = {text}; {remark}"
     if drives:
         arguments.append("&drive")
     yield f"    {stem}_step({', '.join(arguments)});"
@@ -349,7 +339,7 @@ def _controller_sketch(
     yield from ["}", ""]
 
 
-def _shown(program: ControllerProgram, controller: CController, every: int) -> Iterator[str]:
+def _shown(program: ControllerProgram, controller: CText, every: int) -> Iterator[str]:
     """Yield the function that prints, seldom: a line takes a millisecond at 115200 baud."""
     yield from ["", "static void show()", "{"]
     if every > 1:
@@ -361,7 +351,7 @@ def _shown(program: ControllerProgram, controller: CController, every: int) -> I
         ]
     for port in program.steps.of_sort("drive"):
         yield f'    Serial.print("{_quoted(_said(program, port))} ");'
-        yield f"    Serial.println({_member(controller, port)}, 3);"
+        yield f"    Serial.println({controller.place(port)}, 3);"
     yield from ["    if (overruns > 0) {", '        Serial.print("overruns ");']
     yield from ["        Serial.println(overruns);", "    }", "}"]
 
@@ -561,7 +551,7 @@ def _readme(
 
 
 def _figures(part: _BoardPart, board: Board, measured: Measured | None) -> Iterator[str]:
-    constants = part.library.writer.flash
+    constants = part.library.printer.flash
     yield f"- tables: {constants} bytes of flash, no RAM"
     if measured is None:
         words = f"state: about {part.state} bytes of RAM; {board.ram:,} are there"

@@ -27,6 +27,7 @@ from fuzzyarm.export.steps import (
 )
 from fuzzyarm.export.table_numbers import FixedTable, float_table, scaled, shift_of, unscaled
 from fuzzyarm.export.typed_program import (
+    COUNT,
     INDEX,
     TRUTH,
     WHOLE,
@@ -43,6 +44,7 @@ from fuzzyarm.export.typed_program import (
     Variable,
     When,
     Whole,
+    at,
     cast,
 )
 from fuzzyarm.expression.nodes import Node, apply, constant, replace, symbol, symbols
@@ -55,9 +57,17 @@ ENDS, LEFT = "set point ends", "periods left"
 """The argument that tells the last period of a set point, and the member that counts them."""
 
 
-def controller_program(steps: Steps) -> Program:
+_REMARKS = {
+    "first": "whether no period was run yet", "state": "remembered", "table": "learns",
+    "visits": "of each cell", "ring": "cells in use before; -1: none",
+    "held": "last value of the drive",
+}  # fmt: skip
+"""What members are for, by their role."""
+
+
+def controller_program(steps: Steps, *, pointers: bool = False) -> Program:
     """Return a controller as a program, without its test."""
-    return _Lowering(steps).lowered()
+    return _Lowering(steps, Program(pointers=pointers)).lowered()
 
 
 @dataclass
@@ -80,7 +90,7 @@ class _Lowering:
     """
 
     steps: Steps
-    program: Program = field(default_factory=Program)
+    program: Program
     parameters: dict[str, Variable] = field(default_factory=dict)
     local: dict[str, Variable] = field(default_factory=dict)
     known: dict[str, Node] = field(default_factory=dict)
@@ -113,8 +123,9 @@ class _Lowering:
         for sort in ("gain", "signal", "state"):
             for variable in self.steps.of_sort(sort):
                 kind = self.wide if variable.wide else self.outer
-                unit = units[variable.name] if sort == "gain" else ""
-                self._member(variable.symbol, self.stem(variable), kind, variable.start,
+                number = f"_{variable.number + 1}" if variable.number >= 0 else ""
+                unit = units.get(variable.name, "") if sort == "gain" else ""
+                self._member(variable.symbol, f"{variable.name}{number}", kind, variable.start,
                              axis=variable.axis, remark=unit, role=sort)  # fmt: skip
         self._declare_clock()
         for key, table in self.steps.learned.items():
@@ -123,11 +134,11 @@ class _Lowering:
 
     def _declare_clock(self) -> None:
         for axis in self.steps.needs_first:
-            self._member(first_of(axis), self._of_axis(axis, "first"), TRUTH, True, axis=axis,
-                         role="first")  # fmt: skip
+            self._member(first_of(axis), "first", TRUTH, True, axis=axis, role="first")
         if self.steps.needs_last:
-            self.parameters[ENDS] = Variable("set_point_ends", TRUTH)
-            self._member(LEFT, "periods_left", WHOLE, self.steps.model.every, role="clock")
+            if not self.program.pointers:
+                self.parameters[ENDS] = Variable("set_point_ends", TRUTH)
+            self._member(LEFT, "periods_left", INDEX, self.steps.model.every, role="clock")
             self.local[LAST] = Variable("last", TRUTH)
 
     def _declare_drives(self) -> None:
@@ -136,34 +147,33 @@ class _Lowering:
                 drive = self.steps.variables[name]
                 if sent is None:
                     self.held[name] = f"held {name}"
-                    self._member(self.held[name], f"{self.stem(drive)}_held", self.outer,
-                                 drive.start, axis=guard.axis, role="held")  # fmt: skip
+                    self._member(self.held[name], f"{drive.name}_held", self.outer, drive.start,
+                                 axis=guard.axis, role="held")  # fmt: skip
         for drive in self.steps.of_sort("drive"):
             variable = Variable(self.stem(drive), self.outer)
             self.local[drive.symbol] = self.program.drives[drive.symbol] = variable
             self.kinds[drive.symbol] = self.outer
 
-    def stem(self, variable: StepVariable) -> str:
-        """Return how a variable is called: with its axis where there are several."""
-        front = f"{variable.sort}_" if variable.sort in {"reference", "measured"} else ""
-        number = f"_{variable.number + 1}" if variable.number >= 0 else ""
-        return f"{front}{self._of_axis(variable.axis, variable.name)}{number}"
+    def stem(self, port: StepVariable) -> str:
+        """Return how a port is called: with its axis where there are several."""
+        front = "" if port.sort == "drive" else f"{port.sort}_"
+        return f"{front}{self._of_axis(port.axis, port.name)}"
 
     def _of_axis(self, axis: str, name: str) -> str:
         return f"{axis}_{name}" if self.several and axis else name
 
     def _member(
-        self, key: str, stem: str, kind: Kind, start: float | tuple[float, ...], *,
+        self, key: str, name: str, kind: Kind, start: float | tuple[float, ...], *,
         axis: str = "", remark: str = "", role: str = "",
-    ) -> str:  # fmt: skip
+    ) -> None:  # fmt: skip
         if kind in {np.float32, np.float64}:
             several = isinstance(start, tuple)
-            values = rounded(start if isinstance(start, tuple) else [start], kind, f"'{stem}'")
+            values = rounded(start if isinstance(start, tuple) else [start], kind, f"'{name}'")
             start = tuple(values.tolist()) if several else values.tolist()[0]
-        self.program.state[key] = Member(stem, kind, start, axis, remark, role)
+        stem, remark = self._of_axis(axis, name), remark or _REMARKS.get(role, "")
+        self.program.state[key] = Member(stem, kind, start, axis, remark, role, name)
         if not isinstance(start, tuple):
             self._know(key, kind)
-        return key
 
     def _know(self, key: str, kind: Kind) -> None:
         self.kinds[key] = kind
@@ -171,23 +181,24 @@ class _Lowering:
             self.known[key] = Cast(symbol(key), self.outer, self.wide)
 
     def _learned(self, key: str, table: LearningTable) -> None:
-        count, stem = len(table.values), self._of_axis(table.axis, table.name)
-        self._member(key, stem, self.outer, table.values, axis=table.axis, role="table")
+        count = len(table.values)
+        self._member(key, table.name, self.outer, table.values, axis=table.axis, role="table")
         members: list[tuple[str, Kind, float | tuple[float, ...]]] = [
-            ("visits", WHOLE, (0,) * count)
+            ("visits", COUNT, (0,) * count)
         ]
         if table.delay:
-            members += [("ring", WHOLE, (-1,) * table.delay), ("next", INDEX, 0)]
+            members += [("ring", _cell_kind(table), (-1,) * table.delay), ("next", INDEX, 0)]
         for word, kind, start in members:
-            self._member(f"{key} {word}", f"{stem}_{word}", kind, start, axis=table.axis, role=word)
+            name = f"{table.name}_{word}"
+            self._member(f"{key} {word}", name, kind, start, axis=table.axis, role=word)
 
     # ── statements ───────────────────────────────────────────────────────────────────
 
     def _statements(self) -> Iterator[Line]:
         if self.steps.needs_last:
-            left, every = symbol(LEFT), Whole(self.steps.model.every)
-            yield Assign(LAST, symbol(ENDS) | (left <= Whole(1)))
-            yield Assign(LEFT, where(symbol(LAST), every, left - Whole(1)))
+            left, ended = symbol(LEFT), symbol(LEFT) <= at(1)
+            yield Assign(LAST, ended if self.program.pointers else symbol(ENDS) | ended)
+            yield Assign(LEFT, where(symbol(LAST), at(self.steps.model.every), left - at(1)))
         self.uses = self.steps.uses()
         for block in self.steps.blocks():
             yield from self._block(block)
@@ -303,34 +314,40 @@ class _Lowering:
         judged = cast(Element(judges, symbol(lesson.judged)), self.outer, self.wide)
         number = sum(name.startswith("responsible") for name in self.local)
         names = {role: f"{role} {number}" for role in ("responsible", "rate", "value")}
-        for role, kind in (("responsible", WHOLE), ("rate", self.wide), ("value", self.wide)):
+        cells = _cell_kind(table)
+        for role, kind in (("responsible", cells), ("rate", self.wide), ("value", self.wide)):
             self.local[names[role]] = Variable(role, kind)
         responsible, rate_name, value = (symbol(name) for name in names.values())
         before, rate = self._value(lesson.rate)
         more, bound = self._value(lesson.bound)
-        place = cast(responsible, WHOLE, INDEX)
+        place = cast(responsible, cells, INDEX)
         old = cast(Element(key, place), self.outer, self.wide)
         limited = replace(limited_value(), {"value": value, "bound": bound})
         ring = Element(f"{key} ring", symbol(f"{key} next"))
-        taken: Node = ring if table.delay else cast(cell, INDEX, WHOLE)
+        taken: Node = ring if table.delay else cast(cell, INDEX, cells)
         added = old + rate_name * judged
         if self.outer is not self.wide:
             added = Cast(Cast(added, self.wide, self.outer), self.outer, self.wide)
         yield from (*before, *more)
         yield Assign(names["responsible"], taken)
         yield Assign(names["rate"], rate)
-        teaches = (Whole(0) <= responsible) & ~apply("equal", rate_name, 0.0)
+        teaches = (Whole(0, cells) <= responsible) & ~apply("equal", rate_name, 0.0)
         yield When(teaches, (
             Assign(names["value"], added),
             Store(key, place, cast(limited, self.wide, self.outer)),
         ), remark="none is, before the first delay is over" if table.delay else "")  # fmt: skip
         visits = f"{key} visits"
-        yield Store(visits, cell, Element(visits, cell) + Whole(1))
+        yield Store(visits, cell, Element(visits, cell) + Whole(1, COUNT))
         if table.delay:
             following = symbol(f"{key} next")
-            yield Store(f"{key} ring", following, cast(cell, INDEX, WHOLE))
-            later = where(following + Whole(1) < Whole(table.delay), following + Whole(1), Whole(0))
-            yield Assign(following.name, later if table.delay > 1 else Whole(0))
+            yield Store(f"{key} ring", following, cast(cell, INDEX, cells))
+            later = where(following + at(1) < at(table.delay), following + at(1), at(0))
+            yield Assign(following.name, later if table.delay > 1 else at(0))
+
+
+def _cell_kind(table: LearningTable) -> Kind:
+    """Return the kind of a cell, where -1 is none."""
+    return np.int16 if len(table.values) <= 0x7FFF else WHOLE
 
 
 def _renewed(line: Line, change: object) -> Line:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.export.controller_c import TestSequence
+from fuzzyarm.export.c import TestSequence
 from fuzzyarm.export.controller_lowering import controller_program
 from fuzzyarm.export.evaluation import EvaluatedController
 from fuzzyarm.export.steps import RoutineOptions, Steps, StepVariable, steps_of

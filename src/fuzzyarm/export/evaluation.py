@@ -24,17 +24,11 @@ from fuzzyarm.expression.operations import Operation
 __all__ = ["EvaluatedController"]
 
 
-def _operation(printer: Printer, operation: Operation) -> str:
+def _operation(printer: Printer, operation: Operation, kind: Kind) -> str:
     """Return the text of an operation; a function of a library is rounded to the arithmetic."""
-    text = PYTHON.operation(printer, operation)
+    text = PYTHON.operation(printer, operation, kind)
     of_library = operation.sort == "functions" and operation.name != "absolute"
-    return f"{_of(printer)}({text})" if of_library else text
-
-
-def _of(printer: Printer) -> str:
-    step = printer.program.step
-    assert step is not None
-    return _NAMES[step.real]
+    return f"{_NAMES[kind]}({text})" if of_library else text
 
 
 def _number(_printer: Printer, value: float, kind: Kind) -> str:

@@ -30,7 +30,7 @@ from fuzzyarm.export.typed_program import (
     Walk,
     When,
     While,
-    Whole,
+    at,
     cast,
 )
 from fuzzyarm.expression.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
@@ -184,14 +184,14 @@ class _Flattening:
         for word in ("low", "high", "middle"):
             self.variables.setdefault(f"{word} of a search", Variable(word, INDEX))
         low, high, middle = (symbol(f"{w} of a search") for w in ("low", "high", "middle"))
-        place: Node = middle + Whole(node.first) if node.first else middle
+        place: Node = middle + at(node.first) if node.first else middle
         passed = apply("less_equal" if node.reached else "less", Element(node.array, place), x)
         self.before += [
-            Assign(low.name, Whole(0)),
-            Assign(high.name, Whole(node.count)),
+            Assign(low.name, at(0)),
+            Assign(high.name, at(node.count)),
             While(low < high, (
-                Assign(middle.name, Quotient(low + high, Whole(2))),
-                When(passed, (Assign(low.name, middle + Whole(1)),), (Assign(high.name, middle),)),
+                Assign(middle.name, Quotient(low + high, at(2))),
+                When(passed, (Assign(low.name, middle + at(1)),), (Assign(high.name, middle),)),
             )),
         ]  # fmt: skip
         name = self._new("count", INDEX)

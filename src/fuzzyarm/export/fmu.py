@@ -20,7 +20,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
-from fuzzyarm.export.controller_c import controller_c
+from fuzzyarm.export.c import CText, controller_c
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.document import xml_document
 from fuzzyarm.export.fmi import fmi_source
@@ -109,16 +109,17 @@ def controller_fmu(
         raise ExportError("an FMU computes in double precision", hint="--precision float64")
     compiler = _cross_compiler() if platforms else find_compiler()
     steps = program.steps
-    files, writer = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
-    entries = list(_entries(program, writer.targets))
+    made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
+    header = made.files[".h"]
+    entries = list(_entries(program, made))
     settable = sum(entry.sort in ("reference", "measured", "gain") for entry, _, _ in entries)
     # The host compares this token with that of the library: it changes with what is computed.
-    digest = hashlib.sha256((files[".h"] + str(version)).encode()).digest()
+    digest = hashlib.sha256((header + str(version)).encode()).digest()
     token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
     places = [(variable, place) for variable, _, place in entries]
     shell = fmi_source(version, prefix, token, places, settable, steps.model.period)
     source = f'#include "{prefix}.h"\n\n{shell}'
-    sources = {f"{prefix}.h": files[".h"], f"{prefix}.c": source}
+    sources = {f"{prefix}.h": header, f"{prefix}.c": source}
     description = _description(program, prefix, version, token, entries)
     folder = {2: _platform2(), 3: _platform3()}[version]
     content: dict[str, str | bytes] = {
@@ -129,7 +130,7 @@ def controller_fmu(
             )
             for entry in platforms
         },
-        f"sources/{prefix}.h": files[".h"],
+        f"sources/{prefix}.h": header,
         f"sources/{prefix}.c": source,
     }
     if not platforms:
@@ -212,12 +213,12 @@ def _platform3() -> str:
 # --- The description ---
 
 
-def _entries(program: ControllerProgram, targets: dict[str, str]) -> Iterator[Entry]:
+def _entries(program: ControllerProgram, made: CText) -> Iterator[Entry]:
     """Yield what has a value reference, what may be set first."""
     steps, taken = program.steps, set[str]()
     for sort in ("reference", "measured", "gain", "drive", "signal"):
         for variable in steps.of_sort(sort):
-            place = targets[variable.symbol].replace("s->", "state.", 1).replace("->", ".", 1)
+            place = made.place(variable)
             name = variable.name if sort == "gain" else port_name(steps, variable)
             if variable.number >= 0:
                 name = f"{name}[{variable.number + 1}]"

@@ -20,7 +20,7 @@ import numpy as np
 from fuzzyarm.export.numbers import Kind, c_number
 from fuzzyarm.export.printer import Printer, Target
 from fuzzyarm.export.routine import number_lines
-from fuzzyarm.export.typed_program import INDEX, TRUTH
+from fuzzyarm.export.typed_program import COUNT, INDEX, TRUTH
 from fuzzyarm.export.walk_modules import javascript_walk, python_walk, rust_walk
 from fuzzyarm.expression import operations
 from fuzzyarm.expression.operations import Operation
@@ -37,7 +37,15 @@ def _is_float(kind: Kind) -> bool:
 
 # ── MicroPython ──────────────────────────────────────────────────────────────────────
 
-LETTERS = {"float64": "d", "float32": "f", "int8": "b", "int16": "h", "int32": "i", "uint64": "i"}
+LETTERS = {
+    "float64": "d",
+    "float32": "f",
+    "int8": "b",
+    "int16": "h",
+    "int32": "i",
+    "uint32": "I",
+    "uint64": "i",
+}
 
 _QUIET = "_quiet(math.{})"
 _FUNCTIONS = {
@@ -62,7 +70,7 @@ _ENDLESS = """def _endless(function):
 """
 
 
-def _python_operation(printer: Printer, operation: Operation) -> str:
+def _python_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
     name = operation.name
     if name not in _FUNCTIONS:
         return operation.python
@@ -169,10 +177,10 @@ _JAVASCRIPT_HELPERS = {
 
 def _with_helpers(
     helpers: dict[str, tuple[str, str]], text: Callable[[Operation], str]
-) -> Callable[[Printer, Operation], str]:
+) -> Callable[[Printer, Operation, Kind], str]:
     """Return the text of operations, of which some are functions that a file brings along."""
 
-    def operation_text(printer: Printer, operation: Operation) -> str:
+    def operation_text(printer: Printer, operation: Operation, _kind: Kind) -> str:
         if operation.name not in helpers:
             return text(operation)
         name = printer.helper(*helpers[operation.name])
@@ -209,7 +217,7 @@ JAVASCRIPT = Target(
 
 _RUST_TYPES = {
     np.float32: "f32", np.float64: "f64", np.int8: "i8", np.int16: "i16", np.int32: "i32",
-    np.int64: "i64", INDEX: "usize", TRUTH: "bool",
+    np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool",
 }  # fmt: skip
 
 _RUST_HELPERS = {
@@ -223,7 +231,7 @@ _RUST_METHODS = {
 }  # fmt: skip
 
 
-def _rust_operation(printer: Printer, operation: Operation) -> str:
+def _rust_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
     """Return an operator, a method of floats, or a function of the file."""
     name = operation.name
     if name in _RUST_HELPERS:

@@ -7,20 +7,15 @@ nothing is computed twice or in vain.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.program import Call, OutputProgram
-from fuzzyarm.export.routine import ONE_OF_TWO, CWriter
 from fuzzyarm.export.samples import SampleSums
 from fuzzyarm.export.walk import DefuzzifierWalk
-from fuzzyarm.export.walk_c import walk_in_c
 from fuzzyarm.expression.nodes import (
     Apply,
-    Constant,
     Node,
     Symbol,
     apply,
@@ -30,12 +25,10 @@ from fuzzyarm.expression.nodes import (
     symbols,
 )
 from fuzzyarm.expression.nodes import replace as substitute
-from fuzzyarm.expression.operations import OPERATIONS, Operation
+from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import (
     Assign,
-    Language,
     Statement,
-    c_language,
     setting,
     statements,
     variables,
@@ -47,20 +40,11 @@ _DEEPEST = 110
 WALKED = "defuzzified"
 """Ends the name of a function that walks over tables."""
 
-_HELPERS = {"minimum": ("least", "<"), "maximum": ("greatest", ">")}
-
 
 def uses_functions(nodes: Iterable[Node]) -> bool:
     """Return whether there are functions of the mathematical library among some operations."""
     return any(
         isinstance(node, Apply) and OPERATIONS[node.operation].sort == "functions" for node in nodes
-    )
-
-
-def needs_math_header(nodes: Sequence[Node]) -> bool:
-    """Return whether operations or numbers need ``math.h``: functions, NaN, infinity."""
-    return uses_functions(nodes) or any(
-        isinstance(node, Constant) and not math.isfinite(node.value) for node in nodes
     )
 
 
@@ -281,76 +265,6 @@ class Listing:
         function, argument = callee
         return self._count(function_body(function)) + self._count_node(argument)
 
-    # ── text ─────────────────────────────────────────────────────────────────────────
-
-    def lines(self, writer: CWriter, real: Kind) -> tuple[list[str], str]:
-        """Return the lines of C in a type of number, and the text of the result."""
-        language = c_numbers(writer, real)
-        for name, (call, argument) in self.calls.items():
-            if name in self.reads:
-                function = writer.helper(call.stem, _function(call, language, C_TYPES[real]))
-                language.rename[name] = f"{function}({language.expression(argument)})"
-        for step in self.body:
-            if isinstance(step, Loop):
-                for name, column in step.sums.columns.items():
-                    literals = [language.number(value) for value in column]
-                    array = writer.constant(real, literals, step.sums.stems[name])
-                    language.rename[element(step.sums, name)] = f"{array}[{step.sums.index}]"
-        walks = {
-            step.walk: walk_in_c(step.walk, writer, f"{step.walk.output}_{WALKED}")
-            for step in self.body
-            if isinstance(step, Walked)
-        }
-        lines = _lines(self.body, language, C_TYPES[real], set(), walks)
-        return lines, language.expression(self.result)
-
-
-def _lines(
-    body: Sequence[Statement | Loop | Walked],
-    language: Language,
-    real: str,
-    declared: set[str],
-    walks: Mapping[DefuzzifierWalk, str],
-) -> list[str]:
-    """Return the lines of some statements; `declared` has the names that exist before.
-
-    `walks` has the functions of the walks.
-    """
-    times_set = Counter(name for step in body for name in _sets(step))
-    lines: list[str] = []
-    for step in body:
-        if isinstance(step, Walked):
-            walk, room = step.walk, f"room_of_{step.walk.total}"
-            parts = [language.expression(part) for part in step.parts]
-            lines += [
-                f"double {room}[{walk.room}]; /* what is walked over, and to work in */",
-                f"double {walk.total};",
-                f"double {walk.value};",
-                *(f"{room}[{index}] = {part};" for index, part in enumerate(parts)),
-                f"{walk.value} = {walks[walk]}({room}, &{walk.total});",
-            ]
-            declared |= {walk.total, walk.value}
-            continue
-        if isinstance(step, Loop):
-            sums = step.sums
-            lines += [
-                f"{real} {name} = {language.number(0.0)};" for name in (sums.area, sums.moment)
-            ]
-            lines.append(
-                f"for (unsigned {sums.index} = 0u; {sums.index} < {sums.count}u; {sums.index}++) {{"
-            )
-            inner = _lines(step.body, language, real, declared | {sums.area, sums.moment}, walks)
-            lines += [*(f"    {line}" for line in inner), "}"]
-            declared |= {sums.area, sums.moment}
-            continue
-        again = isinstance(step, Assign) and times_set[step.name] > 1
-        text = language.lines([step], declared={step.name} if again else declared)
-        if again and step.name not in declared:
-            text[0] = f"{real} {text[0]}"  # not const: it is set again
-        declared.add(step.name)
-        lines += text
-    return lines
-
 
 def _sets(statement: Statement | SampleSums | DefuzzifierWalk | Loop | Walked) -> tuple[str, ...]:
     """Return the variables that something sets and others may read."""
@@ -394,33 +308,3 @@ def function_body(call: Call) -> list[Statement]:
     """Return the statements of a function; the last one sets no variable: it is the result."""
     body, result = statements(call.body, prefix="x", reserved=("h",))
     return [*body, Assign("", result)]
-
-
-def _function(call: Call, language: Language, real: str) -> str:
-    """Return the text of a function of ``h``, with NAME for its name."""
-    *body, last = function_body(call)
-    assert isinstance(last, Assign)
-    lines = [f"    {line}" for line in language.lines(body)]
-    result = language.expression(last.value)
-    return "\n".join([f"{real} NAME({real} h)", "{", *lines, f"    return {result};", "}", ""])
-
-
-def c_numbers(writer: CWriter, real: Kind) -> Language:
-    """Return C with the helpers of a file and the literals of its tables."""
-    kind = C_TYPES[real]
-    basis = c_language(kind)
-
-    def text(operation: Operation) -> str:
-        if operation.name not in _HELPERS:
-            return basis.text(operation)
-        helper, sign = _HELPERS[operation.name]
-        return f"{writer.helper(helper, ONE_OF_TWO, TYPE=kind, SIGN=sign)}({{0}}, {{1}})"
-
-    def number(value: float) -> str:
-        if math.isfinite(value):
-            return c_number(value, real)
-        name = "NAN" if math.isnan(value) else "INFINITY"
-        sign = "-" if value < 0.0 else ""
-        return f"{sign}{name}" if kind == "float" else f"{sign}({kind}){name}"
-
-    return basis._replace(text=text, number=number, rename={})

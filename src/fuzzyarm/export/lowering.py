@@ -30,8 +30,10 @@ from fuzzyarm.export.typed_program import (
     Return,
     SelfTest,
     Variable,
+    View,
     Walk,
     Whole,
+    at,
     cast,
 )
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
@@ -44,9 +46,9 @@ SINGLE_TEST = 1e-4
 """What a port with floats of 32 bits may be off by in a self-test, of the largest result."""
 
 
-def routines_program(routines: Sequence[Routine]) -> Program:
+def routines_program(routines: Sequence[Routine], *, pointers: bool = False) -> Program:
     """Return a program with a function for each routine, and their tests."""
-    program = Program()
+    program = Program(pointers=pointers)
     for number, routine in enumerate(routines):
         key = f"routine {number}"
         program.functions[key] = routine_function(routine, routine.output.name, program)
@@ -188,7 +190,7 @@ class _Table:
         return Function(stem, self.parameters, INDEX, body, {}, self.wide, result="cell")
 
     def _number(self, value: float) -> Node:
-        return Whole(int(value)) if self.fixed else constant(float(value))
+        return Whole(int(value), self.inside) if self.fixed else constant(float(value))
 
     def _points(self, axis: int, what: str) -> str:
         stem = f"{identifier(self.core.table.axes[axis].name)}_{what}"
@@ -212,8 +214,8 @@ class _Table:
             found = self.program.search(
                 points, 0, size - 1, symbol(name), kind=self.inside, reached=False
             )
-            index = found if index is None else index * Whole(size) + found
-        return Whole(0) if index is None else index
+            index = found if index is None else index * at(size) + found
+        return at(0) if index is None else index
 
     def _interpolated(self) -> Node:
         strides = strides_of(self.core.table.shape)
@@ -221,15 +223,19 @@ class _Table:
         for axis, name, size in self._axes():
             share, index = self._neighbour(axis, name, size)
             shares.append(share)
-            step = index if strides[axis] == 1 else index * Whole(strides[axis])
+            step = index if strides[axis] == 1 else index * at(strides[axis])
             cell = step if cell is None else cell + step
         values = self._values()
         if cell is None:
-            return cast(Element(values, Whole(0)), self.inside, self.outside)
-        self._set("cell", INDEX, cell)
-        places = [symbol("cell") + Whole(k) if k else symbol("cell")
-                  for k in corner_offsets(self.core.table.shape)]  # fmt: skip
-        corners: list[Node] = [cast(Element(values, k), self.inside, self.wide) for k in places]
+            return cast(Element(values, at(0)), self.inside, self.outside)
+        offsets = corner_offsets(self.core.table.shape)
+        if self.program.pointers:
+            self.body.append(View("cell", values, cell))
+            places = [Element("cell", at(k)) for k in offsets]
+        else:
+            first = self._set("cell", INDEX, cell)
+            places = [Element(values, first + at(k) if k else first) for k in offsets]
+        corners: list[Node] = [cast(place, self.inside, self.wide) for place in places]
         blended = self.program.function(f"blend {np.dtype(self.wide)}", self._blend())
         for side in range(len(shares) - 1, -1, -1):
             pairs = list(zip(corners[0::2], corners[1::2], strict=True))
@@ -248,11 +254,11 @@ class _Table:
         ends = self._number(low), self._number(high)
         limited = Called(self._clamp(), (given, *ends))
         x = self._set(f"x_{stem}", self.inside, limited)
-        found: Node = Whole(0)
+        found: Node = at(0)
         if size > 2:
             found = self.program.search(levels, 1, size - 2, x, kind=self.inside, reached=True)
         index = self._set(f"i_{stem}", INDEX, found)
-        way_ends = Element(levels, index), Element(levels, index + Whole(1))
+        way_ends = Element(levels, index), Element(levels, index + at(1))
         way = [cast(node, self.inside, self.wide) for node in (x, *way_ends)]
         if self.fixed:
             share: Node = Quotient((way[0] - way[1]) * Whole(32768), way[2] - way[1])

@@ -19,7 +19,7 @@ from fuzzyarm.export.routine import plain
 from fuzzyarm.export.typed_program import TRUTH, Member
 from fuzzyarm.text.jsonable import script_json
 
-__all__ = ["MODULES", "Module", "module_of"]
+__all__ = ["MODULES", "Module", "module_of", "start_text"]
 
 
 Members = Sequence[tuple[str, Member]]
@@ -76,14 +76,14 @@ def _class(printer: Printer, module: Module) -> list[str]:
     return module.controller(printer, members, parameters, lines)
 
 
-def _start(printer: Printer, member: Member) -> str:
+def start_text(printer: Printer, member: Member) -> str:
     """Return the text of the value that a number of the state begins with."""
     start, target = member.start, printer.target
     assert not isinstance(start, tuple)
     if member.kind is TRUTH:
         return target.truths[bool(start)]
     if np.issubdtype(member.kind, np.integer):
-        return target.whole.format(int(start))
+        return f"{int(start)}{target.marks.get(member.kind, '')}"
     return target.number(printer, float(start), member.kind)
 
 
@@ -91,7 +91,7 @@ def _array_start(printer: Printer, member: Member, uniform: str, copied: str) ->
     """Return the text of the elements that an array begins with: all alike, or of a constant."""
     assert isinstance(member.start, tuple)
     if len(set(member.start)) == 1:
-        value = _start(printer, replace(member, start=member.start[0]))
+        value = start_text(printer, replace(member, start=member.start[0]))
         return uniform.format(value=value, count=len(member.start))
     return copied.format(printer.constant(f"{member.stem}_start", member.kind, member.start))
 
@@ -101,7 +101,7 @@ def _array_start(printer: Printer, member: Member, uniform: str, copied: str) ->
 
 def _python_start(printer: Printer, member: Member) -> str:
     if not isinstance(member.start, tuple):
-        return _start(printer, member)
+        return start_text(printer, member)
     letter, size = LETTERS[np.dtype(member.kind).name], np.dtype(member.kind).itemsize
     zeros = f'array("{letter}", bytes({size * len(member.start)}))'
     uniform = zeros if not any(member.start) else "[{value}] * {count}"
@@ -142,7 +142,7 @@ def _javascript_class(
     for name, member in members:
         start = (
             _array_start(printer, member, "Array({count}).fill({value})", "{}.slice()")
-            if isinstance(member.start, tuple) else _start(printer, member)
+            if isinstance(member.start, tuple) else start_text(printer, member)
         )  # fmt: skip
         remark = f" // {plain(member.remark)}" if member.remark else ""
         starts.append(f"    {name} = {start};{remark}")
@@ -198,7 +198,7 @@ def _rust_class(
         name, kind = text.removeprefix("self."), printer.target.types[member.kind]
         start = (
             _array_start(printer, member, "[{value}; {count}]", "{}")
-            if isinstance(member.start, tuple) else _start(printer, member)
+            if isinstance(member.start, tuple) else start_text(printer, member)
         )  # fmt: skip
         kind = f"[{kind}; {len(member.start)}]" if isinstance(member.start, tuple) else kind
         remark = f" // {plain(member.remark)}" if member.remark else ""

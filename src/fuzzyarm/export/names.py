@@ -8,6 +8,8 @@ import unicodedata
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
+from fuzzyarm.expression.operations import OPERATIONS
+
 _C_WORDS = """
     auto break case char const continue default do double else enum extern float for goto if
     inline int long register restrict return short signed sizeof static struct switch typedef
@@ -21,7 +23,14 @@ _C_WORDS = """
     NULL NAN INFINITY HUGE_VALF HUGE_VAL errno linux unix i386 vax near far interrupt I PI
 """
 
-C_RESERVED = frozenset(_C_WORDS.split())
+C_FUNCTIONS = frozenset(
+    operation.c[1:].partition("(")[0]
+    for operation in OPERATIONS.values()
+    if operation.c.startswith("@")
+)
+"""Functions of ``math.h`` that expressions are printed with, in double precision."""
+
+C_RESERVED = frozenset([*_C_WORDS.split(), *C_FUNCTIONS, *(f"{name}f" for name in C_FUNCTIONS)])
 """Words of C and C++, of the headers that are used, and macros of common compilers."""
 
 _ST_WORDS = """

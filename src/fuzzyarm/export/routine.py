@@ -1,113 +1,24 @@
 """What the writer of a file needs to know of a routine, and the header that tells it to people.
 
-A routine is one function of the exported file. :class:`CWriter` gathers what the routines of
-one C file share; the header comment states provenance, accuracy and cost of each.
+A routine is one function of the exported file; the header comment states provenance, accuracy and
+cost of each.
 """
 
 from __future__ import annotations
 
-import re
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import C_TYPES, Kind
+from fuzzyarm.export.numbers import Kind
 from fuzzyarm.text.numbers import number_text, outward_text
 from fuzzyarm.version import __version__
 
-# --- What one exported C file is put together from: names, shared constants, small helpers ---
-
 WIDTH = 96
 """Longest line of a list of numbers."""
-
-
-_CONSTANT = re.compile(r"static const [^=]*?(\w+)\[")
-"""How the text of a constant begins, with its name."""
-
-
-@dataclass
-class CWriter:
-    """Collects the parts of a file; equal constants and helpers are written once."""
-
-    prefix: str  # begins every name that the file defines
-    storage: str = ""  # ``static inline`` for a header on its own, empty for a ``.c`` file
-    in_flash: str = ""  # a macro before the type of what stays in flash, with a blank after it
-    names: Names = field(default_factory=Names)
-    constants: list[str] = field(default_factory=list)
-    helpers: list[str] = field(default_factory=list)
-    flash: int = 0
-    largest: int = 0  # bytes of the largest array in it
-    refused: re.Pattern[str] | None = None  # names that are macros where the file is included
-    _names_by_key: dict[object, str] = field(default_factory=dict)
-
-    def scope(self) -> Names:
-        """Return the names of parameters, or of the members of a type."""
-        return Names(refused=self.refused)
-
-    def constant(self, kind: Kind, literals: Sequence[str], stem: str, columns: int = 0) -> str:
-        """Return the name of a constant array with these literals; equal ones are shared."""
-        key = ("constant", kind, tuple(literals))
-        if key not in self._names_by_key:
-            name = self.names.new(f"{self.prefix}_{stem}")
-            self._names_by_key[key] = name
-            size = np.dtype(kind).itemsize * len(literals)
-            self.flash, self.largest = self.flash + size, max(self.largest, size)
-            body = "\n".join(number_lines(literals, columns))
-            self.constants.append(
-                f"static const {self.in_flash}{C_TYPES[kind]} {name}[{len(literals)}]"
-                f" = {{\n{body}\n}};\n"
-            )
-        return self._names_by_key[key]
-
-    def assembled(self, functions: Sequence[str]) -> str:
-        """Return constants, helpers and functions; what one function reads alone stands in it."""
-        texts = [*self.helpers, *functions]
-        shared = []
-        for constant in self.constants:
-            name = _CONSTANT.match(constant)[1]  # type: ignore[index]
-            users = [i for i, text in enumerate(texts) if re.search(rf"\b{name}\b", text)]
-            if len(users) != 1 or texts[users[0]].count("\n{\n") != 1:
-                shared.append(constant)
-                continue
-            head, brace, body = texts[users[0]].partition("\n{\n")
-            inside = "".join(f"    {line}\n" for line in constant.rstrip("\n").split("\n"))
-            texts[users[0]] = f"{head}{brace}{inside}{body}"
-        return "\n".join([*shared, *texts])
-
-    def definition(self, name: str, template: str, **words: str) -> str:
-        """Return the name of a type that `template` defines, where NAME is its name."""
-        return self._written("definition", name, template, words, "")
-
-    def helper(self, name: str, template: str, **words: str) -> str:
-        """Return the name of a small function made of `template`, where NAME is its name."""
-        keyword = "static inline " if self.storage else "static "
-        return self._written("helper", name, template, words, keyword)
-
-    def _written(
-        self, sort: str, stem: str, template: str, words: dict[str, str], keyword: str
-    ) -> str:
-        key = (sort, template, tuple(sorted(words.items())))
-        if key not in self._names_by_key:
-            name = self.names.new(f"{self.prefix}_{stem}")
-            self._names_by_key[key] = name
-            names = words | {"NAME": name}
-            template = template.replace("IN_FLASH ", self.in_flash)
-            text = re.sub(r"\b[A-Z_]+\b", lambda match: names.get(match[0], match[0]), template)
-            self.helpers.append(f"{keyword}{text}")
-        return self._names_by_key[key]
-
-
-ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)
-{
-    return (b SIGN a) ? b : a; /* the first of equal ones */
-}
-"""
-"""Template of a helper: the smaller (``<``) or the greater (``>``) of two."""
 
 
 def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    ") -> list[str]:
@@ -196,9 +107,6 @@ class Routine(Protocol):
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit."""
 
-    def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
-        """Return the statements of the function, without indentation."""
-
     def cost(self) -> CallCost:
         """Return what one call takes."""
 
@@ -218,22 +126,20 @@ class Routine(Protocol):
 
 # --- Header comment of an exported file: provenance, accuracy, cost ---
 
-_WIDTH = 96
-
 
 def head_lines(
-    routines: Sequence[Routine], prototypes: Sequence[Any], writer: CWriter, use: str, test: str
+    routines: Sequence[Routine], prototypes: Sequence[str], flash: int, use: str, test: str
 ) -> list[str]:
     """Return the comment of a C file as lines, an empty one last."""
     lines = [f"made by fuzzyarm {__version__}; do not edit: make it again from its source", ""]
     for routine, prototype in zip(routines, prototypes, strict=True):
-        lines += [str(prototype), *_indented(routine_words(routine)), ""]
+        lines += [prototype, *_indented(routine_words(routine)), ""]
     lines += [
-        f"constants (flash): {writer.flash} bytes, besides the code",
+        f"constants (flash): {flash} bytes, besides the code",
         f"static RAM: 0 bytes; nothing is allocated, {_library_words(routines)}",
         "",
         f"use: {use}",
-        f"self-test (returns 0 if all is well): {test}",
+        f"self-test{test}",
     ]
     return [*comment(lines, "/*", " *", " */"), ""]
 
@@ -296,7 +202,7 @@ def comment(lines: Sequence[str], first: str, every: str, last: str) -> list[str
         clean = plain(line)
         indent = " " * (len(clean) - len(clean.lstrip()) + 2)
         wrapped = textwrap.wrap(
-            clean, _WIDTH - len(every), subsequent_indent=indent, break_on_hyphens=False
+            clean, WIDTH - len(every), subsequent_indent=indent, break_on_hyphens=False
         )
         body += [f"{every} {part}" for part in wrapped] or [every]
     opening = f"{first}{body[0].removeprefix(every)}" if body else first

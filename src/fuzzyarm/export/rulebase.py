@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
+from fuzzyarm.export.listing import Listing, uses_functions
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import C_TYPES, Kind, Precision, precision_named, rounded
+from fuzzyarm.export.numbers import Kind, Precision, precision_named, rounded
 from fuzzyarm.export.program import OutputProgram, make_program
-from fuzzyarm.export.routine import Accuracy, CallCost, CWriter, RoutineArgument, TestPoints
+from fuzzyarm.export.routine import Accuracy, CallCost, RoutineArgument, TestPoints
 from fuzzyarm.export.sets import refuse
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
@@ -70,13 +70,6 @@ class DirectRoutine:
     def listing(self) -> Listing:
         """The arithmetic as statements."""
         return Listing(self.program)
-
-    @property
-    def headers(self) -> Sequence[str]:
-        """Standard headers: ``math.h`` for its functions, for NAN and for INFINITY."""
-        if self.program.walks:
-            return ("math.h", "stdbool.h", "stdint.h")
-        return ("math.h",) if needs_math_header(self.program.nodes) else ()
 
     @property
     def calls_functions(self) -> bool:
@@ -140,19 +133,6 @@ class DirectRoutine:
         """How often the program asks a set for its height at a sample."""
         counts = [sums.count * len(sums.steps) for sums in self.program.sums]
         return max([*counts, *(walk.steps for walk in self.program.walks)], default=1)
-
-    def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
-        """Return the statements of the function."""
-        outer, inner, _ = (C_TYPES[kind] for kind in self.precision)
-        cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
-        lines = []
-        for symbol, parameter in zip(self.program.symbols, parameters, strict=True):
-            if symbol in self.listing.reads:
-                lines.append(f"const {inner} {symbol} = {cast}{parameter};")
-            else:
-                lines.append(f"(void){parameter}; /* no rule that counts asks for it */")
-        body, result = self.listing.lines(writer, self.precision.inside)
-        return [*lines, *body, f"return {back}({result});" if back else f"return {result};"]
 
     def cost(self) -> CallCost:
         """Return what one call takes."""

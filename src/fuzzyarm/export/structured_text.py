@@ -25,6 +25,7 @@ from fuzzyarm.export.printer import FunctionPrinter, Printer, Target
 from fuzzyarm.export.routine import Routine, comment, number_lines, plain, routine_words
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.typed_program import (
+    COUNT,
     INDEX,
     TRUTH,
     Array,
@@ -46,10 +47,10 @@ from fuzzyarm.version import __version__
 
 __all__ = ["controller_st", "structured_text"]
 
-_TYPES = {**ST_TYPES, INDEX: "DINT", TRUTH: "BOOL"}
+_TYPES = {**ST_TYPES, INDEX: "DINT", COUNT: "DINT", TRUTH: "BOOL"}
 
 
-def _operation(_printer: Printer, operation: Operation) -> str:
+def _operation(_printer: Printer, operation: Operation, _kind: Kind) -> str:
     return {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}.get(
         operation.name, operation.st
     )
@@ -283,7 +284,7 @@ class _Unit(FunctionPrinter):
             return []  # an output keeps its value by itself
         return super()._line(line)
 
-    def _set(self, key: str, value: str, remark: str) -> str:
+    def set(self, key: str, value: str, remark: str) -> str:
         text = self.language.assign.format(name=self.rename[key], value=value)
         return text + (self.language.remark.format(remark) if remark else "")
 

@@ -30,8 +30,8 @@ from fuzzyarm.expression.printing import Assign
 REAL, SINGLE, WHOLE, TRUTH = np.float64, np.float32, np.int32, bool
 """Kinds of variables, beside the small whole numbers of fixed point."""
 
-INDEX = np.uintp
-"""Kind of what counts elements: never negative."""
+INDEX, COUNT = np.uintp, np.uint32
+"""Kinds of what is never negative: numbers of elements, and how often something happened."""
 
 
 # ── expressions ──────────────────────────────────────────────────────────────────────
@@ -39,9 +39,10 @@ INDEX = np.uintp
 
 @dataclass(frozen=True, eq=False)
 class Whole(Node):
-    """A whole number."""
+    """A whole number of a kind."""
 
     value: int
+    kind: Kind = WHOLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +89,8 @@ class Quotient(Node):
 class Search(Node):
     """How many elements of a rising array, from `first` on, are below a value; 0 for NaN.
 
-    `function` counts them (`Program.search`): those that equal the value as well, or not.
+    `function` counts them (`Program.search`), up to the end that it is given: those that equal the
+    value as well, or not.
     """
 
     function: str
@@ -97,6 +99,11 @@ class Search(Node):
     count: int
     value: Node
     reached: bool = False
+
+
+def at(number: int) -> Node:
+    """Return the number of an element."""
+    return Whole(number, INDEX)
 
 
 def cast(value: Node, before: Kind, after: Kind) -> Node:
@@ -135,6 +142,14 @@ class When(NamedTuple):
     then: tuple[Line, ...]
     otherwise: tuple[Line, ...] = ()
     remark: str = ""
+
+
+class View(NamedTuple):
+    """Name the part of an array of constants that begins at an element; for pointers alone."""
+
+    name: str
+    array: str
+    position: Node
 
 
 class Repeat(NamedTuple):
@@ -218,8 +233,8 @@ class Member:
 
     Attributes
     ----------
-    stem : str
-        Of its name.
+    stem, name : str
+        Of its name, with its axis where there are several, and without.
     kind : type
         Of it, or of its elements.
     start : float or tuple of float
@@ -238,6 +253,7 @@ class Member:
     axis: str = ""
     remark: str = ""
     role: str = "state"
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -325,6 +341,9 @@ class Program:
         Its self-test.
     inputs, outputs : list of dict
         Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
+    pointers : bool
+        Whether it is for a language that has pointers: parts of arrays are handed over, and a step
+        finds the end of a set point in its state.
     """
 
     arrays: dict[str, Array] = field(default_factory=dict)
@@ -335,6 +354,7 @@ class Program:
     tests: list[SelfTest] = field(default_factory=list)
     inputs: list[dict[str, Any]] = field(default_factory=list)
     outputs: list[dict[str, Any]] = field(default_factory=list)
+    pointers: bool = False
 
     def array(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
         """Return the key of an array of constants; equal ones are one."""
@@ -353,28 +373,28 @@ class Program:
         self, array: str, first: int, count: int, value: Node, *, kind: Kind, reached: bool
     ) -> Search:
         """Return the search of a value of a kind, counting what it has reached or passed."""
-        key = f"count {np.dtype(kind)} {reached}"
-        function = self.function(key, _counting(kind, reached=reached))
+        begin = 0 if self.pointers else first
+        key = f"count {np.dtype(kind)} {reached} {begin}"
+        function = self.function(key, _counting(kind, begin, reached=reached))
         return Search(function, array, first, count, value, reached)
 
 
-def _counting(kind: Kind, *, reached: bool) -> Function:
-    """Return the function that counts the elements of an array by bisection."""
-    low, high, middle, first = (symbol(name) for name in ("low", "high", "middle", "first"))
-    point = Element("points", first + middle)
-    passed = apply("less_equal" if reached else "less", point, symbol("x"))
+def _counting(kind: Kind, first: int, *, reached: bool) -> Function:
+    """Return the function that counts the elements of an array from `first` on, by bisection."""
+    low, high, middle = (symbol(name) for name in ("low", "high", "middle"))
+    passed = apply("less_equal" if reached else "less", Element("points", middle), symbol("x"))
     body = (
-        Assign("low", Whole(0)),
-        Assign("high", symbol("count")),
+        Assign("low", at(first)),
+        Assign("high", symbol("end")),
         While(low < high, (
-            Assign("middle", low + Quotient(high - low, Whole(2))),
-            When(passed, (Assign("low", middle + Whole(1)),), (Assign("high", middle),)),
+            Assign("middle", low + Quotient(high - low, at(2))),
+            When(passed, (Assign("low", middle + at(1)),), (Assign("high", middle),)),
         )),
-        Return(low),
+        Return(low - at(first) if first else low),
     )  # fmt: skip
     parameters = {
-        "points": Variable("points", kind, of_array=True), "first": Variable("first", INDEX),
-        "count": Variable("count", INDEX), "x": Variable("x", kind),
+        "points": Variable("points", kind, of_array=True), "end": Variable("end", INDEX),
+        "x": Variable("x", kind),
     }  # fmt: skip
     local = {name: Variable(name, INDEX) for name in ("low", "high", "middle")}
     stem = "reached" if reached else "passed"

@@ -1,4 +1,4 @@
-"""Defuzzifiers that walk over tables, in modules: MicroPython, JavaScript, Rust.
+"""Defuzzifiers that walk over tables: MicroPython, JavaScript, C, Rust.
 
 The kernel's own functions for one point (`walk.py`), from their source. In MicroPython they are
 that source; an array of the kernel is a `memoryview` there, whose stretches share memory. The other
@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import inspect
 import math
+import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -38,7 +39,7 @@ from fuzzyarm.translation.types import (
 if TYPE_CHECKING:
     from fuzzyarm.export.printer import Printer
 
-__all__ = ["javascript_walk", "python_walk", "rust_walk"]
+__all__ = ["c_walk", "javascript_walk", "python_walk", "rust_walk"]
 
 
 def _tables(printer: Printer, walk: DefuzzifierWalk) -> tuple[str, str]:
@@ -99,7 +100,7 @@ class _PythonFunctions:
 
     def operation(self, name: str) -> str:
         """Return the function of an operation, which never raises."""
-        template = self.printer.target.operation(self.printer, OPERATIONS[name])
+        template = self.printer.target.operation(self.printer, OPERATIONS[name], np.float64)
         return template.partition("(")[0]
 
 
@@ -200,9 +201,9 @@ def _written(translation: _InModule, printer: Printer, walk: DefuzzifierWalk) ->
     text = translation.text()
     for word, operation in translation.helpers.items():
         if f"{word}(" in text:
-            printer.target.operation(printer, OPERATIONS[operation])
+            printer.target.operation(printer, OPERATIONS[operation], np.float64)
     printer.helper(name, text)
-    entry = translation.entry.format(
+    entry = translation.entry_text().format(
         name=name, function=function.name, whole=whole, floats=floats, heap=walk.heap
     )
     return printer.helper(name, entry)
@@ -211,10 +212,11 @@ def _written(translation: _InModule, printer: Printer, walk: DefuzzifierWalk) ->
 class _InModule(Translation):
     """The functions of one walk."""
 
-    entry: str
+    entry = ""
     branch: str
     head: str
     helpers: Mapping[str, str] = MappingProxyType({})  # functions of operations, by name
+    unused = ""
 
     def __init__(self, printer: Printer, walk: DefuzzifierWalk, target: Any) -> None:
         super().__init__(replace(target, call=self._call))
@@ -224,6 +226,10 @@ class _InModule(Translation):
     def name(self, name: str) -> str:
         """Return a name that the file does not have yet."""
         return self.printer.free(name)
+
+    def entry_text(self) -> str:
+        """Return the function that takes the room, with holes."""
+        return self.entry
 
     def _call(self, address: str, arrays: Sequence[TypedText]) -> str:
         """Return the call of what a number stands for, by a function that knows them all."""
@@ -240,6 +246,9 @@ class _InModule(Translation):
             for number, function in listed.items():
                 callee = self.function(function, types)
                 lines.append(self.branch.format(number=number, call=f"{callee.name}({passed})"))
+            if not listed and self.unused:
+                names = ("number", *passed.split(", "))
+                lines += [f"    {self.unused.format(name)}" for name in names]
             text = "\n".join([*lines, "}", ""])
             self._finished.append(WrittenFunction(text))  # type: ignore[arg-type]
         return f"{self._dispatchers[types]}({address}, {', '.join(a.text for a in arrays)})"
@@ -272,6 +281,206 @@ class _InJavaScript(_InModule):
         # No temporary variable of the translation is called as one of the kernel.
         target = replace(JAVASCRIPT, functions=functions, variable="{}_")
         super().__init__(printer, walk, target)
+
+
+# ── C ────────────────────────────────────────────────────────────────────────────────
+
+_ELEMENTS = {Array.REALS: "double", Array.CONSTANTS: "const double", Array.WHOLES: "const int32_t"}
+
+_ARRAY = """typedef struct {{
+    {element} *at;
+    int32_t length;
+}} {name};
+"""
+
+_PART = """{keyword}{type} {name}({type} a, int32_t start, int32_t end)
+{{
+    {type} part;
+    part.at = &a.at[start];
+    part.length = ((end < a.length) ? end : a.length) - start;
+    return part;
+}}
+"""
+
+
+def c_walk(printer: Printer, walk: DefuzzifierWalk) -> str:
+    """Add the functions of a walk; return the name of that which takes the room.
+
+    Arrays of the kernel are pointers with a length. Constants in flash stay ``const``; the room is
+    on the stack of the caller, and its first two elements become what is returned.
+    """
+    return _written(_InC(printer, walk), printer, walk)
+
+
+class _InC(_InModule):
+    unused = "(void){};"
+    branch = "    if (number == {number}) {{\n        {call};\n    }}"
+
+    def __init__(self, printer: Printer, walk: DefuzzifierWalk) -> None:
+        self._keyword = printer.target.hidden
+        # Between two @ stands a helper: `text` writes those that are needed.
+        extremes = {
+            (extreme, type_): (f"@{extreme.__name__} {self._scalar(type_)}@({{}})", type_)
+            for extreme in (min, max)
+            for type_ in (Scalar.REAL, Scalar.WHOLE)
+        }
+        self.head = f"{self._keyword}void {{name}}(int32_t number, {{parameters}})\n{{{{"
+        target = replace(
+            C99,
+            types={},
+            tuple_prefix="",
+            definition=f"{self._keyword}{{returned}} {{name}}({{parameters}})\n{{{{",
+            variable="{}_x",
+            counted=(
+                "for (int32_t {index} = {start}, {index}_end = {end};"
+                " {index} {sign} {index}_end; {index} += {step}) {{"
+            ),
+            # Whole numbers are not negative where they are divided.
+            operators={**C99.operators, (ast.FloorDiv, Scalar.WHOLE): "({0} / {1})"},
+            functions={
+                **C99.functions, **extremes,
+                **{(int, t): ("(int32_t){}", Scalar.WHOLE) for t in Scalar},
+            },
+            truths=("false", "true"),
+            real=self._real,
+            record="@of {type}@({parts})",
+            uniform_record="@of {type}@({parts})",
+            stretch="@part {kind}@({array}, {start}, {end})",
+        )  # fmt: skip
+        super().__init__(printer, walk, target)
+
+    def _real(self, value: float) -> str:
+        text = self.printer.target.number(self.printer, value, np.float64)
+        return f"({text})" if text.startswith("-") else text
+
+    @staticmethod
+    def _scalar(type_: Scalar) -> str:
+        return {Scalar.REAL: "double", Scalar.TRUTH: "bool"}.get(type_, "int32_t")
+
+    def _defined(self, stem: str, template: str, **words: str) -> str:
+        """Define a type or a small function, once a file; return its name."""
+        key = (stem, template, tuple(words.items()))
+        if key not in self.printer.known:
+            name = self.printer.known[key] = self.name(stem)
+            self.printer.helper(name, template.format(name=name, keyword=self._keyword, **words))
+        return self.printer.known[key]
+
+    def type_name(self, type_: Type) -> str:
+        """Return the name of a type, which is defined where it is met first."""
+        if isinstance(type_, Array):
+            return self._defined(type_.value, _ARRAY, element=_ELEMENTS[type_])
+        if type_ is Nothing.NOTHING:
+            return "void"
+        if not isinstance(type_, TupleType):
+            assert isinstance(type_, Scalar)
+            return self._scalar(type_)
+        parts = [self.type_name(part) for part in type_.parts]
+        fields = "".join(f"    {part} part_{index};\n" for index, part in enumerate(parts))
+        if type_.uniform:
+            fields = f"    {parts[0]} part[{len(parts)}];\n"
+        name = self._defined("parts", "typedef struct {{\n{fields}}} {name};\n", fields=fields)
+        self._tuples[type_.parts] = name
+        return name
+
+    def entry_text(self) -> str:
+        """Return the function that takes the room, with holes."""
+        whole, constants, reals = map(self.type_name, (Array.WHOLES, Array.CONSTANTS, Array.REALS))
+        layout, room = self.walk.layout, self.walk.room
+        pair = self.type_name(TupleType((Scalar.REAL, Scalar.REAL)))
+        return "\n".join([
+            f"{self._keyword}const double *{{name}}(double *room)", "{{",
+            f"    const {whole} whole = {{{{{{whole}}, {len(layout.whole)}}}}};",
+            f"    const {constants} floats = {{{{{{floats}}, {len(layout.floats)}}}}};",
+            f"    const {reals} all = {{{{room, {room}}}}};",
+            f"    const {reals} heap = {{{{&room[{{heap}}], {room - self.walk.heap}}}}};",
+            f"    {pair} pair;", "    pair = {function}(whole, floats, all, heap, 0);",
+            "    room[0] = pair.part[0];", "    room[1] = pair.part[1];", "    return room;",
+            "}}", "",
+        ])  # fmt: skip
+
+    def text(self) -> str:
+        """Return the functions; the helpers that they use are written before."""
+        text = "\n".join(
+            _by_the_rules(_without_unused(definition)) for definition in self._finished
+        )
+        text = re.sub(r"@(\w+) (\w+)@", self._helper, text)
+        returning = {
+            function.name
+            for function in self._finished
+            if getattr(function, "returned", Nothing.NOTHING) is not Nothing.NOTHING
+        }
+        return _CALL.sub(lambda m: f"{m[1]}(void){m[2]}" if m[3] in returning else m[0], text)
+
+    def _helper(self, match: re.Match[str]) -> str:
+        sort, what = match.groups()
+        if sort == "part":
+            return self._defined(f"part_of_{what}", _PART, type=self.type_name(Array(what)))
+        if sort == "of":
+            (parts,) = (parts for parts, name in self._tuples.items() if name == what)
+            return self._constructor(TupleType(parts), what)
+        stem, sign = ("least", "<") if sort == "min" else ("greatest", ">")
+        if what == "double":
+            operation = OPERATIONS["minimum" if sort == "min" else "maximum"]
+            return self.printer.target.operation(self.printer, operation, np.float64).partition(
+                "("
+            )[0]
+        template = (
+            "{keyword}{type} {name}({type} a, {type} b)\n{{\n    return (b {sign} a) ? b : a;\n}}\n"
+        )
+        return self._defined(stem, template, type=what, sign=sign)
+
+    def _constructor(self, type_: TupleType, name: str) -> str:
+        kinds = [self.type_name(part) for part in type_.parts]
+        signature = ", ".join(f"{kind} p_{i}" for i, kind in enumerate(kinds))
+        parts = [f"part[{i}]" if type_.uniform else f"part_{i}" for i in range(len(kinds))]
+        sets = "".join(f"    found.{part} = p_{i};\n" for i, part in enumerate(parts))
+        template = (
+            "{keyword}{type} {name}({signature})\n{{\n"
+            "    {type} found;\n{sets}    return found;\n}}\n"
+        )
+        return self._defined("of_parts", template, type=name, signature=signature, sets=sets)
+
+
+_CALL = re.compile(r"^( *)((\w+)\(.*\);)$", re.MULTILINE)
+"""A call whose value, if it has one, is dropped: `(void)` says so (17.7)."""
+
+_PARAMETER = re.compile(r"(\w+_x)(?=[,)])")
+_NAMED_RECORD = re.compile(r"^( *)const (\w+) (\w+) = (\w+\(.*\));$", re.MULTILINE)
+_COUNTED = re.compile(
+    r"^( *)for \(int32_t (\w+) = (.*), (\w+_end) = (.*); (\w+ [<>] .*)$", re.MULTILINE
+)
+
+
+def _by_the_rules(text: str) -> str:
+    """Return a function that leaves its parameters alone (MISRA C:2012, 17.8).
+
+    What it writes to is a variable that begins with the parameter. A structure is declared before
+    it is set: what a call returns looks like a list of members that is too short (9.3). Of two
+    declarations each has its line (12.3). Nothing is added to an index in vain (2.2).
+    """
+    head, brace, body = text.partition("{\n")
+    copies = ""
+    for name in _PARAMETER.findall(head):
+        if re.search(rf"^ *{name} = ", body, re.MULTILINE):
+            kind = re.search(rf"(\w+) {name}\b", head)[1]  # type: ignore[index]
+            head = re.sub(rf"\b{name}\b", f"{name}_0", head)
+            copies += f"  {kind} {name} = {name}_0;\n"
+    body = _NAMED_RECORD.sub(
+        lambda m: m[0] if m[2] in {"double", "int32_t", "bool"}
+        else f"{m[1]}{m[2]} {m[3]};\n{m[1]}{m[3]} = {m[4]};",
+        body,
+    )  # fmt: skip
+    body = body.replace(" + 0)", ")")  # of indices: a real zero is 0.0
+    body = _COUNTED.sub(r"\1const int32_t \4 = \5;\n\1for (int32_t \2 = \3; \6", body)
+    return head + brace + copies + body
+
+
+def _without_unused(function: Any) -> str:
+    """Return the text of a function that names all of its parameters."""
+    text: str = function.text
+    unused = [p for p in function.parameters if len(re.findall(rf"\b{p}_x\b", text)) == 1]
+    head, brace, body = text.partition("{\n")
+    return head + brace + "".join(f"  (void){name}_x;\n" for name in unused) + body
 
 
 # ── Rust ─────────────────────────────────────────────────────────────────────────────

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from fuzzyarm.export.c import c_header, c_pair
-from fuzzyarm.export.controller_c import controller_c
+from fuzzyarm.export.c import controller_c, routines_c
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
@@ -169,13 +168,9 @@ def export_files(
             calls=project.blocks,
         )
     # A header alone holds the functions as `static inline`; a source keeps them out of its header.
-    if suffix == ".h":
-        header, prototypes = c_header(routine_list, prefix, path.name)
-        files = ((path, header),)
-        return Exported(routines=routine_list, files=files, calls=tuple(map(str, prototypes)))
-    header, source, prototypes = c_pair(routine_list, prefix, path.stem)
-    pair = ((path, source), (path.with_suffix(".h"), header))
-    return Exported(routines=routine_list, files=pair, calls=tuple(map(str, prototypes)))
+    made = routines_c(routine_list, prefix, path.stem, suffix)
+    files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
+    return Exported(routines=routine_list, files=files, calls=made.prototypes)
 
 
 def write_export(
@@ -313,10 +308,8 @@ def export_controller(
         targets = platforms_named(platforms, fmi) if platforms is not None else ()
         unit = controller_fmu(program, prefix, fmi, targets)
         return ExportedController(program=program, files=((path, unit),), calls=())
-    files, writer = controller_c(
+    made = controller_c(
         program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
     )
-    listed_files = tuple((path.with_suffix(end), content) for end, content in files.items())
-    return ExportedController(
-        program=program, files=listed_files, calls=tuple(writer.prototypes().values())
-    )
+    listed_files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
+    return ExportedController(program=program, files=listed_files, calls=made.prototypes)
