@@ -36,6 +36,16 @@ def summed(a):
 
 
 @kernel
+def named_as_temporaries(a):
+    t1, t3 = a[0], a[1]
+    t2 = 0.0
+    for t4 in range(len(a)):
+        t1, t3 = t3, t1 + a[t4]
+        t2 += 10.0 * t1 + t3
+    return t2
+
+
+@kernel
 def counted_down(n):
     last = 0
     for i in range(n, -1, -2):
@@ -71,6 +81,12 @@ def test_a_name_that_becomes_a_real_number_was_one_from_the_start():
     text = c_of(summed, Array.REALS)
     assert "double total_;" in text
     assert "total_ = (double)0;" in text
+
+
+def test_a_temporary_shadows_no_variable_of_a_kernel():
+    text = javascript_of(named_as_temporaries, Array.REALS)
+    found = run_javascript(f"{text}\nconsole.log(named_as_temporaries([1, 5, 7]));")
+    assert float(found) == named_as_temporaries([1.0, 5.0, 7.0])
 
 
 def test_values_of_an_assignment_come_before_what_they_are_assigned_to():

@@ -191,6 +191,10 @@ class _Function:
         self._memory = {name: frozenset((name,)) for name in self.parameters}
         self._returns: Type | None = None
         self._temporaries = 0
+        names = [node for node in ast.walk(self.source) if isinstance(node, ast.Name | ast.arg)]
+        self._taken = {
+            self.variable(node.id if isinstance(node, ast.Name) else node.arg) for node in names
+        }
 
     def translate(self) -> None:
         """Write the text: again, until no name has become wider meanwhile."""
@@ -331,8 +335,11 @@ class _Function:
     }
 
     def temporary(self) -> str:
-        self._temporaries += 1
-        return f"t{self._temporaries}"
+        """Return a name that no variable of the function has."""
+        while True:
+            self._temporaries += 1
+            if f"t{self._temporaries}" not in self._taken:
+                return f"t{self._temporaries}"
 
     def widen(self, name: str, type_: Type) -> None:
         """Have a name hold values of one more type."""
