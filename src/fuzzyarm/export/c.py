@@ -284,7 +284,7 @@ class CPrinter(Printer):
     # ── the self-test ────────────────────────────────────────────────────────────────
 
     def test(self, prototype: str) -> list[str]:
-        """Return the function that tests the file, after its constants."""
+        """Return the function that tests the file, with its constants."""
         before, flash = len(self.constants), (self.flash, self.largest)
         lines = []
         if self.steps is not None and self.program.tests:
@@ -301,7 +301,8 @@ class CPrinter(Printer):
         del self.constants[before:]
         self.flash, self.largest = flash
         return [
-            *constants, f"/* Returns 0 if the {tested} agree with the model. */", prototype, "{",
+            f"/* Returns 0 if the {tested} agree with the model. */", prototype, "{",
+            *(f"    {line}" for text in constants for line in text.rstrip("\n").split("\n")),
             "    bool failed = false;", *(f"    {line}" for line in lines),
             "    return failed ? 1 : 0;", "}", "",
         ]  # fmt: skip
@@ -357,11 +358,11 @@ class _CFunction(FunctionPrinter):
         """Return the parameters."""
         return [text.replace("* ", " *") for text in super().parameter_texts()]
 
-    def returned(self, line: Return) -> list[str]:
+    def _returned(self, line: Return) -> list[str]:
         """Return from a function; the drives of a step are members."""
-        return [] if self.function is self.printer.program.step else super().returned(line)
+        return [] if self.function is self.printer.program.step else super()._returned(line)
 
-    def stepped(self, line: Stepped) -> list[str]:
+    def _stepped(self, line: Stepped) -> list[str]:
         """Run a period of the controller that is tested."""
         steps, prefix = self.printer.steps, self.printer.prefix
         assert steps is not None
@@ -372,7 +373,7 @@ class _CFunction(FunctionPrinter):
         return [
             *(f"{self._port(variable)} = {text};" for variable, text in given),
             f"{prefix}_step({passed});",
-            *(self.set(target, self._port(drive), "") for target, drive in found),
+            *(self._set(target, self._port(drive), "") for target, drive in found),
         ]
 
     def _port(self, variable: StepVariable) -> str:

@@ -366,51 +366,51 @@ class FunctionPrinter:
         lines: list[str] = getattr(self, self._LINES[type(line)])(line)
         return lines
 
-    def assigned(self, line: Assign) -> list[str]:
+    def _assigned(self, line: Assign) -> list[str]:
         if isinstance(line.value, Constant):
             value = self.target.number(self.printer, line.value.value, self.kind_of(line.name))
         else:
             value = self.language.expression(line.value)
-        return [self.set(line.name, value, line.remark)]
+        return [self._set(line.name, value, line.remark)]
 
-    def returned(self, line: Return) -> list[str]:
+    def _returned(self, line: Return) -> list[str]:
         values = list(map(self.language.expression, (line.value, *line.more)))
         value = self.target.several.format(", ".join(values)) if line.more else values[0]
         return [self.target.returned.format(value)]
 
-    def viewed(self, line: View) -> list[str]:
+    def _viewed(self, line: View) -> list[str]:
         """Name a part of an array."""
         kind = self.target.types[self.printer.program.arrays[line.array].kind]
         array, position = self.arrays[line.array], self.language.expression(line.position)
         name = self.arrays[line.name] = self.names.new(line.name)
         return [self.target.view.format(type=kind, name=name, array=array, position=position)]
 
-    def stored(self, line: Store) -> list[str]:
+    def _stored(self, line: Store) -> list[str]:
         index, value = map(self.language.expression, (line.position, line.value))
         element = self.target.element.format(self.arrays[line.array], index)
         return [self.language.assign.format(name=element, value=value)]
 
-    def repeated(self, line: Repeat) -> list[str]:
+    def _repeated(self, line: Repeat) -> list[str]:
         count, kind = self._number(line.times), self.target.types.get(INDEX, "")
         index = self.rename[line.variable]
         opening = self.target.repeat.format(index=index, count=count, type=kind)
         return [opening, *self._inner(line.body), *self._end(self.target.end_repeat)]
 
-    def looped(self, line: While) -> list[str]:
+    def _looped(self, line: While) -> list[str]:
         opening = self.target.loop.format(self.language.expression(line.condition))
         return [opening, *self._inner(line.body), *self._end(self.target.end_loop)]
 
-    def stepped(self, line: Stepped) -> list[str]:
+    def _stepped(self, line: Stepped) -> list[str]:
         arguments = ", ".join(map(self.language.expression, line.arguments))
         call = f"controller.step({arguments})"
         if len(line.targets) == 1:
-            return [self.set(line.targets[0], call, "")]
+            return [self._set(line.targets[0], call, "")]
         drives = self.names.new("drives")
         head = self.target.whole_tuple.format(name=drives, value=call)
         parts = (self.target.part.format(drives, i) for i in range(len(line.targets)))
-        return [head, *map(self.set, line.targets, parts, [""] * len(line.targets))]
+        return [head, *map(self._set, line.targets, parts, [""] * len(line.targets))]
 
-    def walk(self, line: Walk) -> list[str]:
+    def _walk(self, line: Walk) -> list[str]:
         target = self.target
         if target.walk is None:
             raise ExportError(
@@ -427,13 +427,13 @@ class FunctionPrinter:
             lines.append(self.language.assign.format(name=element, value=value))
         lines.append(target.whole_tuple.format(name=pair, value=f"{function}({passed})"))
         pairs = enumerate((line.total, line.value))
-        return [*lines, *(self.set(key, target.part.format(pair, i), "") for i, key in pairs)]
+        return [*lines, *(self._set(key, target.part.format(pair, i), "") for i, key in pairs)]
 
     def _end(self, end: str | None = None) -> list[str]:
         end = self.target.end if end is None else end
         return [end] if end else []
 
-    def set(self, key: str, value: str, remark: str) -> str:
+    def _set(self, key: str, value: str, remark: str) -> str:
         template = self.language.assign
         if key not in self.declared:
             template = self.target.again if self.times_set[key] > 1 else self.language.declare
@@ -442,7 +442,7 @@ class FunctionPrinter:
         text = template.format(name=self.rename[key], value=value, type=kind)
         return text + (self.language.remark.format(remark) if remark else "")
 
-    def branches(self, line: Choose | When) -> list[str]:
+    def _branches(self, line: Choose | When) -> list[str]:
         both = set(_set_in(line.then)) & set(_set_in(line.otherwise))
         if isinstance(line, Choose):
             both = {line.name}
@@ -504,9 +504,9 @@ class FunctionPrinter:
         return self.target.cast(text, node.before, node.after)
 
     _LINES: ClassVar[Mapping[type, str]] = {
-        Assign: "assigned", Choose: "branches", When: "branches", Return: "returned",
-        Store: "stored", Repeat: "repeated", While: "looped", Stepped: "stepped",
-        View: "viewed", Walk: "walk",
+        Assign: "_assigned", Choose: "_branches", When: "_branches", Return: "_returned",
+        Store: "_stored", Repeat: "_repeated", While: "_looped", Stepped: "_stepped",
+        View: "_viewed", Walk: "_walk",
     }  # fmt: skip
     _LEAVES: ClassVar[Mapping[type, Callable[[FunctionPrinter, Any, int], str]]] = {
         Whole: _whole, Truth: _truth, Element: _element, Called: _called, Search: _search,

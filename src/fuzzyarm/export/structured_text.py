@@ -284,7 +284,7 @@ class _Unit(FunctionPrinter):
             return []  # an output keeps its value by itself
         return super()._line(line)
 
-    def set(self, key: str, value: str, remark: str) -> str:
+    def _set(self, key: str, value: str, remark: str) -> str:
         text = self.language.assign.format(name=self.rename[key], value=value)
         return text + (self.language.remark.format(remark) if remark else "")
 
