@@ -148,6 +148,75 @@ def test_a_loop_grows_only_if_all_that_it_may_be_do(
     assert found == pytest.approx(least, rel=0.1)
 
 
+def test_a_loop_that_only_switching_makes_stable_is_not_said_to_grow() -> None:
+    # x'' = -51 x + 1.36 x' + 8.19 u, held for 0.5 s, with u = k x for x above 0, l x below it.
+    moves = np.zeros((3, 3))
+    moves[0, 1] = 1.0
+    moves[1] = -51.009474130076754, 1.3579774548666972, 8.19191026232612
+    step = exponential(moves * 0.5 / 64)
+    for _ in range(6):
+        step = step @ step
+    a, b, above, below = step[:2, :2], step[:2, 2], -11.122280267824646, 3.806816034574606
+    sides = [a + np.outer(b, [k, 0.0]) for k in (above, below)]
+    assert all(max(abs(np.linalg.eigvals(side))) > 1.2 for side in sides)
+    z = np.array([[math.cos(w), math.sin(w)] for w in np.linspace(0.0, 2.0 * math.pi, 361)])
+    for _ in range(300):
+        z = np.where(z[:, :1] >= 0.0, z @ sides[0].T, z @ sides[1].T)
+    assert abs(z).max() < 1e-9
+    middle, radius = 0.5 * (above + below), 0.5 * (below - above)
+    rows = tuple(tuple(map(Fraction, row)) for row in a + np.outer(b, [middle, 0.0]))
+    zero = Fraction(0)
+    form = Form(
+        ("x", "v"), {}, rows, tuple((Fraction(x),) for x in b), ((zero,) * 3,) * 2,
+        ((Fraction(radius), zero, zero),), (), (), {}, {}, 0.5,
+    )  # fmt: skip
+    assert growth(form) == 0.0
+
+
+def test_what_is_not_enclosed_refutes_nothing(tmp_path: Path) -> None:
+    plant = lag(tmp_path, "-x[0] + 0.0*u[0] + 1e-9*math.atan2(x[0], 2.0)")
+    Path(plant).write_text("import math\n" + Path(plant).read_text())
+    # 0.3679 after 1 s, as every run in floats has it; but of `atan2` no tube is known.
+    verdict = proved(
+        proportional(tmp_path, 0.5), "from y in 1 .. 1: y in 0 .. 0.1 during 1 .. 1 s", plant
+    )
+    assert verdict.verdict == "undecided"
+
+
+def test_a_run_beyond_the_bound_of_its_plant_is_enclosed(tmp_path: Path) -> None:
+    body = LAG.replace("RATE", "-x[0] + x[0]*x[0]*x[0] + 0.0*u[0]").replace(
+        '"m", -10.0, 10.0', '"m", -10.0, 10.0, bound=5.0'
+    )
+    plant, text = plant_file(tmp_path, body), proportional(tmp_path, 0.5)
+    verdict = proved(text, "stable from y in 0.5 .. 1.5", plant)
+    assert verdict.verdict == "refuted"
+    # y² = 1 / (1 - (1 - 1/1.5²) exp(2 t)) is 25 at t = ln(0.96 / (5 / 9)) / 2 = 0.2735
+    assert verdict.evidence == (
+        "from y = 1.5",
+        "the run is beyond the bound of 'y', 5, after 0.28 s",
+    )
+    assert proved(text, "stable from y in -0.5 .. 0.5", plant).verdict == "proved"
+
+
+def test_a_run_where_no_rule_fires_is_enclosed(tmp_path: Path) -> None:
+    (tmp_path / "gap.frb").write_text(
+        "rulebase gap\ninput e -1 .. 1\noutput u -1 .. 1\nterm e N: ramp -0.2 -0.4\n"
+        "term e P: ramp 0.2 0.4\nterm u N: singleton -1\nterm u P: singleton 1\n"
+        "inference u: defuzzifier weighted-average\nrule if e is N then u is N\n"
+        "rule if e is P then u is P\n"
+    )
+    (tmp_path / "c.frb").write_text(
+        'controller c\nuse gap from "gap.frb"\nperiod 10 ms\naxis a\n'
+        "  e = error of y\n  u = rules gap(e)\n  drive u = u\n"
+    )
+    text = load_controller(str(tmp_path / "c.frb"))
+    plant = lag(tmp_path, "u[0]")
+    claim = "from y in 0.505 .. 0.505: y in -1 .. 1 during 0 .. 1 s"  # y = 0.505 - t
+    verdict = proved(text, claim, plant)
+    assert verdict.verdict == "refuted"
+    assert verdict.evidence[1] == "the run is where no rule of 'u' fires, after 0.31 s"
+
+
 def test_a_loop_that_is_unstable_stays_refuted(tmp_path: Path) -> None:
     plant = lag(tmp_path, "u[0]")  # next y = (1 - 0.01 k) y
     assert proved(proportional(tmp_path, 210.0), "stable", plant).verdict == "refuted"

@@ -16,7 +16,7 @@ import numpy as np
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.period import LoopAlgebra
 from fuzzyarm.closed_loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
-from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.problem import LostRunError
 from fuzzyarm.closed_loop.readings import pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked
 from fuzzyarm.expression.nodes import Constant, Node
@@ -163,11 +163,11 @@ class Zonotopes(LoopAlgebra[Number]):
 
 def _demand_inside(x: Forms, variable: Variable) -> None:
     """Refuse a signal of a rule base that may be outside its range, where there is no value."""
-    bounds, where = x.bounds, f"the range of '{variable.name}', where there is no value"
+    bounds, where = x.bounds, f"outside the range of '{variable.name}', where there is no value"
     if (bounds.high < variable.low).any() or (bounds.low > variable.high).any():
-        raise LoopProofError(f"all runs from some starts are outside {where}")
+        raise LostRunError(where)
     if (bounds.low < variable.low).any() or (bounds.high > variable.high).any():
-        raise EnclosureError(f"a run may be outside {where}")
+        raise EnclosureError(f"a run may be {where}")
 
 
 @cache

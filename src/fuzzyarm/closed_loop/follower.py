@@ -21,7 +21,7 @@ from fuzzyarm.closed_loop.flow import Flow, Step
 from fuzzyarm.closed_loop.linear_flow import linear_flow
 from fuzzyarm.closed_loop.period import LoopPeriod
 from fuzzyarm.closed_loop.planes import RulePlanes
-from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.closed_loop.problem import LoopProblem, LostRunError
 from fuzzyarm.closed_loop.readings import read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, stacked
 from fuzzyarm.expression.evaluation import gradient, specialise
@@ -174,6 +174,8 @@ class Follower:
         Of its dimensions.
     labels : list of str
         Of the ports: outputs, then inputs.
+    reached : int
+        The control period that was followed last.
     last_weight : ndarray, shape (dimensions, boxes)
         The weight of a :class:`FollowedBoxes`, of boxes that could not be followed to the end, too.
     """
@@ -221,6 +223,7 @@ class Follower:
         self.labels = [interface.label(port) for port in self.ports]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
         self.demands = [(demand, self.labels.index(demand.port)) for demand in demands]
+        self.reached = 0
         self._planes: dict[tuple[int, str], RulePlanes] = {}
 
     def planes(self, sheet: RuleBase, output: str) -> RulePlanes:
@@ -259,6 +262,7 @@ class Follower:
         self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
         first = self._outputs_at(states, constants, 0.0)
         for period in range(self.periods):
+            self.reached = period
             algebra.count = len(states.parts)
             measurements = self._told(states, constants, period * self.period)
             inputs, memory = control.run(measurements, memory, first=period == 0)
@@ -331,7 +335,13 @@ class Follower:
 
     def _demand_bounded(self, at: Intervals) -> None:
         """Give up where a run may have diverged, as the plant says what that is."""
-        over = ~(at.size[: len(self.limits)] <= self.limits[:, None]).all(axis=1)
+        count, limits = len(self.limits), self.limits[:, None]
+        lost = ((at.low[:count] > limits) | (at.high[:count] < -limits)).any(axis=1)
+        if lost.any():
+            name = self.labels[int(lost.argmax())]
+            where = f"beyond the bound of '{name}', {self.limits[lost.argmax()]:g}"
+            raise LostRunError(where, at_end=True)
+        over = ~(at.size[:count] <= limits).all(axis=1)
         if over.any():
             name = self.labels[int(over.argmax())]
             raise EnclosureError(f"'{name}' may leave its bound")

@@ -24,11 +24,12 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.closed_loop.checker import Matrices
 from fuzzyarm.closed_loop.form import Form, Matrix
 from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.proof.arithmetic import Stop
 
-__all__ = ["CertificateCandidate", "candidate"]
+__all__ = ["CertificateCandidate", "candidate", "declining"]
 
 Vector = NDArray[np.float64]
 
@@ -98,11 +99,7 @@ def candidate(
     back = np.linalg.inv(first)  # z = back ẑ, so that V of the linear loop is near |ẑ|²
     a, b = first @ a @ back, first @ b
     c = np.hstack([c[:, :n] @ back, c[:, n:]])
-    # Answers in units of what they answer, so that multipliers are of one size.
-    units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
-    b = b * units
-    c = c / units[:, None]
-    c[:, n:] = c[:, n:] * units
+    b, c, units = _in_units(b, c, n)
     limits = [row @ back for row in rows]
     basis = _symmetric_basis(n)
     falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
@@ -129,6 +126,59 @@ def candidate(
     taus = y[count:] / units**2
     volume = -0.5 * float(np.linalg.slogdet(p)[1])
     return CertificateCandidate(_rationals(p), tuple(_short(x) for x in taus), volume)
+
+
+def declining(
+    loop: Matrices, growth: float, stop: Stop
+) -> tuple[Matrix, tuple[Fraction, ...]] | None:
+    """Return V, which need not be positive, and τ with V(z⁺) < growth² V(z); None: none was found.
+
+    Parameters
+    ----------
+    loop : Matrices
+        As sampled.
+    growth : float
+        Above 1.
+    stop : Stop
+        When to give up.
+    """
+    from scipy.linalg import solve_discrete_lyapunov
+
+    n, m = loop.size, len(loop.blocks)
+    a, b = _floats(loop.a), _floats(loop.b).reshape(n, m)
+    c = _floats(loop.blocks).reshape(m, n + m)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            p = solve_discrete_lyapunov(a.T / growth, np.eye(n))
+        values, vectors = np.linalg.eigh(0.5 * (p + p.T))
+        first = np.sqrt(np.abs(values))[:, None] * vectors.T  # V is a sum of ± squares there
+        back = np.linalg.inv(first)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    if not np.isfinite(back).all():
+        return None
+    a, b = first @ a @ back, first @ b
+    b, c, units = _in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
+    basis = _symmetric_basis(n)
+    inequalities = [_falling(a, b, c, basis, 1.0 - growth**2, continuous=False)]
+    if m:
+        inequalities.append(_multipliers(len(basis), m))
+    begin = np.concatenate([_coordinates(np.diag(np.sign(values))), np.full(m, 1e-2)])
+    y = feasible_point(inequalities, begin, stop)
+    if y is None:
+        return None
+    p = first.T @ np.tensordot(y[: len(basis)], basis, 1) @ first
+    exact = tuple(tuple(Fraction(float(x)) for x in row) for row in 0.5 * (p + p.T))
+    return exact, tuple(_short(x) for x in y[len(basis) :] / units**2)
+
+
+def _in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
+    """Return answers in units of what they answer, so that multipliers are of one size."""
+    units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
+    c = c / units[:, None]
+    c[:, n:] = c[:, n:] * units
+    return b * units, c, units
 
 
 def _floats(matrix: Sequence[Sequence[Fraction]]) -> Vector:

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError
+from fuzzyarm.closed_loop.problem import LostRunError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import FLOATS, Stop
 from fuzzyarm.proof.bernstein import Quotients, lattice, vertices_of
@@ -276,6 +277,9 @@ class RulePlanes:
         pieces = _clipped(self._near(quotients.take(some), inputs), centre, radius)
         if not pieces.count:
             raise EnclosureError(f"an input of '{self.output}' is outside its range")
+        assert pieces.error is not None
+        if self.prover.no_rule is None and not (pieces.lower.any() or pieces.error.any()):
+            raise LostRunError(f"where no rule of '{self.output}' fires")
         slopes, offset = np.zeros(len(centre)), 0.0
         for round_number in range(ROUNDS + 1):
             slopes, offset = self._plane(pieces, centre, radius, middle)

@@ -31,6 +31,7 @@ from fuzzyarm.text.numbers import number_text
 __all__ = [
     "LoopProblem",
     "LoopProofError",
+    "LostRunError",
     "PlantEquations",
     "loop_problem",
 ]
@@ -41,6 +42,17 @@ class LoopProofError(FuzzyarmError, ValueError):
 
     def __init__(self, message: str, *, hint: str = "") -> None:
         super().__init__(message, hint=hint)
+
+
+class LostRunError(LoopProofError):
+    """All runs of a set have no value, or are beyond the bound of a port: for certain.
+
+    They are so at the begin of the period in which it is raised, or `at_end`.
+    """
+
+    def __init__(self, where: str, *, at_end: bool = False) -> None:
+        super().__init__(f"all runs from some starts are {where}")
+        self.where, self.at_end = where, at_end
 
 
 class ClaimError(LoopProofError):

@@ -1,21 +1,21 @@
-"""Runs that try to refute a claim about a loop, as ``simulate`` gives them."""
+"""Runs that refute a claim about a loop: found as ``simulate`` gives them, and then enclosed."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from itertools import islice, product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.claimed_time import decimal
 from fuzzyarm.closed_loop.claims import claimed_port
 from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.problem import LoopProblem
-from fuzzyarm.closed_loop.tube import tube
+from fuzzyarm.closed_loop.follower import Follower
+from fuzzyarm.closed_loop.problem import LoopProblem, LostRunError
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.loop.course import Options
@@ -37,70 +37,89 @@ class Breach(NamedTuple):
     words: tuple[str, ...]
 
 
-def refuting_run(
-    problem: LoopProblem,
-    claim: LoopClaim,
-    rest: Mapping[str, float] | None = None,
-    stop: Stop | None = None,
-) -> Breach | None:
-    """Return a run that breaks a claim, if one of some runs does.
+def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = None) -> Breach | None:
+    """Return a run that breaks a claim for certain, if one of some runs does.
+
+    A run in floats only says where to look: what counts is its enclosure.
 
     Parameters
     ----------
     problem : LoopProblem
         The loop.
     claim : LoopClaim
-        What is claimed of it.
-    rest : mapping of str to float, optional
-        Where the plant rests, if the controller is at rest as it starts. That a loop is stable,
-        with no word of where from, is refuted by runs from next to there only.
+        About an output, or the stability from some starts.
     stop : Stop, optional
-        When to give up; the first run is made in any case.
+        When to give up.
     """
-    at_rest = not claim.start and not claim.output
-    if at_rest and rest is None:
-        return None
-    encloses = bool(claim.output)
-    for number, (start, values) in enumerate(_starts(problem, claim, rest if at_rest else None)):
-        if number and stop is not None and stop.now:
+    stop = stop or Stop()
+    unknown = 0
+    for start, values in _starts(problem):
+        if stop.now or unknown == MOST_UNKNOWN:
             return None
-        run = run_of(problem, start, values, claim)
+        run = _run_in_time(problem, start, values, claim, stop)
         if run is None:
             return None
-        if not _breach(problem, claim, run, rest):
+        end = _breach(problem, claim, run)
+        if end is None:
             continue
-        free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
-        words = ", ".join(f"{name} = {number_text(x)}" for name, x in {**start, **free}.items())
-        if encloses:
-            k = _first_outside(problem, claim, run)
-            end = float(run.time[-1 if k is None else k]) + problem.period
-            outside = _enclosed_outside(problem, claim, start, values, end, stop)
-            if outside:
-                return Breach(run, (f"from {words}", outside))
-            encloses = outside is not None  # where one run is not enclosed, no other one will be
-            if encloses:
-                continue
-        # It might be a breach of the integrator only.
-        pair = converged(lambda steps: run_of(problem, start, values, claim, steps=steps))  # noqa: B023
-        against = "" if pair is None else _breach(problem, claim, pair[1], rest, pair[0])
-        if pair is not None and against:
-            return Breach(pair[1], (f"from {words}", against))
+        words = _enclosed_breach(problem, claim, start, values, end, stop)
+        if words:
+            free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
+            begun = ", ".join(f"{n} = {number_text(x)}" for n, x in {**start, **free}.items())
+            return Breach(run, (f"from {begun}", words))
+        unknown += words is None
     return None
 
 
 ENCLOSING = 3.0
 """Seconds that the enclosure of one run may take."""
 
+MOST_UNKNOWN = 2
+"""Runs of which no enclosure tells, after which no other one is tried."""
 
-def _enclosed_outside(
+FIRST_PERIODS, LONGER, SHARE = 2000, 8, 0.1
+"""Control periods of a first run; how many times as long the next one is, while that takes no more
+than a share of the time that is left."""
+
+
+def _run_in_time(
+    problem: LoopProblem,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    claim: LoopClaim,
+    stop: Stop,
+) -> Run | None:
+    """Return a run for as long as a claim says, or as there is time for."""
+    whole = _claimed_duration(problem, claim)
+    periods = FIRST_PERIODS
+    while True:
+        begun = stop.spent
+        run = run_of(problem, start, values, duration=min(whole, periods * problem.period))
+        taken = stop.spent - begun
+        if run is None or _breach(problem, claim, run) is not None:
+            return run
+        if periods * problem.period >= whole or LONGER * taken > SHARE * stop.left:
+            return run
+        periods *= LONGER
+
+
+def _claimed_duration(problem: LoopProblem, claim: LoopClaim) -> float:
+    """Return how long a run is looked at, s."""
+    if claim.output and claim.when == "during":
+        return claim.end + problem.period  # the sample at the end counts
+    duration = problem.plant.duration or 1000 * problem.period
+    return max(duration, 1.5 * claim.begin)
+
+
+def _enclosed_breach(
     problem: LoopProblem,
     claim: LoopClaim,
     start: Mapping[str, float],
     values: Mapping[str, float],
     end: float,
-    stop: Stop | None,
+    stop: Stop,
 ) -> str | None:
-    """Return where a run is for certain outside the claimed interval in the claimed time.
+    """Return how a run breaks a claim for certain.
 
     Empty where it is inside for certain until an end; None where no enclosure tells.
     """
@@ -109,27 +128,39 @@ def _enclosed_outside(
         start={name: Interval(x, x) for name, x in start.items()},
         parameters={name: Interval(x, x) for name, x in values.items()},
     )
-    budget = ENCLOSING if stop is None else min(ENCLOSING, 0.25 * stop.left)
     try:
-        way = tube(alone, end, budget=budget)
+        follower = Follower(alone, end, stop=Stop(min(ENCLOSING, 0.25 * stop.left)))
     except (FuzzyarmError, EnclosureError):
         return None
-    if not way.complete:
+    try:
+        course = follower.follow([follower.first])
+    except LostRunError as error:
+        time = (follower.reached + error.at_end) * decimal(problem.period)
+        is_in_time = not claim.output or decimal(claim.begin) <= time < _last(claim)
+        return f"the run is {error.where}, after {float(time):.6g} s" if is_in_time else None
+    except (FuzzyarmError, EnclosureError):
         return None
-    port, period = claimed_port(problem, claim), decimal(problem.period)
-    k, begin = way.ports.index(port), decimal(claim.begin)
-    last = math.inf if math.isinf(claim.end) else decimal(claim.end)
-    # Outputs at the samples; drives, which jump there, from each sample on.
-    jumps = port not in {*map(problem.site.interface.label, problem.site.interface.outputs)}
-    bounds = (way.low, way.high) if jumps else (way.low_at, way.high_at)
-    for n, (low, high) in enumerate(zip(*(x[:, k].tolist() for x in bounds), strict=True)):
-        is_in_time = begin <= n * period and (n * period < last if jumps else n * period <= last)
-        if is_in_time and (low > claim.high or high < claim.low):
-            ends = dict.fromkeys(f"{x:.6g}" for x in (low, high))
-            sign = "=" if len(ends) == 1 else "in"
-            return f"{port} {sign} {' .. '.join(ends)} after {n * problem.period:.6g} s"
-    inside = bool((way.low[:, k] >= claim.low).all() and (way.high[:, k] <= claim.high).all())
+    if not claim.output:
+        return None
+    low, high, *ends = course.by_period(follower.periods, follower.periods)
+    port = claimed_port(problem, claim)
+    k = follower.labels.index(port)
+    # Outputs at the samples; drives, which jump there, from each sample on: both count at the end.
+    jumps = k >= len(problem.site.interface.outputs)
+    period, last = decimal(problem.period), _last(claim)
+    bounds = (low[:, k], high[:, k]) if jumps else (ends[0][:, k], ends[1][:, k])
+    for n, (least, most) in enumerate(zip(*(x.tolist() for x in bounds), strict=True)):
+        time = n * period
+        if decimal(claim.begin) <= time <= last and (least > claim.high or most < claim.low):
+            texts = dict.fromkeys(f"{x:.6g}" for x in (least, most))
+            sign = "=" if len(texts) == 1 else "in"
+            return f"{port} {sign} {' .. '.join(texts)} after {float(time):.6g} s"
+    inside = bool((low[:, k] >= claim.low).all() and (high[:, k] <= claim.high).all())
     return "" if inside else None
+
+
+def _last(claim: LoopClaim) -> Fraction | float:
+    return claim.end if math.isinf(claim.end) else decimal(claim.end)
 
 
 FINER = (1, 4, 16, 64, 256)
@@ -181,11 +212,9 @@ RUNS = 24
 """Random starts, beside the corners, from which a claim is attacked."""
 
 
-def _starts(
-    problem: LoopProblem, claim: LoopClaim, rest: Mapping[str, float] | None = None
-) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
+def _starts(problem: LoopProblem) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
     """Yield starts and parameters: corners, then drawn."""
-    spans = dict(problem.start) if rest is None else _near(problem, rest)
+    spans = dict(problem.start)
     generator = np.random.default_rng(0)
     free = sum(len(set(span)) > 1 for span in spans.values())
     # All corners of up to five uncertain states.
@@ -217,32 +246,17 @@ def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]
     count : int
         How many at most.
     """
-    claim = LoopClaim("", output="", when="during", end=duration)
-    begun = _starts(problem, claim)
-    runs = (run_of(problem, *start, claim, duration=duration) for start in islice(begun, count))
+    runs = (run_of(problem, *start, duration=duration) for start in islice(_starts(problem), count))
     return [run for run in runs if run is not None]
-
-
-def _near(problem: LoopProblem, rest: Mapping[str, float]) -> dict[str, Interval]:
-    """Return starts next to rest: by a thousandth of what a sensor sees, where there is one."""
-    interface = problem.site.interface
-    spans = {name: Interval(rest[name], rest[name]) for name in problem.states}
-    for (_, name), port in interface.outputs.items():
-        if name in spans:
-            wide = port.high - port.low
-            off = 1e-3 * (wide if math.isfinite(wide) else 1.0)
-            spans[name] = Interval(rest[name] - off, rest[name] + off)
-    return spans
 
 
 def run_of(
     problem: LoopProblem,
     start: Mapping[str, float],
     values: Mapping[str, float],
-    claim: LoopClaim | None = None,
     *,
+    duration: float,
     steps: int = 1,
-    duration: float = 0.0,
 ) -> Run | None:
     """Return a run of a loop; None if there is none.
 
@@ -252,12 +266,10 @@ def run_of(
         The loop.
     start, values : mapping of str to float
         By state and by parameter.
-    claim : LoopClaim, optional
-        Of which it is to tell something.
+    duration : float
+        s.
     steps : int, optional
         How many times as many steps the integrator takes, to confirm another run.
-    duration : float, optional
-        s; by default as long as the plant or the claim says.
     """
     plant = problem.plant
     if values:
@@ -271,13 +283,6 @@ def run_of(
         for port, value in problem.set_point.items()
         if not interface.references[port].order and port in interface.outputs
     }
-    duration = duration or plant.duration or 1000 * problem.period
-    if claim is None:
-        pass
-    elif claim.output and claim.when == "during" and math.isfinite(claim.end):
-        duration = claim.end + problem.period  # the sample at the end counts
-    elif claim.begin:
-        duration = max(duration, 1.5 * claim.begin)
     try:
         return simulate(
             problem.text,
@@ -293,65 +298,15 @@ def run_of(
         return None
 
 
-def _breach(
-    problem: LoopProblem,
-    claim: LoopClaim,
-    run: Run,
-    rest: Mapping[str, float] | None,
-    other: Run | None = None,
-) -> str:
-    """Return in words how a run breaks a claim, by more than it differs from another one."""
-    divergence = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
+def _breach(problem: LoopProblem, claim: LoopClaim, run: Run) -> float | None:
+    """Return when a run has broken a claim, s, as far as floats tell."""
     if claim.output:
-        k = _first_outside(problem, claim, run, other)
-        if k is not None:
-            port = claimed_port(problem, claim)
-            return f"{port} = {_values(run, port)[k]:.6g} after {run.time[k]:.6g} s"
-        inside = run.diverged is not None and claim.begin <= run.diverged <= claim.end
-        return divergence if inside else ""
-    if run.diverged is not None:
-        return divergence
-    # Of a start that is not next to rest no run tells: it may be on its way.
-    return "" if claim.start or rest is None else _unrest(problem, run, rest)
-
-
-def _values(run: Run, port: str) -> NDArray[np.float64]:
-    return np.asarray(run.outputs[port] if port in run.outputs else run.drives[port], float)
-
-
-def _first_outside(
-    problem: LoopProblem, claim: LoopClaim, run: Run, other: Run | None = None
-) -> int | None:
-    """Return the first sample outside the claimed interval in the claimed time."""
-    port = claimed_port(problem, claim)
-    values = _values(run, port)
-    slack = np.full(len(values), 1e-9 * (claim.high - claim.low))
-    if other is not None:
-        near = _values(other, port)[: len(values)]
-        slack[: len(near)] += np.abs(values[: len(near)] - near)
-    in_time = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
-    wrong = in_time & ((values > claim.high + slack) | (values < claim.low - slack))
-    return int(np.argmax(wrong)) if wrong.any() else None
-
-
-def _unrest(problem: LoopProblem, run: Run, rest: Mapping[str, float]) -> str:
-    """Return which output swings far from rest, next to which it began, and goes on doing so."""
-    interface = problem.site.interface
-    for address, port in interface.outputs.items():
-        name, label = address[1], interface.label(address)
-        if label not in run.outputs or name not in rest:
-            continue
-        wide = port.high - port.low
-        far = 0.05 * (wide if math.isfinite(wide) else 50.0)
-        off = np.abs(np.asarray(run.outputs[label]) - rest[name])
-        third = len(off) // 3
-        if not third:
-            continue
-        before, last = off[third : 2 * third].max(), off[-third:].max()
-        # Far away and not fading: what comes to rest slowly is not held against the loop.
-        if last > far and last > 0.9 * before:
-            return (
-                f"{label} is up to {last:.4g} away from rest in the last third of"
-                f" {run.time[-1]:.4g} s, from {off[0]:.4g}"
-            )
-    return ""
+        port = claimed_port(problem, claim)
+        values = np.asarray(run.outputs[port] if port in run.outputs else run.drives[port], float)
+        in_time = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
+        wrong = in_time & ((values > claim.high) | (values < claim.low))
+        if wrong.any():
+            return float(run.time[wrong.argmax()]) + problem.period
+        if run.diverged is None or not claim.begin <= run.diverged <= claim.end + problem.period:
+            return None
+    return None if run.diverged is None else run.diverged + problem.period

@@ -21,7 +21,7 @@ from fuzzyarm.closed_loop.certificate import (
     sensors_by_name,
 )
 from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
-from fuzzyarm.closed_loop.checked_loop import CheckedLoop
+from fuzzyarm.closed_loop.checked_loop import CheckedLoop, checked_loop
 from fuzzyarm.closed_loop.checker import refutation
 from fuzzyarm.closed_loop.claims import claimed_plant, gain_words, loop_sentence, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError
@@ -53,7 +53,7 @@ MOST_CHECKED = 8
 """Proposals that are shown to the checker, the one of the largest region first."""
 
 EIGENVALUES = 5.0
-"""Seconds that an eigenvalue beyond 1 may take."""
+"""Seconds that the search for a growing deviation may take."""
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
@@ -239,7 +239,6 @@ class _Case:
         watch = None if tell is None else (lambda count, gap: tell(self.statement, count, gap))
         self.stop = Stop(budget, watch)
         self.attempts = 0
-        self.rest: dict[str, float] | None = None
         self.maker: FormMaker | None = None
         self.pieces = PiecesOfRules(self.stop)
         self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
@@ -269,7 +268,7 @@ class _Case:
         """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
         try:
             maker = FormMaker(problem, self.stop)
-            self.rest, self.maker = _begun_at_rest(maker), maker
+            self.maker = maker
             starts = bool(self.claim.output or self.claim.start) and not self.continuous
             verdict = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
             if verdict.verdict == UNDECIDED and starts:
@@ -396,55 +395,32 @@ class _Case:
         self.loop = loop
         return self._said(PROVED, certificate=certificate, **facts), ""
 
-    def _growth(self) -> tuple[float, bool]:
-        """Return by what a deviation from rest grows in each period, and whether that is all.
-
-        It is where no gain of a rule base or a table is open: then there is one linear loop, or one
-        smooth loop, next to rest.
-        """
-        if self.maker is None:
-            return 0.0, False
-        try:
-            form = form_at_rest(self.maker)
-        except (FuzzyarmError, EnclosureError):
-            return 0.0, False
-        is_smooth = form.evidence is not None and not form.evidence.gains
-        return growth(
-            form, Stop(min(EIGENVALUES, self.stop.left))
-        ), is_smooth and self.maker.is_exact
-
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run from the starts of the claim, if one of some runs is one."""
         if self.continuous:  # runs are those of the sampled loop
             return None
-        breach = refuting_run(problem, self.claim, self.rest, self.stop)
+        breach = refuting_run(problem, self.claim, self.stop)
         return breach and self._said(REFUTED, evidence=breach.words, run=breach.run)
 
     def _unstable(self, problem: LoopProblem) -> LoopVerdict | None:
-        """Return a refutation of stability by the loop next to rest, and by a run from there."""
-        least, is_enough = (0.0, False) if self.continuous else self._growth()
-        if not least:
+        """Return a refutation of stability by the loop next to rest."""
+        if self.continuous or self.maker is None:
+            return None
+        try:
+            form = form_at_rest(self.maker)
+            assert form.evidence is not None
+            loop = checked_loop(problem, form.names, form.evidence, pieces=self.pieces)
+            least = growth(loop, Stop(min(EIGENVALUES, self.stop.left)))
+        except (FuzzyarmError, EnclosureError):
             return None
         grows = f"next to rest a deviation grows {least:.6g} times in each period"
-        breach = refuting_run(problem, claim_of_stability(self.claim), self.rest, self.stop)
-        if breach is not None:
-            return self._said(REFUTED, evidence=(*breach.words, grows), run=breach.run)
-        return self._said(REFUTED, evidence=(grows,)) if is_enough else None
+        return self._said(REFUTED, evidence=(grows,)) if least else None
 
 
 def _own_start(problem: LoopProblem) -> tuple[str, ...]:
     """Say where the plant starts by itself, of states of which a claim does not say it."""
     values = ", ".join(f"{name} = {problem.start[name].low:g}" for name in problem.begins_alone)
     return (f"of runs that start as the plant does: {values}",) if values else ()
-
-
-def _begun_at_rest(maker: FormMaker) -> dict[str, float] | None:
-    """Return where the plant rests; None where what is remembered does not start at rest."""
-    begin = maker.begin
-    for name in maker.memory:
-        if not math.isnan(begin[name]) and Fraction(begin[name]) != maker.rest[name]:
-            return None
-    return {name: float(maker.rest[name]) for name in maker.problem.states}
 
 
 def _float_down(x: Fraction) -> float:

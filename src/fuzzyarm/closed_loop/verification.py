@@ -29,6 +29,7 @@ __all__ = [
     "has_known_start",
     "port_within",
     "power_up",
+    "quadratic_at",
     "reach_of",
     "start_quadric",
     "start_vertices",
@@ -104,17 +105,18 @@ def verified(
 def _at_most(loop: CheckedLoop, p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
     """Return V at most, where the rest is known except for its doubt."""
     doubt = [loop.doubt[name] for name in loop.names]
-    total = _value(p, z)
+    total = quadratic_at(p, z)
     if any(doubt):
         # (z + d)ᵀ P (z + d) ≤ zᵀPz + 2 |Pz|ᵀ |d| + |d|ᵀ |P| |d|, with |d| at most the doubt.
         slope = [abs(sum((w * x for w, x in zip(row, z, strict=True)), Fraction(0))) for row in p]
         sizes = [[abs(w) for w in row] for row in p]
         total += 2 * sum((s * r for s, r in zip(slope, doubt, strict=True)), Fraction(0))
-        total += _value(sizes, doubt)
+        total += quadratic_at(sizes, doubt)
     return total
 
 
-def _value(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
+def quadratic_at(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
+    """Return zᵀ P z."""
     return sum(
         (x * weight * y for x, row in zip(z, p, strict=True) if x
          for weight, y in zip(row, z, strict=True)),
