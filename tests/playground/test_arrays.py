@@ -120,6 +120,11 @@ SAME = {
     "each once": lambda x: list(
         x.unique(x.array([[2.0, 1.0], [math.nan, 1.0]]), return_inverse=True)
     ),
+    "attributes of a single number": lambda x: [
+        [each.ndim, each.size, bool(each.any()), each.sum(), each.reshape(-1)]
+        for each in (x.isnan(x.array(1.0)), x.sqrt(x.array(4.0)), x.sum(x.array([1, 2])))
+    ],
+    "a decorator": lambda x: x.errstate(divide="ignore")(lambda: x.array(B) / 0.0)(),
     "a large seed": lambda x: x.random.default_rng(2**200 + 17).random(3),
 }  # fmt: skip
 
@@ -233,6 +238,40 @@ for method in ("centroid", "bisector", "mean-of-maximum", "smallest-of-maximum",
 print(json.dumps(found))
 """
 )
+
+
+# What a page asks of its Python where it has not the time to compute a surface as finely.
+SURFACE = (
+    WITHOUT_NUMPY
+    + """
+from fuzzyarm.designer.requests import SurfaceWork
+from fuzzyarm.designer.surfaces import surface
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.shipped_files import shipped
+class Job:
+    def __init__(self): self.news = []
+    def tell(self, news): self.news.append(news)
+    def check(self): pass
+found = {}
+for name in ("tipper.frb", "pd7.frb", "thermostat.frb"):
+    session = Session(name, shipped(name).read_text(encoding="utf-8"))
+    inputs = session.reading.parsed.rulebase.inputs
+    ends = [(each.low, each.high) for each in inputs]
+    point = tuple(0.25 * low + 0.75 * high for low, high in ends)
+    job = Job()
+    surface(session, SurfaceWork(point, 0, 1, tuple(ends[:2]), 0, 3, fired=True), job)
+    values = [*job.news[0]["strengths"], *job.news[0]["outputs"], *job.news[1]["z"]]
+    found[name] = [None if value is None else round(value, 9) + 0.0 for value in values]
+print(json.dumps(found))
+"""
+)
+
+
+@pytest.mark.slow
+def test_the_surface_of_a_busy_page_is_the_same_without_numpy():
+    with_numpy, without = with_and_without(SURFACE)
+    assert with_numpy == without
+    assert [len(values) > 12 for values in with_numpy.values()] == [True] * 3
 
 
 @pytest.mark.slow

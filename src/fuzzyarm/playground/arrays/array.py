@@ -26,6 +26,7 @@ __all__ = [
     "ndarray",
     "one",
     "operate",
+    "single",
 ]
 
 _BY_CODE = {data_type.code: data_type for data_type in DTYPES}
@@ -378,8 +379,13 @@ def _nested(flat: list[Any], shape: Shape) -> list[Any]:
 
 
 def one(value: Any, kind: DType) -> Any:
-    """Return an element as it stands alone: a float of 64 bits and a whole number are Python's."""
+    """Return an element of an array: a float of 64 bits and a whole number are Python's."""
     return kind.type(value) if kind.name in ("float32", "bool") else value
+
+
+def single(value: Any, kind: DType) -> Any:
+    """Return the one result of a function, which has the attributes of an array, as NumPy's."""
+    return value if kind is OBJECT else kind.type(value)
 
 
 def made(values: Sequence[Any], kind: DType, shape: Shape | None = None) -> ndarray:
@@ -611,7 +617,7 @@ def operate(
     shapes = [operand.shape for operand in arrays if isinstance(operand, ndarray)]
     kind = kind or _kind_together(arrays)
     if not shapes:
-        return one(act(*arrays), kind)
+        return single(act(*arrays), kind)
     common = shapes[0] if all(shape == shapes[0] for shape in shapes) else broadcast_shapes(*shapes)
     columns = [
         elements(operand if operand.shape == common else broadcast_to(operand, common))
@@ -622,8 +628,7 @@ def operate(
     if out is not None:
         (out[0] if isinstance(out, tuple) else out)[...] = made(values, kind, common)
         return out[0] if isinstance(out, tuple) else out
-    result = made(values, kind, common)
-    return result if common else result[()]
+    return made(values, kind, common) if common else single(values[0], kind)
 
 
 def _kind_together(arrays: Sequence[Any]) -> DType:

@@ -7,6 +7,7 @@ import math
 import operator
 from bisect import bisect_right
 from collections.abc import Callable
+from contextlib import ContextDecorator
 from functools import reduce
 from itertools import accumulate
 from math import inf, nan
@@ -246,7 +247,7 @@ def interp(at: Any, x: Any, y: Any) -> Any:
     return operate(height, (at,), FLOAT)
 
 
-class errstate:
+class errstate(ContextDecorator):
     """Nothing is said of divisions by zero here."""
 
     def __init__(self, **_kinds: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from typing import Any
 
 from fuzzyarm.playground.arrays import (
     elementwise,
@@ -12,7 +13,7 @@ from fuzzyarm.playground.arrays import (
     reductions,
     shapes,
 )
-from fuzzyarm.playground.arrays.array import ndarray
+from fuzzyarm.playground.arrays.array import array_of, ndarray
 from fuzzyarm.playground.arrays.elementwise import (
     absolute,
     add,
@@ -31,6 +32,7 @@ from fuzzyarm.playground.arrays.elementwise import (
     subtract,
     ufunc,
 )
+from fuzzyarm.playground.arrays.kinds import number
 from fuzzyarm.playground.arrays.reductions import dot
 
 METHODS = {
@@ -76,3 +78,11 @@ def give_operators() -> None:
     for name, of_one in {"neg": negative, "abs": absolute, "invert": turned}.items():
         setattr(ndarray, f"__{name}__", lambda a, of_one=of_one: of_one(a))
     setattr(ndarray, "__matmul__", dot)  # noqa: B010 - as all of them
+    setattr(number, "__getattr__", _of_array)  # noqa: B010
+
+
+def _of_array(value: number, name: str) -> Any:
+    """Return an attribute of a single number: as NumPy's it has those of an array without axes."""
+    if name.startswith("_"):
+        raise AttributeError(name)
+    return getattr(array_of(value), name)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from fuzzyarm.playground.arrays.array import array_of, elements, made, ndarray, one
+from fuzzyarm.playground.arrays.array import array_of, elements, made, ndarray, single
 from fuzzyarm.playground.arrays.kinds import DType
 from fuzzyarm.playground.arrays.shapes import moveaxis
 
@@ -36,7 +36,7 @@ def reduced(
     begin = [] if initial is None else [initial]
     if axis is None:
         result = act([*begin, *elements(of)])
-        return made([result], kind, (1,) * of.ndim) if keepdims else one(result, kind)
+        return made([result], kind, (1,) * of.ndim) if keepdims else single(result, kind)
     if isinstance(axis, tuple):
         result = of
         for axis_number in sorted((a % of.ndim for a in axis), reverse=True):
