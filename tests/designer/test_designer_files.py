@@ -29,7 +29,7 @@ from fuzzyarm.proof.tables import cell_errors
 from fuzzyarm.shipped_files import shipped, shipped_folder
 from fuzzyarm.table import compile_table, read_table, write_table
 from fuzzyarm.text.files import confined
-from fuzzyarm.text.folders import CONTROLLER_EXPORTS
+from fuzzyarm.text.folders import EXPORTS
 from fuzzyarm.text.made import marked
 from fuzzyarm.text.numbers import outward_text
 
@@ -248,7 +248,6 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
         return str(error.value)
 
     assert "mistakes: line 1" in refused("tern\n" + PD7, ".h")
-    assert "not exported as .fmu" in refused(PD7, ".fmu")
     assert "not exported as .exe" in refused(PD7, ".exe")
     assert "levels 'x'" in refused(PD7, ".lut", {"levels": "x"})
     assert "exclude each other" in refused(PD7, ".lut", {"levels": "9", "tolerance": "1"})
@@ -263,7 +262,7 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     servo = (folder / "servo.frb").read_text()
     with confined(folder):
         assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
-    offered = [kind for kind in CONTROLLER_EXPORTS if kind != ".js"]  # an .mjs is the same
+    offered = [kind for kind in EXPORTS if kind != ".js"]  # an .mjs is the same
     assert kinds_of(Session("x.frb", servo)) == offered
 
 
@@ -599,7 +598,7 @@ def test_an_export_is_loaded_by_an_address_with_the_token(client, folder):
         start["options"] = {}
         socket.send_text(json.dumps(start))
         (file,) = heard(socket, lambda each: "files" in each)["files"]
-        start = {**start, "id": 2, "suffix": ".fmu"}
+        start = {**start, "id": 2, "suffix": ".exe"}
         socket.send_text(json.dumps(start))
         assert "not exported" in heard(socket, lambda each: each.get("id") == 2)["message"]
     assert client.get(f"/{'c' * 32}/{file['href']}").status_code == 403

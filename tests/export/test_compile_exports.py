@@ -191,7 +191,7 @@ def test_what_cannot_be_inferred_says_that_a_table_can(tmp_path, monkeypatch, ca
         ([PD7, "-o", "x.lut", "--direct"], "--direct does not apply"),
         ([PD7, "-o", "x.h", "--direct", "--q", "7"], "--q does not apply"),
         ([PD7, "-o", "x.h", "--direct", "--levels", "7"], "--levels does not apply"),
-        ([PD7, "-o", "x.fmu"], "an .fmu is made from a controller"),
+        ([PD7, "-o", "x.fmu", "--q", "15"], "an FMU computes in double precision"),
         ([PD7, "-o", "x.h", "--table", "--direct"], "--table and --direct exclude each other"),
         ([PD7, "-o", "x.lut", "--table"], "--table does not apply"),
         ([PD7, "-o", "x.h", "--name", "int"], "'int' cannot begin an identifier"),

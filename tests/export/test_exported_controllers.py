@@ -424,9 +424,7 @@ def test_the_command_says_what_it_wrote(tmp_path, monkeypatch, capsys):
     assert "mine_step" in Path("made.h").read_text()
 
 
-def test_only_a_controller_becomes_a_unit(tmp_path, capsys):
-    assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.fmu")]) == 1
-    assert "made from a controller" in capsys.readouterr().err
+def test_options_of_source_text_do_not_apply_to_a_table(tmp_path, capsys):
     assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.lut"), "--table"]) == 2
     assert "--table does not apply" in capsys.readouterr().err
 

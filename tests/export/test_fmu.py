@@ -15,10 +15,12 @@ import pytest
 from controller_programs import EVERYTHING, model_drives, ports, scattered, shipped_text, text_of
 from needs import need
 
+from fuzzyarm import compile_table, infer, load
 from fuzzyarm.cli import main
 from fuzzyarm.export import ControllerProgram, ExportError, export_controller
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.fmu import find_compiler
+from fuzzyarm.inference.engine import kept
 from fuzzyarm.shipped_files import shipped
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
@@ -106,6 +108,95 @@ def test_a_step_of_the_host_is_as_many_periods(tmp_path, version):
         steps, path, rows, step_size=5 * text.model.period, output_interval=5 * text.model.period
     )
     np.testing.assert_array_equal(coarse[: len(fine)], fine)
+
+
+HOLDING = """rulebase valve "a valve that stays where it was"
+input level 1 .. 9 "m"
+input 'flow in' -2 .. 2
+output u 0 .. 5 "position"
+output v -4 .. 4
+term level LOW: triangle 0 2 4
+term level HIGH: triangle 6 8 10
+term 'flow in' IN: trapezoid -1 0 3 3
+term u SHUT: triangle 0 0 2
+term u OPEN: triangle 3 5 5
+term v A: singleton -3
+term v B: singleton 2.5
+inference and min, or max, implication min, aggregation max, defuzzifier centroid exact
+inference u: no-rule hold
+inference v: defuzzifier weighted-average, no-rule 1.5
+rule if level is LOW then u is OPEN, v is A
+rule if level is HIGH and 'flow in' is IN then u is SHUT, v is B
+"""
+
+
+def compiled_unit(folder, source, *words):
+    """Return the path of a unit that the command made."""
+    path = folder / "unit.fmu"
+    assert main(["compile", str(source), "-o", str(path), *words]) == 0
+    return path
+
+
+def at_steps(path, inputs, outputs, points, **options):
+    """Return the outputs of a unit at the end of steps of 1 s, with a row of inputs in each."""
+    signals = np.array(
+        [(float(k), *row) for k, row in enumerate(points.tolist())],
+        dtype=[("time", float), *((name, float) for name in inputs)],
+    )
+    found = fmpy.simulate_fmu(
+        str(path), stop_time=float(len(points)), step_size=1.0, output_interval=1.0,
+        input=signals, output=outputs, **options,
+    )  # fmt: skip
+    return np.array([[row[name] for name in outputs] for row in found])[1:]
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("name", ["pd7", "tipper", "fan"])
+def test_a_unit_of_rules_is_valid_and_infers_the_same_bits(tmp_path, name, version):
+    from fmpy.validation import validate_fmu
+
+    source = shipped(f"{name}.frb")
+    path = compiled_unit(tmp_path, source, "--direct", "--fmi", version)
+    assert validate_fmu(str(path)) == []
+    rulebase = load(source)
+    inputs, outputs = ([v.name for v in side] for side in (rulebase.inputs, rulebase.outputs))
+    low, high = ([getattr(v, end) for v in rulebase.inputs] for end in ("low", "high"))
+    points = np.random.default_rng(4).uniform(low, high, (300, len(inputs)))
+    found = at_steps(path, inputs, outputs, points)
+    right = infer(rulebase, **dict(zip(inputs, points.T, strict=True)))
+    np.testing.assert_array_equal(found, np.stack([right[name] for name in outputs], 1))
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_an_output_of_a_unit_is_held_from_step_to_step(tmp_path, version):
+    from fmpy.validation import validate_fmu
+
+    source = tmp_path / "valve.frb"
+    source.write_text(HOLDING)
+    path = compiled_unit(tmp_path, source, "--fmi", version)
+    assert validate_fmu(str(path)) == []
+    variables = {v.name: v for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert list(variables)[:5] == ["level", "'flow in'", "first.u", "u", "v"]
+    assert variables["level"].description == "m"
+    assert float(variables["level"].start) == 1.0  # within its range, nearest to 0
+    points = np.random.default_rng(2).uniform([1, -2], [9, 2], (200, 2))
+    points[:3] = 5.0, 0.0  # no rule fires
+    options = {"start_values": {"first.u": 4.25}, "apply_default_start_values": True}
+    found = at_steps(path, ["level", "'flow in'"], ["u", "v"], points, **options)
+    rulebase, last = load(source), 4.25
+    for (level, flow), values in zip(points.tolist(), found.tolist(), strict=True):
+        right = kept(rulebase)({"level": level, "flow in": flow}, held={"u": last})
+        assert values == [right["u"], right["v"]]
+        last = right["u"]
+    assert found[:3].tolist() == [[4.25, 1.5]] * 3
+
+
+def test_a_unit_of_a_table_looks_it_up(tmp_path):
+    path = compiled_unit(tmp_path, shipped("pd7.frb"), "--table", "--levels", "9")
+    points = np.random.default_rng(4).uniform(-6, 6, (100, 2))
+    table = compile_table(load(shipped("pd7.frb")), levels=9)
+    found = at_steps(path, ["e", "ce"], ["u"], points)
+    np.testing.assert_allclose(found[:, 0], table.lookup(*points.T), rtol=0, atol=1e-12)
 
 
 def library_of(path, folder):

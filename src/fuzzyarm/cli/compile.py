@@ -21,9 +21,9 @@ With --for arduino or platformio OUT is a folder that opens in that program: a l
 tables stay in flash, a sketch, a self-test, and a README with the bytes and cycles that a board
 takes, measured where avr-gcc and simavr are installed.
 
-A controller becomes a state with `init` and `step` in C, a function block, or with .fmu a
-co-simulation unit (FMI), built with the C compiler that is there. Its rules are inferred, or
-with --table looked up in tables that are made as above.
+A controller becomes a state with `init` and `step` in C, or a function block. Its rules are
+inferred, or with --table looked up in tables that are made as above. With .fmu all three become
+a co-simulation unit (FMI), built with the C compiler that is there.
 
   fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
   fuzzyarm compile rulebases/stfc.frb -o stfc.h
@@ -44,7 +44,7 @@ from fuzzyarm.cli.command import FORCE, UsageError, WordError, busy, print_json,
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.making import SOURCE, ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
-from fuzzyarm.text.folders import CONTROLLER_EXPORTS
+from fuzzyarm.text.folders import EXPORTS
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -79,7 +79,8 @@ _UNIT = ".fmu"
 _SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
 _RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
-_CONTROLLERS_ONLY = ("fmi", "platforms", "certificate", "trust")
+_CONTROLLERS_ONLY = ("certificate", "trust")
+_UNITS_ONLY = ("fmi", "platforms")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
@@ -95,19 +96,18 @@ def _run(request: ExportWords) -> int:
     _forbid(request, ("board",), "without --for nothing is made for a board")
     if request.report is not None:
         _demand_report(request.out, request.report)
-    suffix = require_suffix(request.out, (*tables, *CONTROLLER_EXPORTS))
+    suffix = require_suffix(request.out, (*tables, *EXPORTS))
     if suffix != ".xml":
         _forbid(request, ("format",), f"{Path(request.out).name} is not an .xml")
+    if suffix != _UNIT:
+        _forbid(request, _UNITS_ONLY, f"{Path(request.out).name} is not an FMU")
+    elif request.precision not in (None, "float64"):
+        raise UsageError("an FMU computes in double precision: --precision float64")
     exports = suffix not in tables
     controller = controller_if_any(request.file) if exports else None
     if controller is not None:
         _export_controller(controller, suffix, request)
         return 0
-    if suffix == _UNIT:
-        hint = "fuzzyarm new NAME --kind controller writes one"
-        raise WordError(
-            f"an .fmu is made from a controller, which {request.file} is not", hint=hint
-        )
     if not exports:
         _forbid(request, _SOURCE_ONLY, f"{Path(request.out).name} is a table")
     _forbid(request, _CONTROLLERS_ONLY, f"{request.file} is not exported as a controller")
@@ -316,10 +316,6 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     if not request.table:
         _forbid(request, _MADE_TABLES_ONLY, "without --table no table is made of rules")
     _forbid(request, ("output",), "a controller is exported as a whole")
-    if suffix != _UNIT:
-        _forbid(request, ("fmi", "platforms"), f"{Path(request.out).name} is not an FMU")
-    elif request.precision not in (None, "float64"):
-        raise UsageError("an FMU computes in double precision: --precision float64")
     how = making_of(request)
     if request.certificate is not None:
         if request.table or request.q:

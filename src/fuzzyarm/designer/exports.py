@@ -105,7 +105,7 @@ def kinds_of(session: Session) -> list[str]:
     if not isinstance(session.reading, Reading):
         return [*_SOURCES, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
     if session.reading.parsed.controller is not None:
-        return [*_SOURCES, ".fmu"]
+        return list(_SOURCES)
     tables = (".lut", ".csv", LATEX)
     return [*_SOURCES, *tables, ".html", ".png", ".svg", *FOREIGN]
 

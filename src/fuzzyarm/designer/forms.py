@@ -166,7 +166,8 @@ def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
     makings = () if kind == "table" else ("direct", "table", "levels")
     output = ("output",) if kind == "rules" else ()
     if suffix == ".fmu":
-        return RequestForm(ExportRequest, (*makings, "mode", "q", "fmi"))
+        whole = ("q",) if kind == "controller" else ()
+        return RequestForm(ExportRequest, (*makings, *output, "mode", *whole, "fmi"))
     if suffix in EXPORTS:
         return RequestForm(ExportRequest, (*makings, *output, "mode", "q", "precision", "name"))
     if suffix in WRITTEN_TABLES and kind != "table":

@@ -28,10 +28,9 @@ from fuzzyarm.export.write import (
     write_export,
 )
 from fuzzyarm.lazy import lazily
-from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS
+from fuzzyarm.text.folders import EXPORTS
 
 __all__ = [
-    "CONTROLLER_EXPORTS",
     "EXPORTS",
     "XML_FORMATS",
     "ControllerProgram",

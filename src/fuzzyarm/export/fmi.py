@@ -1,17 +1,17 @@
-"""The C of a co-simulation unit around a controller: the functions of FMI 2.0 and FMI 3.0.
+"""The C of a co-simulation unit: the functions of FMI 2.0 and FMI 3.0.
 
 What both versions do is written once (`_COMMON`); each adds its own names and arguments. A
-function that a controller has no use for is there all the same, as a stub that returns an
-error where it is called with something: hosts look every name up when they load a unit.
+function that a unit has no use for is there all the same, as a stub that returns an error
+where it is called with something: hosts look every name up when they load a unit.
 
 References: Functional Mock-up Interface 2.0.4 (2022) and 3.0.1 (2023), modelica.org.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
-
-from fuzzyarm.export.steps import StepVariable
+from dataclasses import dataclass
 
 OK, ERROR = 0, 3
 """Of the status that every function returns."""
@@ -30,8 +30,7 @@ _COMMON = """#include <stddef.h>
 #endif
 
 typedef struct { /* an instance */
-    PREFIX_state state;
-PORTS    double start; /* of the simulation, s */
+MEMBERS    double start; /* of the simulation, s */
     unsigned long steps; /* that were made */
 } unit;
 
@@ -40,8 +39,7 @@ static const char token[] = "TOKEN";
 static void begin(unit *u)
 {
     memset(u, 0, sizeof *u);
-    PREFIX_init(&u->state);
-}
+BEGIN}
 
 static unit *instantiate(const char *given)
 {
@@ -63,15 +61,21 @@ CASES    default: return NULL;
     }
 }
 
+/* What an instance shows, brought up to date before it is read. */
+static void refresh(unit *u)
+{
+REFRESH}
+
 static int get_numbers(unit *u, const unsigned *references, size_t count, double *values)
 {
     size_t k;
+    refresh(u);
     for (k = 0; k < count; k++) {
         const double *found = number(u, references[k]);
         if (found != NULL) {
             values[k] = *found;
         } else if (references[k] == TIME) {
-            values[k] = u->start + (double)u->steps * PERIOD;
+            values[k] = NOW;
         } else {
             return 3;
         }
@@ -92,14 +96,10 @@ static int set_numbers(unit *u, const unsigned *references, size_t count, const 
     return 0;
 }
 
-/* Make the steps whose time has come before the end; a thousandth of a period is rounding. */
+/* Go on to the end of a step of the host. */
 static void advance(unit *u, double end)
 {
-    while (u->start + (double)u->steps * PERIOD < end - 1e-3 * PERIOD) {
-        PREFIX_step(CALLED);
-        u->steps++;
-    }
-}
+ADVANCE}
 
 static void *copied(const void *from)
 {
@@ -491,55 +491,68 @@ def _stub(version: int, name: str, parameters: str) -> str:
     return f"EXPORT int fmi{version}{name}({listed})\n{{\n    {unused};\n    return {result};\n}}\n"
 
 
-def fmi_source(
-    version: int,
-    prefix: str,
-    token: str,
-    places: Sequence[tuple[StepVariable, str]],
-    settable: int,
-    period: float,
-) -> str:
-    """Return the C of a unit, to be put after the controller's own.
+@dataclass(frozen=True, slots=True)
+class UnitC:
+    """The parts of a unit that are its own, as C about an instance ``u``.
+
+    Attributes
+    ----------
+    members : tuple of str
+        Declarations of an instance, which is zeroed before it begins.
+    begin : tuple of str
+        Statements for a new instance.
+    refresh : tuple of str
+        Statements before numbers are read.
+    advance : tuple of str
+        Statements that go on to the time ``end``.
+    now : str
+        The time, as an expression.
+    places : tuple of str
+        By value reference, the member that holds it.
+    settable : int
+        So many of them, the first ones, may be set.
+    """
+
+    members: tuple[str, ...]
+    begin: tuple[str, ...]
+    refresh: tuple[str, ...]
+    advance: tuple[str, ...]
+    now: str
+    places: tuple[str, ...]
+    settable: int
+
+
+def fmi_source(version: int, token: str, unit: UnitC) -> str:
+    """Return the C of a unit, to be put after the functions that it calls.
 
     Parameters
     ----------
     version : int
         2 or 3.
-    prefix : str
-        Of the controller.
     token : str
-        What the description of the unit names it by.
-    places : sequence of (StepVariable, str)
-        By value reference, a variable and the member of `unit` that holds it.
-    settable : int
-        So many of them, the first ones, may be set.
-    period : float
-        Of the controller, s.
+        The name of the unit in its description.
+    unit : UnitC
+        Its own parts.
     """
-    sorts = [
-        sort
-        for sort in ("reference", "measured", "drive")
-        if any(variable.sort == sort for variable, _ in places)
-    ]
-    types = {"reference": "reference", "measured": "measured", "drive": "drives"}
-    cases = "".join(
-        f"    case {number}u: return &u->{place};\n" for number, (_, place) in enumerate(places)
-    )
+    cases = [f"case {number}u: return &{place};" for number, place in enumerate(unit.places)]
     words = {
-        "PREFIX": prefix,
-        "PORTS": "".join(f"    {prefix}_{types[sort]} {sort};\n" for sort in sorts),
+        "MEMBERS": _lines(unit.members),
         "TOKEN": token,
-        "CASES": cases,
+        "BEGIN": _lines(unit.begin),
+        "CASES": _lines(cases),
+        "REFRESH": _lines(unit.refresh or ("(void)u;",)),
         # The time, the independent variable, has the reference behind all the others.
-        "TIME": f"{len(places)}u",
-        "SETTABLE": f"{settable}u",
-        "PERIOD": repr(float(period)),
-        "CALLED": ", ".join(["&u->state", *(f"&u->{sort}" for sort in sorts)]),
+        "TIME": f"{len(unit.places)}u",
+        "NOW": unit.now,
+        "SETTABLE": f"{unit.settable}u",
+        "ADVANCE": _lines(unit.advance),
     }
-    text = _COMMON
-    for word, instead in words.items():
-        text = text.replace(word, instead)
+    text = re.sub(r"\b[A-Z]+\b", lambda match: words.get(match[0], match[0]), _COMMON)
     return "\n".join([*_head(version), text + (_FMI2 if version == 2 else _FMI3), *_stubs(version)])
+
+
+def _lines(statements: Sequence[str]) -> str:
+    return "".join(f"    {statement}\n" for statement in statements)
 
 
 def _head(version: int) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""A controller as a co-simulation unit: its description, the library, the archive."""
+"""Controllers and rule bases as co-simulation units: description, library, archive."""
 
 from __future__ import annotations
 
@@ -14,19 +14,22 @@ import sys
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
-from fuzzyarm.export.c import CText, controller_c
+import numpy as np
+
+from fuzzyarm.export.c import PORTS, CText, controller_c, routines_c
 from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.document import xml_document
-from fuzzyarm.export.fmi import fmi_source
+from fuzzyarm.export.fmi import UnitC, fmi_source
 from fuzzyarm.export.names import in_ascii
 from fuzzyarm.export.numbers import ExportError
-from fuzzyarm.export.steps import StepVariable
+from fuzzyarm.export.routine import Routine, RoutineArgument
+from fuzzyarm.export.steps import Steps, StepVariable
 from fuzzyarm.extras import installing
 from fuzzyarm.version import __version__
 
@@ -34,9 +37,6 @@ VERSIONS = (2, 3)
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The time of all files in an archive: the same source gives the same bytes."""
-
-Entry = tuple[StepVariable, str, str]
-"""A variable, its name in the unit, and the member that holds it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +81,36 @@ def platforms_named(text: str, version: int) -> tuple[Platform, ...]:
     return tuple(platforms)
 
 
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of a unit, in the words of FMI; `member` is its C."""
+
+    name: str
+    member: str
+    causality: str
+    variability: str
+    start: float | None = None
+    unit: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit to be built: its C, and what its description says.
+
+    The variables that may be set come first. Without a `period` outputs follow their inputs at
+    once; with one they follow those of the beginning of a step.
+    """
+
+    prefix: str
+    name: str
+    description: str
+    functions: str
+    c: UnitC
+    variables: tuple[Variable, ...]
+    period: float | None = None
+
+
 def controller_fmu(
     program: ControllerProgram, prefix: str, version: int = 2, platforms: Sequence[Platform] = ()
 ) -> bytes:
@@ -103,35 +133,144 @@ def controller_fmu(
     ExportError
         If there is no C compiler, or it fails.
     """
+    _require_double(program.precision == "float64")
+    steps, model = program.steps, program.text.model
+    made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
+    variables = _controller_variables(program, made)
+    sorts = [sort for sort in PORTS if steps.of_sort(sort)]
+    period = repr(float(model.period))
+    called = ", ".join(["&u->state", *(f"&u->{sort}" for sort in sorts)])
+    c = UnitC(
+        members=(
+            f"{prefix}_state state;",
+            *(f"{prefix}_{PORTS[sort]} {sort};" for sort in sorts),
+        ),
+        begin=(f"{prefix}_init(&u->state);",),
+        refresh=(),
+        advance=(
+            "/* The steps whose time has come; a thousandth of a period is rounding. */",
+            f"while (u->start + (double)u->steps * {period} < end - 1e-3 * {period}) {{",
+            f"    {prefix}_step({called});",
+            "    u->steps++;",
+            "}",
+        ),
+        now=f"u->start + (double)u->steps * {period}",
+        places=tuple(variable.member for variable in variables),
+        settable=sum(variable.start is not None for variable in variables),
+    )
+    words = f"{model.description or model.name}; runs every {model.period!r} s"
+    unit = Unit(prefix, model.name, words, made.files[".h"], c, variables, model.period)
+    return _built(unit, version, platforms)
+
+
+def routines_fmu(
+    routines: Sequence[Routine], prefix: str, version: int = 2, platforms: Sequence[Platform] = ()
+) -> bytes:
+    """Return functions of a rule base or of tables as a co-simulation unit.
+
+    Parameters
+    ----------
+    routines : sequence of Routine
+        In double precision, one for each output.
+    prefix, version, platforms
+        As for :func:`controller_fmu`.
+
+    Raises
+    ------
+    ExportError
+        As :func:`controller_fmu`.
+    """
+    _require_double(all(routine.kind is np.float64 for routine in routines))
+    made = routines_c(routines, prefix, prefix, ".h")
+    functions = made.printer.program.functions.items()
+    called = [made.printer.called[key] for key, each in functions if each.public]
+    inputs = {a.name: a for routine in routines for a in routine.arguments if not a.holds}
+    # Arguments in the order of inputs, a last value in a place of its own.
+    at = {name: f"u->input[{k}]" for k, name in enumerate(inputs)}
+    holding = [k for k, routine in enumerate(routines) if routine.arguments[-1].holds]
+    taken: set[str] = set()
+    starts = [_start(argument) for argument in inputs.values()]
+    variables = [
+        Variable(_structured(argument.name, taken), at[name], "input", "continuous", start,
+                 description=argument.description)
+        for (name, argument), start in zip(inputs.items(), starts, strict=True)
+    ]  # fmt: skip
+    members, begin, refresh = [f"double input[{len(inputs)}];"], [], []
+    if holding:
+        members += [f"double {word}[{len(holding)}];" for word in ("first", "last")]
+    members += [f"double output[{len(routines)}];", "double passed; /* since the start, s */"]
+    begin = [f"{at[name]} = {start!r};" for name, start in zip(inputs, starts, strict=True)]
+    kept = []
+    for slot, number in enumerate(holding):
+        output = routines[number].output
+        variables.append(
+            Variable(_structured(f"first.{output.name}", taken), f"u->first[{slot}]",
+                     "parameter", "fixed", _start(output),
+                     description=f"{output.name} before a rule has fired")
+        )  # fmt: skip
+        begin.append(f"u->first[{slot}] = {_start(output)!r};")
+        refresh.append(f"if (u->steps == 0ul) {{ u->last[{slot}] = u->first[{slot}]; }}")
+        kept.append(f"u->last[{slot}] = u->output[{number}];")
+    settable = len(variables)
+    for number, (routine, function) in enumerate(zip(routines, called, strict=True)):
+        output = routine.output
+        given = [at[a.name] if not a.holds else f"u->last[{holding.index(number)}]"
+                 for a in routine.arguments]  # fmt: skip
+        refresh.append(f"u->output[{number}] = {function}({', '.join(given)});")
+
+        variables.append(
+            Variable(_structured(output.name, taken), f"u->output[{number}]", "output",
+                     "continuous", description=output.description)
+        )  # fmt: skip
+    c = UnitC(
+        members=tuple(members),
+        begin=tuple(begin),
+        refresh=tuple(refresh),
+        advance=("refresh(u);", *kept, "u->passed = end - u->start;", "u->steps++;"),
+        now="u->start + u->passed",
+        places=tuple(variable.member for variable in variables),
+        settable=settable,
+    )
+    name = dict(routines[0].provenance()).get("rulebase", prefix)
+    unit = Unit(
+        prefix, name, f"{name}, inferred whenever it is read", made.files[".h"], c, tuple(variables)
+    )
+    return _built(unit, version, platforms)
+
+
+def _require_double(double: bool) -> None:
+    if not double:
+        raise ExportError(
+            "an FMU computes in double precision", hint="leave out --precision and --q"
+        )
+
+
+def _start(argument: RoutineArgument) -> float:
+    """Return the value of a range that is nearest to zero."""
+    return float(min(max(0.0, argument.low), argument.high))
+
+
+def _built(unit: Unit, version: int, platforms: Sequence[Platform]) -> bytes:
+    """Return a unit with its libraries."""
     if version not in VERSIONS:
         raise ExportError(f"version {version} of FMI is not supported", hint="versions 2 and 3 are")
-    if program.precision != "float64":
-        raise ExportError("an FMU computes in double precision", hint="--precision float64")
     compiler = _cross_compiler() if platforms else find_compiler()
-    steps = program.steps
-    made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
-    header = made.files[".h"]
-    entries = list(_entries(program, made))
-    settable = sum(entry.sort in ("reference", "measured", "gain") for entry, _, _ in entries)
+    prefix = unit.prefix
     # The host compares this token with that of the library: it changes with what is computed.
-    digest = hashlib.sha256((header + str(version)).encode()).digest()
+    digest = hashlib.sha256((unit.functions + str(version)).encode()).digest()
     token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
-    places = [(variable, place) for variable, _, place in entries]
-    shell = fmi_source(version, prefix, token, places, settable, steps.model.period)
-    source = f'#include "{prefix}.h"\n\n{shell}'
-    sources = {f"{prefix}.h": header, f"{prefix}.c": source}
-    description = _description(program, prefix, version, token, entries)
+    source = f'#include "{prefix}.h"\n\n{fmi_source(version, token, unit.c)}'
+    sources = {f"{prefix}.h": unit.functions, f"{prefix}.c": source}
     folder = {2: _platform2(), 3: _platform3()}[version]
     content: dict[str, str | bytes] = {
-        "modelDescription.xml": description,
+        "modelDescription.xml": _description(unit, version, token),
         **{
             f"binaries/{entry.folders[version]}/{prefix}{entry.suffix}": compile_library(
                 [*compiler, "-target", entry.target], sources, prefix, entry.suffix
             )
             for entry in platforms
         },
-        f"sources/{prefix}.h": header,
-        f"sources/{prefix}.c": source,
+        **{f"sources/{name}": text for name, text in sources.items()},
     }
     if not platforms:
         place = f"binaries/{folder}/{prefix}{_suffix()}"
@@ -213,19 +352,38 @@ def _platform3() -> str:
 # --- The description ---
 
 
-def _entries(program: ControllerProgram, made: CText) -> Iterator[Entry]:
-    """Yield what has a value reference, what may be set first."""
+_CAUSALITY = {
+    "reference": "input", "measured": "input", "gain": "parameter", "drive": "output",
+    "signal": "local",
+}  # fmt: skip
+"""Of the variables of a controller, in the order of value references."""
+
+
+def _controller_variables(program: ControllerProgram, made: CText) -> tuple[Variable, ...]:
     steps, taken = program.steps, set[str]()
-    for sort in ("reference", "measured", "gain", "drive", "signal"):
+    units = {gain.name: gain.unit for gain in program.text.model.gains}
+    variables = []
+    for sort, causality in _CAUSALITY.items():
+        gain = sort == "gain"
         for variable in steps.of_sort(sort):
-            place = made.place(variable)
-            name = variable.name if sort == "gain" else port_name(steps, variable)
-            if variable.number >= 0:
-                name = f"{name}[{variable.number + 1}]"
-            name = {"reference": f"reference.{name}", "measured": f"measured.{name}"}.get(
-                sort, f"signal.{name}" if sort == "signal" else name
+            found = Variable(
+                _structured(_variable_name(steps, variable), taken),
+                f"u->{made.place(variable)}",
+                causality,
+                "tunable" if gain else "discrete",
+                variable.start if sort in ("reference", "measured", "gain") else None,
+                units.get(variable.name, "") if gain else "",
             )
-            yield variable, _structured(name, taken), place
+            variables.append(found)
+    return tuple(variables)
+
+
+def _variable_name(steps: Steps, variable: StepVariable) -> str:
+    """Return ``measured.joint1.position`` and its like."""
+    name = variable.name if variable.sort == "gain" else port_name(steps, variable)
+    if variable.number >= 0:
+        name = f"{name}[{variable.number + 1}]"
+    return f"{variable.sort}.{name}" if variable.sort not in ("gain", "drive") else name
 
 
 def _structured(name: str, taken: set[str]) -> str:
@@ -251,38 +409,21 @@ def _quoted(part: str) -> str:
     return f"'{escaped}'"
 
 
-_CAUSALITY = {
-    "reference": "input", "measured": "input", "gain": "parameter", "drive": "output",
-    "signal": "local",
-}  # fmt: skip
-
-
-def _words_of(variable: StepVariable, program: ControllerProgram) -> dict[str, str]:
+def _words_of(variable: Variable) -> dict[str, str]:
     """Return the attributes that both versions share, except for the start."""
-    gains = {gain.name: gain.unit for gain in program.text.model.gains}
-    words = {
-        "causality": _CAUSALITY[variable.sort],
-        "variability": "tunable" if variable.sort == "gain" else "discrete",
-    }
-    unit = gains.get(variable.name, "") if variable.sort == "gain" else ""
-    return words | ({"unit": unit} if unit else {})
+    words = {"causality": variable.causality, "variability": variable.variability}
+    optional = {"unit": variable.unit, "description": variable.description}
+    return words | {word: text for word, text in optional.items() if text}
 
 
-def _starts(variable: StepVariable) -> bool:
-    return variable.sort in ("reference", "measured", "gain")
-
-
-def _description(
-    program: ControllerProgram, prefix: str, version: int, token: str, entries: Sequence[Entry]
-) -> str:
-    model = program.text.model
+def _description(unit: Unit, version: int, token: str) -> str:
     root = Xml.Element(
         "fmiModelDescription",
         {
             "fmiVersion": f"{version}.0",
-            "modelName": model.name,
+            "modelName": unit.name,
             "guid" if version == 2 else "instantiationToken": token,
-            "description": f"{model.description or model.name}; runs every {model.period!r} s",
+            "description": unit.description,
             "generationTool": f"fuzzyarm {__version__}",
             "variableNamingConvention": "structured",
         },
@@ -290,31 +431,28 @@ def _description(
     if version == 2:
         root.set("numberOfEventIndicators", "0")
     ways = {
-        "modelIdentifier": prefix,
+        "modelIdentifier": unit.prefix,
         "canHandleVariableCommunicationStepSize": "true",
         "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState": "true",
         "canSerializeFMUstate" if version == 2 else "canSerializeFMUState": "true",
     }
-    if version == 3:
-        ways["fixedInternalStepSize"] = repr(model.period)
+    period = unit.period
+    if version == 3 and period is not None:
+        ways["fixedInternalStepSize"] = repr(period)
     way = Xml.SubElement(root, "CoSimulation", ways)
     if version == 2:
-        Xml.SubElement(Xml.SubElement(way, "SourceFiles"), "File", {"name": f"{prefix}.c"})
-    units = dict.fromkeys(_words_of(entry, program).get("unit", "") for entry, _, _ in entries)
-    unit_names = [unit for unit in units if unit]
-    if unit_names:
+        Xml.SubElement(Xml.SubElement(way, "SourceFiles"), "File", {"name": f"{unit.prefix}.c"})
+    if units := list(dict.fromkeys(entry.unit for entry in unit.variables if entry.unit)):
         listed = Xml.SubElement(root, "UnitDefinitions")
-        for unit in unit_names:
-            Xml.SubElement(listed, "Unit", {"name": unit})
-    Xml.SubElement(
-        root,
-        "DefaultExperiment",
-        {"startTime": "0.0", "stopTime": repr(1000 * model.period), "stepSize": repr(model.period)},
-    )
+        for name in units:
+            Xml.SubElement(listed, "Unit", {"name": name})
+    if period is not None:
+        times = {"startTime": "0.0", "stopTime": repr(1000 * period), "stepSize": repr(period)}
+        Xml.SubElement(root, "DefaultExperiment", times)
     variables = Xml.SubElement(root, "ModelVariables")
-    for number, (entry, name, _) in enumerate(entries):
-        words = {"name": name, "valueReference": str(number), **_words_of(entry, program)}
-        start = {"start": repr(entry.start)} if _starts(entry) else {}
+    for number, entry in enumerate(unit.variables):
+        words = {"name": entry.name, "valueReference": str(number), **_words_of(entry)}
+        start = {} if entry.start is None else {"start": repr(entry.start)}
         if version == 3:
             Xml.SubElement(variables, "Float64", {**words, **start})
         else:
@@ -323,27 +461,30 @@ def _description(
             Xml.SubElement(variable, "Real", {**unit_attribute, **start})
     if version == 3:
         # FMI 3 wants the independent variable listed; FMI 2 does not know it.
-        time = {"name": "time", "valueReference": str(len(entries)), "causality": "independent"}
+        reference = str(len(unit.variables))
+        time = {"name": "time", "valueReference": reference, "causality": "independent"}
         Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})
-    _structure(root, version, entries)
+    _structure(root, version, unit)
     Xml.indent(root)
     return xml_document(root, "UTF-8")
 
 
-def _structure(root: Xml.Element, version: int, entries: Sequence[Entry]) -> None:
-    """Say what is calculated: drives are, of what was measured when a period began."""
+def _structure(root: Xml.Element, version: int, unit: Unit) -> None:
+    """List the outputs, and whether inputs reach them within a step."""
     structure = Xml.SubElement(root, "ModelStructure")
-    drives = [number for number, (variable, _, _) in enumerate(entries) if variable.sort == "drive"]
+    outputs = [k for k, entry in enumerate(unit.variables) if entry.causality == "output"]
+    # Without the attribute an output depends on all inputs.
+    depends = {} if unit.period is None else {"dependencies": ""}
     if version == 3:
         for word in ("Output", "InitialUnknown"):
-            for number in drives:
-                Xml.SubElement(structure, word, {"valueReference": str(number), "dependencies": ""})
+            for number in outputs:
+                Xml.SubElement(structure, word, {"valueReference": str(number), **depends})
         return
     for word in ("Outputs", "InitialUnknowns"):
         listed = Xml.SubElement(structure, word)
-        for number in drives:
+        for number in outputs:
             # FMI 2 refers to a variable by its position, from 1.
-            Xml.SubElement(listed, "Unknown", {"index": str(number + 1), "dependencies": ""})
+            Xml.SubElement(listed, "Unknown", {"index": str(number + 1), **depends})
 
 
 def _build_description(prefix: str) -> str:

@@ -52,6 +52,7 @@ class RoutineArgument:
     high: float
     description: str = ""
     scaling: str = ""
+    holds: bool = False  # the last value of an output that holds it where no rule fires
 
 
 @dataclass(frozen=True, slots=True)

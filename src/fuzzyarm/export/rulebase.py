@@ -92,7 +92,7 @@ class DirectRoutine:
             output = self.rulebase.output(self.name)
             words = "the last value, returned where no rule fires"
             parameters.append(
-                RoutineArgument(f"last {output.name}", output.low, output.high, words)
+                RoutineArgument(f"last {output.name}", output.low, output.high, words, holds=True)
             )
         return parameters
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from fuzzyarm.export.c import controller_c, routines_c
 from fuzzyarm.export.controllers import ControllerProgram
-from fuzzyarm.export.fmu import controller_fmu, platforms_named
+from fuzzyarm.export.fmu import controller_fmu, platforms_named, routines_fmu
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
 from fuzzyarm.export.module_files import controller_module, routines_module
 from fuzzyarm.export.modules import MODULES
@@ -26,7 +26,7 @@ from fuzzyarm.export.table_numbers import fixed_table, float_table
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.files import write_atomically
-from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS
+from fuzzyarm.text.folders import EXPORTS
 
 XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
     {"plcopen": plcopen_xml, "iec61131-10": iec61131_10_xml}
@@ -44,14 +44,14 @@ class Exported:
     ----------
     routines : tuple of Routine
         The functions in them.
-    files : tuple of (Path, str)
+    files : tuple of (Path, str or bytes)
         Where and what.
     calls : tuple of str
-        What each routine is called: a C prototype, or the name of a function block.
+        What each routine is called: a C prototype, the name of a function block, or its variables.
     """
 
     routines: tuple[Routine, ...]
-    files: tuple[tuple[Path, str], ...]
+    files: tuple[tuple[Path, str | bytes], ...]
     calls: tuple[str, ...]
 
 
@@ -131,6 +131,8 @@ def export_files(
     path: str | Path,
     name: str | None = None,
     *,
+    fmi: int = 2,
+    platforms: str | None = None,
     xml: str = "plcopen",
 ) -> Exported:
     """Return the files for a path, by its suffix.
@@ -143,13 +145,18 @@ def export_files(
         Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
     name : str, optional
         Begins every identifier; the name of the file by default.
+    fmi : int
+        Version of FMI, 2 or 3.
+    platforms : str, optional
+        Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.export.fmu.PLATFORMS`. By default
+        the machine at hand.
     xml : str
         What an ``.xml`` is, of `XML_FORMATS`.
 
     Raises
     ------
     ExportError
-        If the suffix is none of these or `name` is not an identifier.
+        If the suffix is none of these, `name` is not an identifier, or no C compiler is there.
     """
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
@@ -167,10 +174,20 @@ def export_files(
             files=((path, _project_text(project, suffix, xml)),),
             calls=project.blocks,
         )
+    if suffix == ".fmu":
+        targets = platforms_named(platforms, fmi) if platforms is not None else ()
+        unit = routines_fmu(routine_list, prefix, fmi, targets)
+        words = tuple(_variables_of(routine) for routine in routine_list)
+        return Exported(routines=routine_list, files=((path, unit),), calls=words)
     # A header alone holds the functions as `static inline`; a source keeps them out of its header.
     made = routines_c(routine_list, prefix, path.stem, suffix)
     files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
     return Exported(routines=routine_list, files=files, calls=made.prototypes)
+
+
+def _variables_of(routine: Routine) -> str:
+    inputs = ", ".join(argument.name for argument in routine.arguments if not argument.holds)
+    return f"{routine.output.name} of {inputs}"
 
 
 def write_export(
@@ -276,7 +293,7 @@ def export_controller(
     program : ControllerProgram
         The controller.
     path : str or Path
-        Its suffix is one of `CONTROLLER_EXPORTS`; with ``.c`` goes a ``.h`` beside it.
+        Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
     name : str, optional
         Begins every identifier; the name of the file by default.
     fmi : int
@@ -293,7 +310,7 @@ def export_controller(
         If the suffix is none of these, something cannot be exported, or no C compiler is there.
     """
     path = Path(path)
-    suffix, prefix = _suffix_and_prefix(path, name, CONTROLLER_EXPORTS)
+    suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
     if suffix == ".st":
         content, block = controller_st(program, prefix)
         return ExportedController(program=program, files=((path, content),), calls=(block,))

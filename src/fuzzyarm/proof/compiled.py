@@ -210,7 +210,10 @@ def source_of(
         hint = error.hint if "--table" in error.hint else f"{error.hint}, or {TABLE_HINT}"
         # The rules cannot be written, but a table of them can.
         raise error.in_file("", hint) from error
-    return export_files(routines, path, how.name, xml=how.xml), reports
+    exported = export_files(
+        routines, path, how.name, fmi=how.fmi, platforms=how.platforms, xml=how.xml
+    )
+    return exported, reports
 
 
 def routines_for(

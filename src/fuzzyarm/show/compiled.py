@@ -8,6 +8,9 @@ from fuzzyarm.show.drawing import number_words
 from fuzzyarm.text.numbers import outward_text
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
     from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.table import CompileReport, Fidelity, LookupTable
 
@@ -59,7 +62,7 @@ def export_lines(exported: Exported) -> list[str]:
     """Return the size of exported files, and of each function its accuracy and cost."""
     from fuzzyarm.export.routine import proved_words
 
-    lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
+    lines = _sizes(exported.files)
     for call, routine in zip(exported.calls, exported.routines, strict=True):
         accuracy, cost = routine.accuracy, routine.cost()
         worst = number_words(accuracy.worst, 3)
@@ -72,17 +75,21 @@ def export_lines(exported: Exported) -> list[str]:
     return lines
 
 
+def _sizes(files: Iterable[tuple[Path, str | bytes]]) -> list[str]:
+    return [
+        f"{path}: {len(content.encode()):,} bytes of source"
+        if isinstance(content, str)
+        else f"{path}: {len(content):,} bytes"
+        for path, content in files
+    ]
+
+
 def controller_lines(exported: ExportedController) -> list[str]:
     """Return the size of the files of a controller, and how far it is from the controller."""
     trial_run = exported.program.tried
-    lines = []
-    for path, content in exported.files:
-        size = len(content.encode() if isinstance(content, str) else content)
-        what = "bytes of source" if isinstance(content, str) else "bytes"
-        lines.append(f"{path}: {size:,} {what}")
     worst, largest = number_words(trial_run.worst, 3), number_words(trial_run.largest, 3)
     return [
-        *lines,
+        *_sizes(exported.files),
         *exported.calls,
         f"  worst difference to the controller in double precision: {worst}"
         f" ({len(trial_run.vectors.expected)} periods, drives up to {largest})",

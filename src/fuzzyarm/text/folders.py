@@ -23,12 +23,9 @@ TABLES = (".lut", ".csv", ".npz", ".json")
 MODULES = (".py", ".mjs", ".js", ".rs")
 """Suffixes of modules in one file: MicroPython, JavaScript, Rust. They stand here likewise."""
 
-EXPORTS = (".h", ".c", ".st", ".xml", ".scl", *MODULES)
-"""Suffixes of source text: a header on its own, a pair of .c and .h, Structured Text, the same as
-XML, SCL, modules. They stand here likewise."""
-
-CONTROLLER_EXPORTS = (*EXPORTS, ".fmu")
-"""Suffixes of an exported controller."""
+EXPORTS = (".h", ".c", ".st", ".xml", ".scl", *MODULES, ".fmu")
+"""Suffixes of exports: a header on its own, a pair of .c and .h, Structured Text, the same as XML,
+SCL, modules, units. They stand here likewise."""
 
 PACKAGES = ("node_modules", "__pycache__", "site-packages")
 """Folders of packages, whoever made them."""
