@@ -85,7 +85,7 @@ fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz/patience.py --count 100
 
 native: $(VENV)/.run
-	$(BIN)/python -m fuzzyarm.native.build
+	$(BIN)/python -m fuzzyarm.apps.native.build
 
 wheels: $(VENV)/.dev
 	$(PIP) ziglang==$(ZIG)

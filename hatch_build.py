@@ -44,7 +44,7 @@ class KernelBuildHook(BuildHookInterface):
         folder = source / "fuzzyarm" if version == "editable" else Path(self._room.name)
         # The environment of the build may stand on the path of this process only.
         path = os.pathsep.join([str(source), *filter(None, sys.path)])
-        words = [sys.executable, "-m", "fuzzyarm.native.build", str(folder)]
+        words = [sys.executable, "-m", "fuzzyarm.apps.native.build", str(folder)]
         other = os.environ.get(PLATFORM)
         done = subprocess.run(
             [*words, "--platform", other] if other else words,
@@ -77,7 +77,7 @@ def _is_pure() -> bool:
 
 def _tag_of(module: Path) -> str:
     """Return the platform of a module; what reads it is loaded without the rest of fuzzyarm."""
-    path = Path(__file__).with_name("src") / "fuzzyarm" / "native" / "binaries.py"
+    path = Path(__file__).with_name("src") / "fuzzyarm" / "apps" / "native" / "binaries.py"
     spec = importlib.util.spec_from_file_location("binaries", path)
     assert spec is not None
     assert spec.loader is not None

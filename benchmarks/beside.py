@@ -41,9 +41,9 @@ import workload
 
 import fuzzyarm
 from fuzzyarm import compiled
-from fuzzyarm.kernels import has_machine_code
-from fuzzyarm.loop import simulate_many
+from fuzzyarm.control.loop import simulate_many
 from fuzzyarm.plant import reach_return
+from fuzzyarm.symbolic.kernels import has_machine_code
 
 HERE = Path(__file__).resolve().parent
 

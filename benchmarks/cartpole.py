@@ -11,8 +11,8 @@ import sys
 import time
 
 from fuzzyarm import load, shipped
-from fuzzyarm.controller.catalogue import controller_of
-from fuzzyarm.loop import Options, Signal, simulate
+from fuzzyarm.control.controllers.catalogue import controller_of
+from fuzzyarm.control.loop import Options, Signal, simulate
 from fuzzyarm.plant import find_plant
 
 WHOLE = controller_of(load(shipped("cartpole.frb")))

@@ -27,28 +27,28 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.controller import controller
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate, simulate_many
+from fuzzyarm.control.loop.many import Bench
+from fuzzyarm.control.loop.program import loop_for
 from fuzzyarm.inference.aggregate import positions
 from fuzzyarm.inference.overlap import Layers, closed_form
 from fuzzyarm.inference.sets import polyline, straight_pieces
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.loop import simulate, simulate_many
-from fuzzyarm.loop.many import Bench
-from fuzzyarm.loop.program import loop_for
-from fuzzyarm.model.rulebase import RuleBase, Variable, propositions
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.language.model.rulebase import RuleBase, Variable, propositions
+from fuzzyarm.language.model.shapes import membership
 from fuzzyarm.plant import reach_return
-from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 
 try:  # a tree of before, which `beside.py` measures with these scripts, may have other names
-    from fuzzyarm.loop.program import RunRecord
+    from fuzzyarm.control.loop.program import RunRecord
 except ImportError:
-    from fuzzyarm.loop.program import Record as RunRecord
+    from fuzzyarm.control.loop.program import Record as RunRecord
 try:
-    from fuzzyarm.loop.simulation import experiment_of
+    from fuzzyarm.control.loop.simulation import experiment_of
 except ImportError:
-    from fuzzyarm.loop.many import experiment_of
+    from fuzzyarm.control.loop.many import experiment_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 from workload import exact_controller

@@ -36,9 +36,9 @@ from ratios import Ratio, in_turns, number, quarters, ratio
 
 import fuzzyarm.inference.sweeps as sweeps  # noqa: PLR0402 - the package has no such name
 from fuzzyarm import compiled, infer
+from fuzzyarm.base.files import write_atomically
 from fuzzyarm.inference.sets import polyline
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.language.model.rulebase import RuleBase
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/performance.md"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from fuzzyarm.show.figures.style import new_figure
+from fuzzyarm.apps.show.figures.style import new_figure
 
 PICTURES = Path(__file__).resolve().parent.parent / "docs/pictures"
 OURS, PEERS, INK = "#1f6f8b", "#b9b4a7", "#333333"

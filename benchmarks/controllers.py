@@ -20,16 +20,16 @@ from pathlib import Path
 
 import numpy as np
 
-from fuzzyarm.api import load
-from fuzzyarm.controller.kernel import step
-from fuzzyarm.export.c import controller_c
-from fuzzyarm.export.controllers import port_name
-from fuzzyarm.export.cost import step_cost
-from fuzzyarm.export.steps import steps_of
-from fuzzyarm.export.trial import trial
-from fuzzyarm.kernels import kernel, routine
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.control.controllers.kernel import step
+from fuzzyarm.exchange.export.c import controller_c
+from fuzzyarm.exchange.export.controllers import port_name
+from fuzzyarm.exchange.export.cost import step_cost
+from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.export.trial import trial
+from fuzzyarm.exchange.files import load
 from fuzzyarm.plant.setting import stored_double
-from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.symbolic.kernels import kernel, routine
 
 ROUNDS = 7
 PERIODS = 5_000

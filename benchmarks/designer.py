@@ -29,9 +29,9 @@ except ImportError:
     sync_playwright = None
 
 import fuzzyarm
-from fuzzyarm.designer.assets import asset, names
-from fuzzyarm.designer.mailed_page import page_of
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.designer.assets import asset, names
+from fuzzyarm.apps.designer.mailed_page import page_of
+from fuzzyarm.base.shipped_files import shipped
 
 FRAMES = """async ([variable, term, index]) => {
   const { store } = designer;

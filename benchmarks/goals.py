@@ -29,9 +29,9 @@ import workload
 
 import fuzzyarm.inference.sweeps as sweeps  # noqa: PLR0402 - the package has no such name
 from fuzzyarm import compiled, infer
-from fuzzyarm.controller import CATALOGUE, controller
-from fuzzyarm.loop import simulate_many
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.control.controllers import CATALOGUE, controller
+from fuzzyarm.control.loop import simulate_many
+from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant import reach_return
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -19,8 +19,8 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from fuzzyarm.playground.folder import wasm_kernels, write_playground
-from fuzzyarm.playground.memory import python_memory
+from fuzzyarm.apps.playground.folder import wasm_kernels, write_playground
+from fuzzyarm.apps.playground.memory import python_memory
 
 PYODIDE = Path(__file__).parents[1] / "editors/designer/node_modules/pyodide"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

@@ -18,8 +18,8 @@ from typing import Any
 
 import fuzzyarm
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.proof import Prover
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map import Prover
 
 
 def timed(what: str, target: str, run: Callable[[], Any]) -> None:

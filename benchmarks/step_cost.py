@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 
-from fuzzyarm.study.comparison import compared_names, cost_of
+from fuzzyarm.apps.study.comparison import compared_names, cost_of
 
 BESIDE = "pd-motor"
 

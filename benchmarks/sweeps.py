@@ -22,10 +22,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import simulate_many
-from fuzzyarm.loop.blocks import packed
-from fuzzyarm.loop.many import Bench, cut
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate_many
+from fuzzyarm.control.loop.blocks import packed
+from fuzzyarm.control.loop.many import Bench, cut
 from fuzzyarm.plant import reach_return
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import fuzzyarm
-from fuzzyarm.closed_loop.problem import loop_problem
-from fuzzyarm.closed_loop.tube import Demand, Tube, tube
 from fuzzyarm.plant.own import find_plant
+from fuzzyarm.proof.loop.problem import loop_problem
+from fuzzyarm.proof.loop.tube import Demand, Tube, tube
 
 EXAMPLES = Path(__file__).parents[1] / "examples" / "closed_loop"
 Range = tuple[float, float]

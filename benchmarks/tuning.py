@@ -25,20 +25,20 @@ import numpy as np
 from workload import exact_controller
 
 from fuzzyarm import load, shipped, simulate
-from fuzzyarm.controller.catalogue import controller_of
-from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.loop import Options, Run, Sensor, Signal
+from fuzzyarm.control.controllers.catalogue import controller_of
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop import Options, Run, Sensor, Signal
+from fuzzyarm.learning.tuning import Tuned, tune
+from fuzzyarm.learning.tuning.cost import Cost, values_of
+from fuzzyarm.learning.tuning.examiner import panel
+from fuzzyarm.learning.tuning.scenarios import plant_scenarios, unseen_scenarios
+from fuzzyarm.learning.tuning.tune import read_tuning, stage_of
 from fuzzyarm.plant import Arm, find_plant, pick_and_place, reach_return
-from fuzzyarm.tuning import Tuned, tune
-from fuzzyarm.tuning.cost import Cost, values_of
-from fuzzyarm.tuning.examiner import panel
-from fuzzyarm.tuning.scenarios import plant_scenarios, unseen_scenarios
-from fuzzyarm.tuning.tune import read_tuning, stage_of
 
 try:  # a tree of before, which `beside.py` measures with these scripts, may have another name
-    from fuzzyarm.tuning.examiner import TuningProblem
+    from fuzzyarm.learning.tuning.examiner import TuningProblem
 except ImportError:
-    from fuzzyarm.tuning.examiner import Problem as TuningProblem
+    from fuzzyarm.learning.tuning.examiner import Problem as TuningProblem
 
 COST = "rms + 0.002*chatter"
 LINK = "max('joint1.rms', 'joint2.rms')"

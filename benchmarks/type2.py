@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference import compiled
 from fuzzyarm.inference.firing_intervals import ends
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,

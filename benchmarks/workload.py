@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm import load, shipped
-from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,

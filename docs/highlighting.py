@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 from pygments.lexer import Lexer
 from pygments.token import Comment, Keyword, Name, Number, Operator, String, Text, _TokenType
 
-from fuzzyarm.language.queries import coloured, read
-from fuzzyarm.lsp.tables import TableText
+from fuzzyarm.apps.lsp.tables import TableText
+from fuzzyarm.language.edit import coloured, read
 
 COLOURS = {
     "keyword": Keyword,

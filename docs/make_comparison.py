@@ -11,8 +11,8 @@ import shlex
 from contextlib import redirect_stdout
 from pathlib import Path
 
-from fuzzyarm.cli import main
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.files import write_atomically
 
 PAGES = [Path(__file__).parent / name for name in ("comparison.md", "reproduction.md")]
 

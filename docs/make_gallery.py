@@ -13,9 +13,9 @@ from pathlib import Path
 from PIL import Image
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.files import write_atomically
+from fuzzyarm.language.model.rulebase import RuleBase
 
 HERE = Path(__file__).parent
 PICTURES = HERE / "pictures"

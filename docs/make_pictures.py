@@ -31,14 +31,14 @@ from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
 from fuzzyarm import explain, load, shipped
-from fuzzyarm.api import check_text
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.show.figures import draw_runs, inference_figure, rulebase_figure
+from fuzzyarm.apps.show.figures.animation import animate
+from fuzzyarm.control.loop import Options, Sensor, Signal, simulate
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.language.queries import coloured, complete, fixes, hover, read
-from fuzzyarm.loop import Options, Sensor, Signal, simulate
+from fuzzyarm.language.edit import coloured, complete, fixes, hover, read
 from fuzzyarm.plant import find_plant, pick_and_place
-from fuzzyarm.show.figures import draw_runs, inference_figure, rulebase_figure
-from fuzzyarm.show.figures.animation import animate
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"

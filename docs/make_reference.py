@@ -21,11 +21,11 @@ from pathlib import Path
 from types import ModuleType
 
 import fuzzyarm
-from fuzzyarm.cli.command import Argument, Command
-from fuzzyarm.cli.main import COMMANDS, HEADINGS, find_command
-from fuzzyarm.loop.metrics import FORMULAS, Metrics
-from fuzzyarm.text.files import write_atomically
-from fuzzyarm.tuning.cost import ERRORS
+from fuzzyarm.apps.cli.command import Argument, Command
+from fuzzyarm.apps.cli.main import COMMANDS, HEADINGS, find_command
+from fuzzyarm.base.files import write_atomically
+from fuzzyarm.control.loop.metrics import FORMULAS, Metrics
+from fuzzyarm.learning.tuning.cost import ERRORS
 
 HERE = Path(__file__).parent
 
@@ -191,24 +191,27 @@ docstrings when the site is built, and have the names of their `__all__`. This p
 
 PURPOSES = {
     "Rule bases and files": (
-        "fuzzyarm", "fuzzyarm.api", "fuzzyarm.builder", "fuzzyarm.model", "fuzzyarm.language",
-        "fuzzyarm.formats", "fuzzyarm.live", "fuzzyarm.expression", "fuzzyarm.text",
+        "fuzzyarm", "fuzzyarm.exchange.files", "fuzzyarm.apps.builder", "fuzzyarm.language.model",
+        "fuzzyarm.language", "fuzzyarm.exchange.formats", "fuzzyarm.exchange.live",
+        "fuzzyarm.symbolic", "fuzzyarm.base",
     ),
     "Evaluate, tabulate, prove": (
-        "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof", "fuzzyarm.closed_loop",
-        "fuzzyarm.grading",
+        "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof.map", "fuzzyarm.proof.loop",
+        "fuzzyarm.apps.grading",
     ),
     "Controllers, plants, runs": (
-        "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.picture", "fuzzyarm.loop",
-        "fuzzyarm.tuning", "fuzzyarm.study", "fuzzyarm.requests",
+        "fuzzyarm.control.controllers", "fuzzyarm.plant", "fuzzyarm.base.picture",
+        "fuzzyarm.control.loop",
+        "fuzzyarm.learning.tuning", "fuzzyarm.apps.study", "fuzzyarm.requests",
     ),
-    "From data": ("fuzzyarm.learning", "fuzzyarm.sklearn"),
+    "From data": ("fuzzyarm.learning", "fuzzyarm.apps.estimators"),
     "Show and export": (
-        "fuzzyarm.show", "fuzzyarm.show.figures", "fuzzyarm.notebook", "fuzzyarm.designer",
-        "fuzzyarm.export", "fuzzyarm.dossier", "fuzzyarm.figure_files",
+        "fuzzyarm.apps.show", "fuzzyarm.apps.show.figures", "fuzzyarm.apps.notebook",
+        "fuzzyarm.apps.designer", "fuzzyarm.exchange.export", "fuzzyarm.apps.dossier",
+        "fuzzyarm.base.figure_files",
     ),
     "What other tools are made of": (
-        "fuzzyarm.language.check", "fuzzyarm.language.queries",
+        "fuzzyarm.language.check", "fuzzyarm.language.edit",
     ),
 }  # fmt: skip
 """Packages with a page of their own, by what one wants of them."""
@@ -245,7 +248,7 @@ def _linked(name: str) -> str:
     return f"{{py:obj}}`fuzzyarm.{name}`"
 
 
-_NOT_FOR_IMPORT = ("fuzzyarm.cli", "fuzzyarm.lsp", "fuzzyarm.watch")
+_NOT_FOR_IMPORT = ("fuzzyarm.apps.cli", "fuzzyarm.apps.lsp", "fuzzyarm.apps.watch")
 """Packages that people call from a terminal or an editor."""
 
 

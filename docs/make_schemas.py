@@ -20,18 +20,18 @@ from types import MappingProxyType, NoneType
 from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
 import fuzzyarm.requests
+from fuzzyarm.apps.show.diagram import Diagram, DiagramBlock, DiagramWire
+from fuzzyarm.apps.show.diff import Change
+from fuzzyarm.apps.study.identify import Identified
+from fuzzyarm.base.files import write_atomically
 from fuzzyarm.inference.trace import ConsequentTrace, FuzzyValue, OutputTrace, RuleTrace, Trace
+from fuzzyarm.language.model.controller import Axes, ControllerModel, GainModel
+from fuzzyarm.language.model.rulebase import Input, Rule, RuleBase, RuleBlock, Shape, Term
+from fuzzyarm.language.model.rulebase import Output as OutputVariable
 from fuzzyarm.learning.validation import Bin, Region, RuleUse, Validation
-from fuzzyarm.model.controller import Axes, ControllerModel, GainModel
-from fuzzyarm.model.rulebase import Input, Rule, RuleBase, RuleBlock, Shape, Term
-from fuzzyarm.model.rulebase import Output as OutputVariable
-from fuzzyarm.proof.controllers import DriveGain, DriveProof, DriveSector
+from fuzzyarm.proof.map.controllers import DriveGain, DriveProof, DriveSector
 from fuzzyarm.requests import Request
 from fuzzyarm.requests.schema import schema_of as schema_of_request
-from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire
-from fuzzyarm.show.diff import Change
-from fuzzyarm.study.identify import Identified
-from fuzzyarm.text.files import write_atomically
 
 HERE = Path(__file__).parent
 Schema = dict[str, Any]

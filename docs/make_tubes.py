@@ -18,9 +18,9 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 
 from tubes import PROBLEMS, solve  # noqa: E402
 
-from fuzzyarm.closed_loop.tube import Tube  # noqa: E402
-from fuzzyarm.loop.simulation import simulate  # noqa: E402
+from fuzzyarm.control.loop.simulation import simulate  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
+from fuzzyarm.proof.loop.tube import Tube  # noqa: E402
 
 RUNS = 60
 DARK, LIGHT = "#1f4e79", "#9dc3e6"

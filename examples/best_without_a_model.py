@@ -8,10 +8,10 @@ a straight line in their place, `pd-motor-tuned` one with tuned gains. `fuzzy-sm
 integral.
 """
 
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import simulate
+from fuzzyarm.apps.study import NAMES, run_beyond
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return, through
-from fuzzyarm.study import NAMES, run_beyond
 
 beyond = {each.name: each for each in run_beyond()}
 best = beyond["fuzzy-fine"]

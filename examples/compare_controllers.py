@@ -1,7 +1,7 @@
 """Run some controllers along the same trajectory and compare their errors."""
 
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import simulate
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import pick_and_place
 
 path = pick_and_place(angles=(60.0, -30.0), segment=1.5)

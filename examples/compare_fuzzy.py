@@ -4,8 +4,8 @@ import tempfile
 from pathlib import Path
 
 from fuzzyarm import shipped
-from fuzzyarm.controller import controller, find_controller
-from fuzzyarm.loop import simulate
+from fuzzyarm.control.controllers import controller, find_controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return
 
 CONTROLLERS = {

@@ -6,10 +6,10 @@ usage: python examples/hybrid_run.py [FOLDER]   (figures go there; without it no
 import sys
 from pathlib import Path
 
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import simulate
+from fuzzyarm.apps.study import draw_profiles, save_figure
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import pick_and_place
-from fuzzyarm.study import draw_profiles, save_figure
 
 path = pick_and_place()
 runs = {}

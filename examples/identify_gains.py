@@ -4,7 +4,7 @@ The published integral gain of the model-reference row is unknown; a least-squar
 search over it, started at half its value, explains the eight published figures.
 """
 
-from fuzzyarm.study import identify
+from fuzzyarm.apps.study import identify
 
 result = identify("mrac+ie")
 for label, fitted, spread, shipped in zip(

@@ -8,7 +8,7 @@ Run it beside any other:
 
 import math
 
-from fuzzyarm.controller import Controller
+from fuzzyarm.control.controllers import Controller
 from fuzzyarm.plant import UNLOADED
 
 STIFFNESS = (300.0, 200.0)  # N m/rad

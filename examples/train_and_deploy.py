@@ -8,9 +8,9 @@ import tempfile
 from pathlib import Path
 
 from fuzzyarm import shipped
-from fuzzyarm.controller import Sources, controller
+from fuzzyarm.control.controllers import Sources, controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.learning import train
-from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return
 from fuzzyarm.table import read_table, write_table
 

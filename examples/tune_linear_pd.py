@@ -10,8 +10,8 @@ import sys
 import numpy as np
 from scipy.optimize import minimize
 
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import simulate
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import through
 
 LOST = 1000.0  # degrees, for a run that diverged

@@ -19,8 +19,8 @@ import budget
 import pytest
 from hypothesis import settings
 
-from fuzzyarm.kernels import digest_of_c
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.kernels import digest_of_c
 
 # Tests that are collected and trees of syntax that are kept end with the process. To search them
 # for cycles again and again takes longer than to make them.
@@ -74,7 +74,7 @@ def build_kernels() -> None:
     there = module and module.origin and Path(module.origin).read_bytes()
     if there and digest_of_c().encode() in there:
         return
-    command = [sys.executable, "-m", "fuzzyarm.native.build"]
+    command = [sys.executable, "-m", "fuzzyarm.apps.native.build"]
     subprocess.run(command, env={**os.environ, "FUZZYARM_NATIVE": "0"}, check=False)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Input,

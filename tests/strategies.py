@@ -16,8 +16,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     SAMPLINGS,
     And,
     Consequent,
@@ -42,6 +41,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     Tuning,
 )
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 
 CONJUNCTIONS, DISJUNCTIONS = tuple(TNORMS), tuple(SNORMS)
 

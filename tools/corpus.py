@@ -21,9 +21,9 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from fuzzyarm.formats import FOREIGN, MEANINGS, Imported, read
+from fuzzyarm.exchange.formats import FOREIGN, MEANINGS, Imported, read
 from fuzzyarm.inference import InferenceError, prepare
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 
 # --- Reference outputs of other programs, and whether a rule base gives the same ---
 #

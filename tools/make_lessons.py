@@ -29,7 +29,7 @@ from pathlib import Path
 
 try:
     from fuzzyarm import shipped
-    from fuzzyarm.cli import main
+    from fuzzyarm.apps.cli import main
 except ImportError:
     raise SystemExit("fuzzyarm is not installed here: pip install fuzzyarm") from None
 

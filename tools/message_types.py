@@ -22,14 +22,15 @@ from typing import (
     is_typeddict,
 )
 
-from fuzzyarm.designer import messages, requests
-from fuzzyarm.designer.records import Absent, json_name
+from fuzzyarm.apps.designer import messages, requests
+from fuzzyarm.apps.designer.records import Absent, json_name
 
 FILE = Path(__file__).parents[1] / "editors/designer/messages.d.ts"
 
 HEAD = """\
 // What the designer's page says and hears. Printed by tools/message_types.py from the records of
-// fuzzyarm.designer.requests and fuzzyarm.designer.messages: `make types` after a change there.
+// fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages: `make types` after a change
+there.
 
 declare namespace Messages {
 """

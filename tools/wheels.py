@@ -23,7 +23,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-from fuzzyarm.native.binaries import Binary, read_binary
+from fuzzyarm.apps.native.binaries import Binary, read_binary
 
 ROOT = Path(__file__).resolve().parent.parent
 HERE = "here"
@@ -38,7 +38,7 @@ class Platform(NamedTuple):
     Attributes
     ----------
     format, machine : str
-        As :class:`fuzzyarm.native.binaries.Binary` has them.
+        As :class:`fuzzyarm.apps.native.binaries.Binary` has them.
     tag : str
         Of the name of the wheel, a regular expression.
     libraries : str

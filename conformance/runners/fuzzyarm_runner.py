@@ -22,7 +22,7 @@ import numpy as np
 from protocol import CannotError, Case, Numbers, demand, number, serve
 
 import fuzzyarm
-from fuzzyarm.cli.main import main as command
+from fuzzyarm.apps.cli.main import main as command
 
 WORDS = {
     "minimum": "min",

@@ -12,7 +12,7 @@ import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
 const at = (path) => fileURLToPath(new URL(path, import.meta.url));
-const PAGE = "../../src/fuzzyarm/designer/page";
+const PAGE = "../../src/fuzzyarm/apps/designer/page";
 
 /** The engine is printed from the kernel when a page is made: its script stands in front of the bundle. */
 const engineInFront = {

@@ -64,68 +64,52 @@ What goes wrong
     RuleBaseError       A file or a model that cannot be used.
     FileWarning         A warning of load about a file of another program.
 
-Packages with public names of their own
-    api                 Load and check any file, whatever its kind.
-    closed_loop         Proofs of a controller together with its plant: stable, inside, reached.
-    controller          Controllers of the arm: the study's, and yours.
-    export              Controllers as source text for small machines: C99 and IEC 61131-3
-                        Structured Text.
-    expression          Everything mathematical that the language can name, each written once.
-    formats             Rule bases of other programs, in and out: FLL, FCL, FIS and FML.
+Rooms, each with public names of its own; every one imports only those before it
+    base                What every room needs, and what knows of no fuzzy logic.
+    symbolic            Everything mathematical that the language can name, each written once.
+    language            The language of .frb files: model, reading, canonical printing, checks.
+    requests            What can be asked for, field by field: a frozen record for each job.
     inference           Inference: memberships, norms, defuzzifiers, the engines and the trace
                         of one inference.
-    language            The language of .frb files: model, reading, canonical printing, checks.
-    learning            Rule bases from samples, and judged by samples; controllers that learn
-                        along a trajectory.
-    live                Systems of other fuzzy libraries, live: rule bases of them, and how far
-                        their numbers differ.
-    loop                The closed loop: one run, or many at once, of a controller on a plant.
-    model               What a rule base means, free of text: its data, its shapes, its
-                        formulas.
-    picture             Pictures as data: lines, areas, marks and words in the coordinates of
-                        the data.
+    table               Lookup tables: the table, the compiler that fills it, and its files.
     plant               Plants: the protocol, the two-link arm of the study and its
                         trajectories, shipped ones.
-    proof               What holds of a rule base at every point: bounds, slopes, symmetry,
-                        errors of a table.
-    show                Drawings of models in the terminal; as figures in fuzzyarm.show.figures.
-    sklearn             Estimators of scikit-learn whose model is a rule base that a person can
-                        read.
-    study               The published experiments: figures as data, and what running them again
-                        gives.
-    table               Lookup tables: the table, the compiler that fills it, and its files.
-    tuning              Tuning: numbers that move until a cost is small, and a text that says
-                        what became of it.
+    control             The closed loop: control laws, and runs of them on a plant.
+    proof               Proofs: of a rule base at every point, and of a controller in its loop.
+    learning            Rule bases from samples, and judged by samples; controllers that learn
+                        along a trajectory.
+    exchange            Files and objects of other programs, and programs for other machines.
+    apps                What a person starts, and what is drawn for a person.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lazy import lazily
-from fuzzyarm.text import above
+from fuzzyarm.base import above
+from fuzzyarm.base.lazy import lazily
 from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from fuzzyarm import api as api
-    from fuzzyarm import controller as controller
-    from fuzzyarm import export as export
-    from fuzzyarm import expression as expression
-    from fuzzyarm import formats as formats
+    from fuzzyarm import apps as apps
+    from fuzzyarm import base as base
+    from fuzzyarm import control as control
+    from fuzzyarm import exchange as exchange
     from fuzzyarm import inference as inference
     from fuzzyarm import language as language
     from fuzzyarm import learning as learning
-    from fuzzyarm import live as live
-    from fuzzyarm import loop as loop
-    from fuzzyarm import model as model
     from fuzzyarm import plant as plant
     from fuzzyarm import proof as proof
-    from fuzzyarm import show as show
-    from fuzzyarm import sklearn as sklearn
-    from fuzzyarm import study as study
+    from fuzzyarm import requests as requests
+    from fuzzyarm import symbolic as symbolic
     from fuzzyarm import table as table
-    from fuzzyarm import tuning as tuning
-    from fuzzyarm.api import (
+    from fuzzyarm.apps.builder import RuleBaseBuilder
+    from fuzzyarm.base.diagnostic import RuleBaseError
+    from fuzzyarm.base.errors import FuzzyarmError
+    from fuzzyarm.base.shipped_files import shipped
+    from fuzzyarm.control.controllers import ControllerText
+    from fuzzyarm.control.loop import simulate, simulate_many
+    from fuzzyarm.exchange.files import (
         FileWarning,
         check_file,
         check_text,
@@ -134,17 +118,13 @@ if TYPE_CHECKING:
         load_controller,
         load_rulebase,
     )
-    from fuzzyarm.builder import RuleBaseBuilder
-    from fuzzyarm.closed_loop import prove
-    from fuzzyarm.controller import ControllerText
-    from fuzzyarm.errors import FuzzyarmError
-    from fuzzyarm.expression import kinds, op
+    from fuzzyarm.exchange.live import from_live
     from fuzzyarm.inference import compiled, explain, infer, infer_interval
     from fuzzyarm.language import parse, write
-    from fuzzyarm.live import from_live
-    from fuzzyarm.loop import simulate, simulate_many
-    from fuzzyarm.model import AnyRuleBase, RuleBase, Shape
-    from fuzzyarm.shipped_files import shipped
+    from fuzzyarm.language.model import AnyRuleBase, RuleBase, Shape
+    from fuzzyarm.learning.tuning import tune
+    from fuzzyarm.proof.loop import prove
+    from fuzzyarm.symbolic import kinds, op
     from fuzzyarm.table import (
         LookupTable,
         compile_table,
@@ -152,8 +132,6 @@ if TYPE_CHECKING:
         read_table,
         write_table,
     )
-    from fuzzyarm.text.diagnostic import RuleBaseError
-    from fuzzyarm.tuning import tune
 
 __all__ = [
     "AnyRuleBase",
@@ -192,42 +170,40 @@ __all__ = [
 ]
 
 PACKAGES = (
-    "api",
-    "closed_loop",
-    "controller",
-    "export",
-    "expression",
-    "formats",
+    "apps",
+    "base",
+    "control",
+    "exchange",
     "inference",
     "language",
     "learning",
-    "live",
-    "loop",
-    "model",
-    "picture",
     "plant",
     "proof",
-    "show",
-    "sklearn",
-    "study",
+    "requests",
+    "symbolic",
     "table",
-    "tuning",
 )
-"""Packages and modules with public names of their own: those of their ``__all__``."""
+"""The rooms: packages with public names of their own."""
 
 above.register(
     {
-        "RuleBaseBuilder": "fuzzyarm.builder",
-        "check_text": "fuzzyarm.api",
+        "controller_if_any": "fuzzyarm.exchange.files",
+        "load": "fuzzyarm.exchange.files",
+        "load_rules": "fuzzyarm.exchange.files",
+        "load_sampled": "fuzzyarm.exchange.files",
+        "load_sheet": "fuzzyarm.exchange.files",
+        "read": "fuzzyarm.exchange.formats",
+        "RuleBaseBuilder": "fuzzyarm.apps.builder",
+        "check_text": "fuzzyarm.exchange.files",
         "compile_table": "fuzzyarm.table",
         "explain": "fuzzyarm.inference",
-        "figure_of": "fuzzyarm.notebook",
-        "html_of": "fuzzyarm.notebook",
+        "figure_of": "fuzzyarm.apps.notebook",
+        "html_of": "fuzzyarm.apps.notebook",
         "infer": "fuzzyarm.inference",
-        "rulebase_figure": "fuzzyarm.show.figures",
-        "table_of_request": "fuzzyarm.api",
-        "text_in": "fuzzyarm.live.conversion",
-        "text_of": "fuzzyarm.notebook",
+        "rulebase_figure": "fuzzyarm.apps.show.figures",
+        "table_of_request": "fuzzyarm.exchange.files",
+        "text_in": "fuzzyarm.exchange.live.conversion",
+        "text_of": "fuzzyarm.apps.notebook",
         "write": "fuzzyarm.language",
     }
 )  # what values are asked, and who answers: this package knows both
@@ -236,7 +212,7 @@ if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(
         __name__,
         {
-            "api": (
+            "exchange.files": (
                 "FileWarning",
                 "check_file",
                 "check_text",
@@ -245,18 +221,18 @@ if not TYPE_CHECKING:
                 "load_controller",
                 "load_rulebase",
             ),
-            "builder": ("RuleBaseBuilder",),
-            "closed_loop": ("prove",),
-            "controller": ("ControllerText",),
-            "errors": ("FuzzyarmError",),
-            "expression.kinds": ("kinds",),
-            "expression.op": ("op",),
+            "apps.builder": ("RuleBaseBuilder",),
+            "proof.loop": ("prove",),
+            "control.controllers": ("ControllerText",),
+            "base.errors": ("FuzzyarmError",),
+            "symbolic.kinds": ("kinds",),
+            "symbolic.op": ("op",),
             "inference": ("compiled", "explain", "infer", "infer_interval"),
             "language": ("RuleBaseError", "parse", "write"),
-            "live": ("from_live",),
-            "loop": ("simulate", "simulate_many"),
-            "model": ("AnyRuleBase", "RuleBase", "Shape"),
-            "shipped_files": ("shipped",),
+            "exchange.live": ("from_live",),
+            "control.loop": ("simulate", "simulate_many"),
+            "language.model": ("AnyRuleBase", "RuleBase", "Shape"),
+            "base.shipped_files": ("shipped",),
             "table": (
                 "LookupTable",
                 "compile_table",
@@ -264,7 +240,7 @@ if not TYPE_CHECKING:
                 "read_table",
                 "write_table",
             ),
-            "tuning": ("tune",),
+            "learning.tuning": ("tune",),
         },
         ("__version__",),
         PACKAGES,

@@ -2,7 +2,7 @@
 
 import sys
 
-from fuzzyarm import interrupts
+from fuzzyarm.base import interrupts
 
 INTERRUPTED = 130
 
@@ -11,7 +11,7 @@ def main() -> int:
     """Run the command of this process; Ctrl-C ends it in one line, while modules load as well."""
     try:
         interrupts.listen()
-        from fuzzyarm.cli.main import main as run
+        from fuzzyarm.apps.cli.main import main as run
 
         status = run()
         interrupts.ignore()

@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
-from fuzzyarm.cli import main
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
 
 PD7 = shipped("pd7.frb").read_text()
 HOLE = """\

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli import main
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.sources import SOURCES
 from fuzzyarm.language import parse
-from fuzzyarm.model.methods import RULES_OVER_SETS, SELF_TUNING, methods_of, structures_of
-from fuzzyarm.text.sources import SOURCES
+from fuzzyarm.language.model.methods import RULES_OVER_SETS, SELF_TUNING, methods_of, structures_of
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
 ROOT = Path(__file__).parents[2]
 

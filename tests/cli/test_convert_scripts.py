@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.exchange.live import ScriptError, read_script
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.live import ScriptError, read_script
 
 pytestmark = pytest.mark.slow  # a process for each script
 

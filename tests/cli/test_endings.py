@@ -9,10 +9,10 @@ import time
 
 import pytest
 
-from fuzzyarm.cli import command, main
-from fuzzyarm.cli.command import Command, announced, busy, hush
-from fuzzyarm.cli.main import COMMANDS, ENDINGS
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import command, main
+from fuzzyarm.apps.cli.command import Command, announced, busy, hush
+from fuzzyarm.apps.cli.main import COMMANDS, ENDINGS
+from fuzzyarm.base.shipped_files import shipped
 
 DOUBTFUL = """rulebase doubtful
 input e -1 .. 1
@@ -71,7 +71,7 @@ def test_an_end_that_is_not_fine_is_a_sentence_on_the_standard_error(files, caps
 @pytest.mark.parametrize("status", ENDINGS)
 def test_a_command_that_says_nothing_of_its_end_is_given_words(monkeypatch, capsys, status):
     silent = Command("check", None, lambda _arguments: status, ())
-    monkeypatch.setattr(sys.modules["fuzzyarm.cli.main"], "find_command", lambda _name: silent)
+    monkeypatch.setattr(sys.modules["fuzzyarm.apps.cli.main"], "find_command", lambda _name: silent)
     assert main(["check"]) == status
     assert capsys.readouterr().err == f"fuzzyarm: {ENDINGS[status]}\n"
 
@@ -109,7 +109,7 @@ def slow(monkeypatch):
         return 1 if "fails" in arguments.words else 0
 
     record = Command("show", None, run, (command.argument("words", nargs="*"),))
-    monkeypatch.setattr(sys.modules["fuzzyarm.cli.main"], "find_command", lambda _name: record)
+    monkeypatch.setattr(sys.modules["fuzzyarm.apps.cli.main"], "find_command", lambda _name: record)
 
 
 @pytest.mark.parametrize(

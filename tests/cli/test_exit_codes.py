@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from fuzzyarm import shipped
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
 
 WRONG_USAGE = """\
 prove

@@ -5,8 +5,8 @@ import shlex
 
 import pytest
 
-from fuzzyarm.cli.main import main
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.shipped_files import shipped
 
 RULES, TABLE, CONTROLLER = (str(shipped(n)) for n in ("pd7.frb", "thesis-6.1.lut", "servo.frb"))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzzyarm.cli.main import COMMANDS, find_command, main
+from fuzzyarm.apps.cli.main import COMMANDS, find_command, main
 from fuzzyarm.table import read_table
 
 ROOT = Path(__file__).parents[2]

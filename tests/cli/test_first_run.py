@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import command as commands
-from fuzzyarm.cli import main
-from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.apps.cli import command as commands
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped, shipped_names
 
 
 def words_of(out):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import main
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
 
 GOLDEN = Path(__file__).parent / "golden"
 

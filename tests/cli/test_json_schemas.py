@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 from needs import is_here, need
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 ROOT = Path(__file__).parents[2]
 PD7 = str(ROOT / "rulebases" / "pd7.frb")

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import command, main
-from fuzzyarm.cli.command import announced, busy, progress_bar
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.apps.cli import command, main
+from fuzzyarm.apps.cli.command import announced, busy, progress_bar
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.loop import sweeps
 from fuzzyarm.learning.self_organizing import Trainee
-from fuzzyarm.loop import sweeps
 from fuzzyarm.table import read_table
 
 
@@ -116,7 +116,7 @@ def test_a_training_that_ends_in_its_first_pass_keeps_what_was_learned(folder, m
 
 
 def test_a_table_and_its_report_do_not_depend_on_a_figure(folder, capsys, monkeypatch):
-    from fuzzyarm.show.figures import learning
+    from fuzzyarm.apps.show.figures import learning
 
     monkeypatch.setattr(learning, "learning_figure", raising(ValueError("no such font")))
     assert main([*LEARN, "x.lut", "--plot", "x.svg", "--json"]) == 1
@@ -130,7 +130,7 @@ SAMPLES = "a,b,y\n" + "".join(f"{a},{b},{a * abs(b)}\n" for a in range(-3, 4) fo
 
 
 def test_a_model_that_cannot_be_written_goes_elsewhere(folder, capsys, monkeypatch):
-    from fuzzyarm.text import files
+    from fuzzyarm.base import files
 
     Path("set.csv").write_text(SAMPLES)
     write = files.write_atomically
@@ -184,8 +184,8 @@ def test_a_sweep_that_ends_reports_the_runs_until_then(error, folder, capsys, mo
 
 
 def test_a_sweep_on_a_full_disk_and_one_without_a_figure(folder, capsys, monkeypatch):
-    from fuzzyarm.loop.sweep import SweepFile
-    from fuzzyarm.show.figures import sweep
+    from fuzzyarm.apps.show.figures import sweep
+    from fuzzyarm.control.loop.sweep import SweepFile
 
     append = SweepFile.append
 

@@ -9,10 +9,10 @@ import sys
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli import main
-from fuzzyarm.cli.completion import SHELLS
-from fuzzyarm.cli.main import COMMANDS, HEADINGS, find_command
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.cli.completion import SHELLS
+from fuzzyarm.apps.cli.main import COMMANDS, HEADINGS, find_command
+from fuzzyarm.base.shipped_files import shipped
 
 GOOD = str(shipped("pd7.frb"))
 
@@ -131,10 +131,10 @@ def test_check_says_what_the_kernel_does_not_cover(tmp_path, capsys):
 
 def test_a_check_loads_only_what_it_uses():
     unused = (
-        "numpy", "difflib", "heapq", "json", "shutil", "shtab", "fuzzyarm.expression.formulas",
+        "numpy", "difflib", "heapq", "json", "shutil", "shtab", "fuzzyarm.symbolic.formulas",
     )  # fmt: skip
     code = (
-        f"import sys; from fuzzyarm.cli import main; main(['check', {GOOD!r}])\n"
+        f"import sys; from fuzzyarm.apps.cli import main; main(['check', {GOOD!r}])\n"
         f"print([name for name in {unused} if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

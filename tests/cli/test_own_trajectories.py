@@ -10,8 +10,8 @@ import pytest
 from crane import CRANE, HOOK, errors_of_crane, write_crane
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.loop import simulate_many
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.control.loop import simulate_many
 from fuzzyarm.plant import ArmError, PlantError, find_plant, reach, through
 from fuzzyarm.plant.following import trajectory_of, with_load
 
@@ -223,7 +223,7 @@ def test_the_same_in_python(folder, monkeypatch):
     with pytest.raises(PlantError, match="both a trajectory and references"):
         fuzzyarm.simulate("pd", reach(), trajectory="reach")
     with pytest.raises(PlantError, match="has no supply"):
-        fuzzyarm.simulate("hook.frb", crane, options=fuzzyarm.loop.Options(supply=12.0))
+        fuzzyarm.simulate("hook.frb", crane, options=fuzzyarm.control.loop.Options(supply=12.0))
     with pytest.raises(ArmError, match="payload of -1"):
         with_load(crane, -1.0)
 

@@ -7,9 +7,9 @@ import shlex
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.controller.findings import site_by_axes
-from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.control.controllers.findings import site_by_axes
 
 SERVO, HEATER, DIRECT = (
     str(shipped(f"{name}.frb")) for name in ("servo", "heater", "fuzzy-direct")

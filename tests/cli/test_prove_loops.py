@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.closed_loop import orders
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.proof.loop import orders
 
 SERVO = str(fuzzyarm.shipped("servo.frb"))
 ON = ["prove", SERVO, "--plant", "motor"]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,14 +5,14 @@ import shutil
 import pytest
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import convert
-from fuzzyarm.cli.main import COMMANDS, MEANT, main
-from fuzzyarm.controller.catalogue import CATALOGUE, Choice, Entry
-from fuzzyarm.export.table import fewer_levels
-from fuzzyarm.loop.experiments import controllers_of
+from fuzzyarm.apps.cli import convert
+from fuzzyarm.apps.cli.main import COMMANDS, MEANT, main
+from fuzzyarm.base.diagnostic import Diagnostic, Severity
+from fuzzyarm.base.numbers import percent
+from fuzzyarm.control.controllers.catalogue import CATALOGUE, Choice, Entry
+from fuzzyarm.control.loop.experiments import controllers_of
+from fuzzyarm.exchange.export.table import fewer_levels
 from fuzzyarm.requests import SimulateRequest
-from fuzzyarm.text.diagnostic import Diagnostic, Severity
-from fuzzyarm.text.numbers import percent
 
 SERVO = str(shipped("servo.frb"))
 SHORT = ["--for", "10ms"]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli.main import main
-from fuzzyarm.text.files import write_atomically
-from fuzzyarm.text.protected import SourceFileError, note_source, sources_kept
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.files import write_atomically
+from fuzzyarm.base.protected import SourceFileError, note_source, sources_kept
 
 ROOT = Path(__file__).parents[2]
 

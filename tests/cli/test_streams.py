@@ -10,9 +10,9 @@ import unicodedata
 import pytest
 from budget import crossed
 
-from fuzzyarm.cli import main
-from fuzzyarm.cli.main import COMMANDS
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.cli.main import COMMANDS
+from fuzzyarm.base.shipped_files import shipped
 
 PD7, TABLE = str(shipped("pd7.frb")), str(shipped("thesis-6.1.lut"))
 
@@ -239,7 +239,7 @@ def test_a_full_disk_names_the_output(files, monkeypatch, capsys):
 
 INTERRUPTED_IMPORT = """\
 import signal, sys
-from fuzzyarm import interrupts
+from fuzzyarm.base import interrupts
 from fuzzyarm.__main__ import main
 
 
@@ -262,7 +262,9 @@ sys.exit(main())
 
 @pytest.mark.slow
 @pytest.mark.parametrize("error", ["KeyboardInterrupt", "ImportError", "RuntimeError"])
-@pytest.mark.parametrize("module", ["fuzzyarm.cli.main", "fuzzyarm.cli.check", "fuzzyarm.language"])
+@pytest.mark.parametrize(
+    "module", ["fuzzyarm.apps.cli.main", "fuzzyarm.apps.cli.check", "fuzzyarm.language"]
+)
 def test_ctrl_c_while_modules_load_is_one_line(module, error):
     script = INTERRUPTED_IMPORT.format(module=module, error=error, file=PD7)
     command = [sys.executable, "-c", script]

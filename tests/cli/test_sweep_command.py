@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.cli import main
-from fuzzyarm.loop import SweepError, simulate_many
-from fuzzyarm.loop.sweep import Range, SweepFile, drawn, grid, read_range
+from fuzzyarm.apps.cli import main
+from fuzzyarm.control.loop import SweepError, simulate_many
+from fuzzyarm.control.loop.sweep import Range, SweepFile, drawn, grid, read_range
 from fuzzyarm.plant import reach_return
 
 SHORT = ["--segment", "0.3", "--hold", "0.1"]
@@ -222,8 +222,8 @@ def test_drawn_runs_on_a_plant(tmp_path, capsys, monkeypatch):
 
 @pytest.mark.parametrize("names", [["payload"], ["payload", "K_I"]])
 def test_figures_show_where_runs_diverge(tmp_path, capsys, names):
-    from fuzzyarm.show.figures.sweep import sweep_figure
-    from fuzzyarm.show.sweep import worst
+    from fuzzyarm.apps.show.figures.sweep import sweep_figure
+    from fuzzyarm.apps.show.sweep import worst
 
     ranges = [Range("payload", 0.0, 2.0, 3), Range("K_I", 1.0, 1e4, 4, log=True)]
     many = simulate_many("pid", reach_return(segment=0.3, hold=0.1), grid(ranges))

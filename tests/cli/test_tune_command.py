@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from fuzzyarm.cli import main
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
 
 QUICK = ("--reference", "temperature=20", "--for", "900s", "--workers", "1", "--no-linear")
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
-from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.planes import RulePlanes, Zonotope
-from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
-from fuzzyarm.closed_loop.rule_pieces import RulePieces
-from fuzzyarm.closed_loop.slopes import Slope, SlopeNumbers
-from fuzzyarm.closed_loop.spans import RationalInterval
-from fuzzyarm.closed_loop.tube import tube
 from fuzzyarm.plant import Plant, Port
+from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.planes import RulePlanes, Zonotope
+from fuzzyarm.proof.loop.problem import LoopProofError, loop_problem
+from fuzzyarm.proof.loop.rule_pieces import RulePieces
+from fuzzyarm.proof.loop.slopes import Slope, SlopeNumbers
+from fuzzyarm.proof.loop.spans import RationalInterval
+from fuzzyarm.proof.loop.tube import tube
 
 TERMS = "terms e: triangles N Z P\n"
 FAR = (

@@ -12,21 +12,21 @@ import pytest
 from budget import cases
 
 import fuzzyarm
-from fuzzyarm.closed_loop import check_certificate, read_claim
-from fuzzyarm.closed_loop.checked_lines import LinearSignal, LinearSignals, number_line
-from fuzzyarm.closed_loop.checked_loop import checked_loop
-from fuzzyarm.closed_loop.checked_motion import flow_over
-from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.evidence import Evidence
-from fuzzyarm.closed_loop.problem import LoopProofError
-from fuzzyarm.closed_loop.rule_pieces import RulePieces
-from fuzzyarm.closed_loop.slopes import Slope, slopes_of
-from fuzzyarm.closed_loop.spans import RationalInterval, exactly
-from fuzzyarm.closed_loop.verification import verified
-from fuzzyarm.expression import op
-from fuzzyarm.expression.nodes import symbol
-from fuzzyarm.proof.prover import Prover
-from fuzzyarm.proof.sector import sector
+from fuzzyarm.proof.loop import check_certificate, read_claim
+from fuzzyarm.proof.loop.checked_lines import LinearSignal, LinearSignals, number_line
+from fuzzyarm.proof.loop.checked_loop import checked_loop
+from fuzzyarm.proof.loop.checked_motion import flow_over
+from fuzzyarm.proof.loop.claims import problem_of
+from fuzzyarm.proof.loop.evidence import Evidence
+from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.loop.rule_pieces import RulePieces
+from fuzzyarm.proof.loop.slopes import Slope, slopes_of
+from fuzzyarm.proof.loop.spans import RationalInterval, exactly
+from fuzzyarm.proof.loop.verification import verified
+from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.map.sector import sector
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.nodes import symbol
 
 flint = pytest.importorskip("flint")
 
@@ -244,14 +244,14 @@ CHECKER = {
     "slopes", "spans", "evidence", "tube_checker",
 }  # fmt: skip
 NOT_READ = {
-    "fuzzyarm.proof.prover", "fuzzyarm.proof.sector", "fuzzyarm.controller.period",
-    "fuzzyarm.export.steps",
+    "fuzzyarm.proof.map.prover", "fuzzyarm.proof.map.sector", "fuzzyarm.control.controllers.period",
+    "fuzzyarm.exchange.export.steps",
 }  # fmt: skip
 FROM_THE_PROBLEM = {"LoopProblem", "LoopProofError"}
 
 
 def test_the_checker_imports_nothing_of_the_search():
-    folder = Path(fuzzyarm.__file__).parent / "closed_loop"
+    folder = Path(fuzzyarm.__file__).parent / "proof" / "loop"
     for name in CHECKER:
         tree = ast.parse((folder / f"{name}.py").read_text(encoding="utf-8"))
         for node in ast.walk(tree):
@@ -259,12 +259,12 @@ def test_the_checker_imports_nothing_of_the_search():
             if not module or not module.startswith("fuzzyarm"):
                 continue
             last = module.rsplit(".", 1)[-1]
-            if module.startswith("fuzzyarm.closed_loop"):
+            if module.startswith("fuzzyarm.proof.loop"):
                 assert last not in SEARCH, (name, module)
             if last == "problem":
                 assert {alias.name for alias in node.names} <= FROM_THE_PROBLEM, name
             assert module not in NOT_READ, name
-            assert module != "fuzzyarm.expression.evaluation", name
+            assert module != "fuzzyarm.symbolic.evaluation", name
 
 
 @pytest.mark.slow

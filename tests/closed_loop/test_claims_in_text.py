@@ -3,9 +3,9 @@
 import pytest
 
 import fuzzyarm
-from fuzzyarm.controller.findings import doubts_of, plants_in_words, ports_in_words
+from fuzzyarm.control.controllers.findings import doubts_of, plants_in_words, ports_in_words
 from fuzzyarm.language import format_text
-from fuzzyarm.language.queries import NameKind, complete, hover, read
+from fuzzyarm.language.edit import NameKind, complete, hover, read
 
 SERVO = fuzzyarm.shipped("servo.frb").read_text(encoding="utf-8")
 

@@ -9,8 +9,8 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.closed_loop import enclosure
-from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, matrix_exponential
+from fuzzyarm.proof.loop import enclosure
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, matrix_exponential
 
 flint = pytest.importorskip("flint")
 

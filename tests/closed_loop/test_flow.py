@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.flow import Flow
-from fuzzyarm.closed_loop.zonotope import Forms
-from fuzzyarm.expression import op
-from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.flow import Flow
+from fuzzyarm.proof.loop.zonotope import Forms
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.nodes import symbol
 
 x0, x1, u, t = map(symbol, ("x0", "x1", "u", "t"))
 

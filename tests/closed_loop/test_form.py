@@ -10,14 +10,14 @@ from budget import cases
 from scipy.optimize import linprog
 
 import fuzzyarm
-from fuzzyarm.closed_loop import check_certificate, read_claim
-from fuzzyarm.closed_loop.affine import AffineAlgebra, NotAffineError
-from fuzzyarm.closed_loop.checked_loop import checked_loop
-from fuzzyarm.closed_loop.checker import refutation
-from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.runs import run_of
-from fuzzyarm.closed_loop.witnesses import contradiction
-from fuzzyarm.expression.nodes import apply, constant
+from fuzzyarm.proof.loop import check_certificate, read_claim
+from fuzzyarm.proof.loop.affine import AffineAlgebra, NotAffineError
+from fuzzyarm.proof.loop.checked_loop import checked_loop
+from fuzzyarm.proof.loop.checker import refutation
+from fuzzyarm.proof.loop.claims import problem_of
+from fuzzyarm.proof.loop.runs import run_of
+from fuzzyarm.proof.loop.witnesses import contradiction
+from fuzzyarm.symbolic.nodes import apply, constant
 
 
 def of(file, plant):
@@ -131,7 +131,7 @@ def test_a_checked_certificate_has_been_asked_by_runs(servo, monkeypatch):
     text, _, _, certificate = servo
     assert check_certificate(certificate, text).proved
     monkeypatch.setattr(
-        "fuzzyarm.closed_loop.verdicts.contradiction", lambda *_: "the run from here leaves it"
+        "fuzzyarm.proof.loop.verdicts.contradiction", lambda *_: "the run from here leaves it"
     )
     assert not check_certificate(certificate, text).proved
 

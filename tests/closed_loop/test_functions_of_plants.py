@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.closed_loop.slopes import Slope, applied
-from fuzzyarm.closed_loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, function
 from fuzzyarm.plant import Plant, Port
+from fuzzyarm.proof.loop.slopes import Slope, applied
+from fuzzyarm.proof.loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, function
 from tests.budget import cases
 
 OWN = {"absolute": abs, **{n: getattr(math, n) for n in FUNCTIONS if n != "absolute"}}

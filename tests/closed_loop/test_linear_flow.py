@@ -5,10 +5,10 @@ import pytest
 from budget import cases
 from scipy.linalg import expm
 
-from fuzzyarm.closed_loop.linear_flow import linear_flow
-from fuzzyarm.closed_loop.zonotope import Forms
-from fuzzyarm.expression import op
-from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.proof.loop.linear_flow import linear_flow
+from fuzzyarm.proof.loop.zonotope import Forms
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.nodes import symbol
 
 X0, X1, U = symbol("x0"), symbol("x1"), symbol("u0")
 

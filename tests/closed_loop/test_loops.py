@@ -13,7 +13,13 @@ import pytest
 from budget import cases, part
 
 from fuzzyarm import load, prove, shipped, simulate
-from fuzzyarm.closed_loop import (
+from fuzzyarm.control.controllers import ControllerText
+from fuzzyarm.control.loop import Sensor
+from fuzzyarm.language import parse
+from fuzzyarm.language.model.controller import Amount
+from fuzzyarm.plant import Parameter, Plant, Port, find_plant
+from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.loop import (
     CertificateError,
     LoopProofError,
     check_certificate,
@@ -22,20 +28,14 @@ from fuzzyarm.closed_loop import (
     read_claim,
     write_certificate,
 )
-from fuzzyarm.closed_loop.certificate import _seal, sealed
-from fuzzyarm.closed_loop.checked_loop import checked_loop
-from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
-from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.form import Form
-from fuzzyarm.closed_loop.linear import candidate
-from fuzzyarm.closed_loop.pictures import region_planes
-from fuzzyarm.closed_loop.verification import port_within, start_vertices, verified
-from fuzzyarm.controller import ControllerText
-from fuzzyarm.language import parse
-from fuzzyarm.loop import Sensor
-from fuzzyarm.model.controller import Amount
-from fuzzyarm.plant import Parameter, Plant, Port, find_plant
-from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.loop.certificate import _seal, sealed
+from fuzzyarm.proof.loop.checked_loop import checked_loop
+from fuzzyarm.proof.loop.checker import is_positive_definite, refutation
+from fuzzyarm.proof.loop.claims import problem_of
+from fuzzyarm.proof.loop.form import Form
+from fuzzyarm.proof.loop.linear import candidate
+from fuzzyarm.proof.loop.pictures import region_planes
+from fuzzyarm.proof.loop.verification import port_within, start_vertices, verified
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,12 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm import load_controller, prove, shipped
-from fuzzyarm.cli.main import main
-from fuzzyarm.closed_loop import (
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plant import PlantError, with_parameters
+from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
     check_certificate,
@@ -21,13 +25,9 @@ from fuzzyarm.closed_loop import (
     read_claim,
     write_certificate,
 )
-from fuzzyarm.closed_loop.claimed_time import claimed_periods
-from fuzzyarm.closed_loop.claims import claimed_plant, loop_sentence, require_sense
-from fuzzyarm.closed_loop.problem import ClaimError, LoopProofError
-from fuzzyarm.loop.course import Sensor
-from fuzzyarm.model.claims import LoopClaim
-from fuzzyarm.plant.own import find_plant
-from fuzzyarm.plant.plant import PlantError, with_parameters
+from fuzzyarm.proof.loop.claimed_time import claimed_periods
+from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, require_sense
+from fuzzyarm.proof.loop.problem import ClaimError, LoopProofError
 
 PLANT = """
 from fuzzyarm.plant import Plant, Port

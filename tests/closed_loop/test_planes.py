@@ -7,8 +7,8 @@ import pytest
 from budget import cases
 
 import fuzzyarm
-from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.planes import RulePlanes, TablePlanes, Zonotope
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.planes import RulePlanes, TablePlanes, Zonotope
 
 BASES = {
     "pd7.frb": "u",  # minima, clipped sets

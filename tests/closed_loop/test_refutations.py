@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load_controller, shipped
-from fuzzyarm.closed_loop import LoopVerdict, prove_loop, read_claim
-from fuzzyarm.closed_loop.form import Form
-from fuzzyarm.closed_loop.instability import growth
-from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
-from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.proof.loop import LoopVerdict, prove_loop, read_claim
+from fuzzyarm.proof.loop.form import Form
+from fuzzyarm.proof.loop.instability import growth
+from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
+from fuzzyarm.proof.map.arithmetic import Stop
 
 HEAD = "from fuzzyarm.plant import Plant, Port\n"
 LAG = """

@@ -11,21 +11,21 @@ import pytest
 from budget import cases
 
 import fuzzyarm
-from fuzzyarm.closed_loop import LoopProofError, prove_loop, read_claim
-from fuzzyarm.closed_loop.checked_loop import checked_loop
-from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.form import Assumptions
-from fuzzyarm.closed_loop.form_maker import FormMaker
-from fuzzyarm.closed_loop.problem import LoopProblem
-from fuzzyarm.closed_loop.runs import sampled_runs
-from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, in_the_way
-from fuzzyarm.closed_loop.tube import Tube
-from fuzzyarm.closed_loop.zonotope import Forms, stacked
-from fuzzyarm.loop import Options, Sensor, simulate
+from fuzzyarm.control.loop import Options, Sensor, simulate
 from fuzzyarm.plant import find_plant
 from fuzzyarm.plant.own import starting_at
-from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.prover import Prover
+from fuzzyarm.proof.loop import LoopProofError, prove_loop, read_claim
+from fuzzyarm.proof.loop.checked_loop import checked_loop
+from fuzzyarm.proof.loop.claims import problem_of
+from fuzzyarm.proof.loop.form import Assumptions
+from fuzzyarm.proof.loop.form_maker import FormMaker
+from fuzzyarm.proof.loop.problem import LoopProblem
+from fuzzyarm.proof.loop.runs import sampled_runs
+from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, in_the_way
+from fuzzyarm.proof.loop.tube import Tube
+from fuzzyarm.proof.loop.zonotope import Forms, stacked
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.prover import Prover
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "closed_loop"
 PENDULUM = EXAMPLES / "single_pendulum.py"

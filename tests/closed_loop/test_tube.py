@@ -10,16 +10,16 @@ from budget import cases
 from scipy.optimize import minimize
 
 import fuzzyarm
-from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.follower import Follower
-from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
-from fuzzyarm.closed_loop.readings import UnenclosedError
-from fuzzyarm.closed_loop.tube import Demand, tube
-from fuzzyarm.loop.course import Options, Sensor
-from fuzzyarm.loop.simulation import simulate
+from fuzzyarm.control.loop.course import Options, Sensor
+from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.follower import Follower
+from fuzzyarm.proof.loop.problem import LoopProofError, loop_problem
+from fuzzyarm.proof.loop.readings import UnenclosedError
+from fuzzyarm.proof.loop.tube import Demand, tube
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "closed_loop"
 

@@ -9,7 +9,7 @@ import pytest
 from budget import cases
 
 import fuzzyarm
-from fuzzyarm.closed_loop import (
+from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
     check_certificate,
@@ -17,10 +17,10 @@ from fuzzyarm.closed_loop import (
     read_claim,
     write_certificate,
 )
-from fuzzyarm.closed_loop.certificate import sealed
-from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.runs import sampled_runs
-from fuzzyarm.closed_loop.tube_checker import TubeLoop, TubeSet, _is_all, leads_into
+from fuzzyarm.proof.loop.certificate import sealed
+from fuzzyarm.proof.loop.claims import problem_of
+from fuzzyarm.proof.loop.runs import sampled_runs
+from fuzzyarm.proof.loop.tube_checker import TubeLoop, TubeSet, _is_all, leads_into
 
 CLAIM = (
     "on motor from position in 0.01 .. 0.02, velocity in -0.1 .. 0.1:"

@@ -9,12 +9,12 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.closed_loop import zonotope
-from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
-from fuzzyarm.closed_loop.readings import UnenclosedError, pruned, read, readable
-from fuzzyarm.closed_loop.zonotope import Forms, clip, dot, larger, smaller, stacked
-from fuzzyarm.expression import op
-from fuzzyarm.expression.nodes import constant, symbol
+from fuzzyarm.proof.loop import zonotope
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals
+from fuzzyarm.proof.loop.readings import UnenclosedError, pruned, read, readable
+from fuzzyarm.proof.loop.zonotope import Forms, clip, dot, larger, smaller, stacked
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.nodes import constant, symbol
 
 flint = pytest.importorskip("flint")
 

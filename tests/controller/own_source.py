@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from fuzzyarm.expression import op
-from fuzzyarm.expression.sources import SOURCES, OptionKind, SourceState, source, unseen
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.sources import SOURCES, OptionKind, SourceState, source, unseen
 
 WORD = "half-mean"
 

@@ -2,7 +2,7 @@
 
 from hypothesis import strategies as st
 
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,

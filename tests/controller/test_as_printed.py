@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzzyarm.controller.catalogue import controller
-from fuzzyarm.loop import Run, simulate
+from fuzzyarm.apps.study import find_rows
+from fuzzyarm.control.controllers.catalogue import controller
+from fuzzyarm.control.loop import Run, simulate
 from fuzzyarm.plant.trajectory import pick_and_place, reach_return
-from fuzzyarm.study import find_rows
 
 GOLDEN = Path(__file__).parent / "as_printed.json"
 TRAJECTORIES = (reach_return(), pick_and_place())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm import shipped
-from fuzzyarm.controller import (
+from fuzzyarm.control.controllers import (
     CATALOGUE,
     Controller,
     GainError,
@@ -15,8 +15,8 @@ from fuzzyarm.controller import (
     controller,
     find_controller,
 )
-from fuzzyarm.controller.catalogue import TextEntry
-from fuzzyarm.loop import Options, simulate
+from fuzzyarm.control.controllers.catalogue import TextEntry
+from fuzzyarm.control.loop import Options, simulate
 from fuzzyarm.plant import Clock, Reference, State, reach
 
 CLOCK = Clock(0.0006, False, False)
@@ -159,7 +159,7 @@ def test_cold_start_forgets_the_arm():
 
 
 OWN = """
-from fuzzyarm.controller import Controller
+from fuzzyarm.control.controllers import Controller
 
 class Mine(Controller):
     def start(self, single=False):
@@ -196,7 +196,7 @@ def test_own_controller_from_a_file(tmp_path):
         ("raise ValueError('oops')", r"mine\.py:1: ValueError: oops"),
         (OWN + "\nclass Other(Mine): pass", "2 classes"),
         (
-            "from fuzzyarm.controller import Controller\nclass A(Controller):\n"
+            "from fuzzyarm.control.controllers import Controller\nclass A(Controller):\n"
             "    def __init__(self, x): pass\n",
             "TypeError",
         ),
@@ -224,7 +224,7 @@ def test_own_controller_that_fails_while_running_names_its_line(tmp_path):
     file = tmp_path / "bad.py"
     file.write_text(
         textwrap.dedent("""\
-        from fuzzyarm.controller import Controller
+        from fuzzyarm.control.controllers import Controller
         class Bad(Controller):
             def torque(self, reference, state, clock):
                 return 1.0 / 0.0, 0.0
@@ -240,6 +240,6 @@ def test_controller_without_torque_says_so():
 
 
 def test_fuzzy_in_a_sum_is_the_table_controller():
-    from fuzzyarm.controller import controller
+    from fuzzyarm.control.controllers import controller
 
     assert controller("cdid+ie+fuzzy").name == controller("cdid+ie+fuzzy-lut").name

@@ -8,21 +8,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.api import PlantOf, check_file, check_text
-from fuzzyarm.cli import main
-from fuzzyarm.controller.findings import ports_in_words, shipped_sites
-from fuzzyarm.controller.on_plant import site_of
-from fuzzyarm.controller.reach import reaches_of
-from fuzzyarm.controller.text import with_files
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.apps.watch import WatchedFile
+from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.control.controllers.findings import ports_in_words, shipped_sites
+from fuzzyarm.control.controllers.on_plant import site_of
+from fuzzyarm.control.controllers.reach import reaches_of
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.exchange.files import PlantOf, check_file, check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.model.units import product, read_unit, unit_text, unlike
+from fuzzyarm.language.model.units import product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import interface_of
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.text.diagnostic import Severity
-from fuzzyarm.watch import WatchedFile
 
 PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from needs import requires
 
-from fuzzyarm.controller import Controller, SourceError, Sources, controller
-from fuzzyarm.controller.catalogue import Choice, text_controller
-from fuzzyarm.controller.kernel import zoom
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers import Controller, SourceError, Sources, controller
+from fuzzyarm.control.controllers.catalogue import Choice, text_controller
+from fuzzyarm.control.controllers.kernel import zoom
+from fuzzyarm.control.loop import Options, simulate
 from fuzzyarm.inference import prepare
 from fuzzyarm.language import RuleBaseError, load_rulebase
-from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import PLAIN, STUDY_TABLES, Clock, Reference, State, pick_and_place
 from fuzzyarm.plant.setting import RunArithmetic
-from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 SHORT = pick_and_place(segment=0.4)

@@ -6,15 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rule_bases import rule_bases
 
-from fuzzyarm.controller import Sources, controller
-from fuzzyarm.controller.program import SourceError, evaluate_view, rule_block
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers import Sources, controller
+from fuzzyarm.control.controllers.program import SourceError, evaluate_view, rule_block
+from fuzzyarm.control.loop import Options, simulate
 from fuzzyarm.inference import InferenceError, infer
 from fuzzyarm.inference import kernel as inference_kernel
-from fuzzyarm.kernels import routine
 from fuzzyarm.language import load_rulebase, parse
-from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import reach
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.symbolic.kernels import routine
 
 POINTS = st.one_of(
     st.integers(-28, 28).map(lambda k: k / 4),

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fuzzyarm.controller import controller
-from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.own import find_controller
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.controllers.controller import CompiledController
+from fuzzyarm.control.controllers.own import find_controller
 from fuzzyarm.plant import ESTIMATE, UNLOADED, Clock, Reference, State
 from fuzzyarm.plant.arm import (
     coriolis_matrix,

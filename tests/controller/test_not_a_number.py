@@ -13,12 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import load, shipped, simulate, tune
-from fuzzyarm.cli.main import main
-from fuzzyarm.controller.catalogue import controller
-from fuzzyarm.controller.text import PortError, with_files
-from fuzzyarm.export.steps import steps_of
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.control.controllers.catalogue import controller
+from fuzzyarm.control.controllers.text import PortError, with_files
+from fuzzyarm.control.loop import Options, Sensor
+from fuzzyarm.exchange.export.steps import steps_of
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.loop import Options, Sensor
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.setting import Clock, Reference, State
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.controller.floats import ReferenceRun
-from fuzzyarm.controller.period import PortValue
-from fuzzyarm.controller.text import ControllerText, ports_of
+from fuzzyarm.control.controllers.floats import ReferenceRun
+from fuzzyarm.control.controllers.period import PortValue
+from fuzzyarm.control.controllers.text import ControllerText, ports_of
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted([*ROOT.glob("rulebases/**/*.frb"), *ROOT.glob("examples/**/*.frb")])

@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from fuzzyarm.controller import Controller, Sources, controller
-from fuzzyarm.controller.catalogue import CATALOGUE, Choice, text_controller
-from fuzzyarm.controller.on_plant import learned
-from fuzzyarm.controller.text import teaching
-from fuzzyarm.kernels import has_machine_code
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers import Controller, Sources, controller
+from fuzzyarm.control.controllers.catalogue import CATALOGUE, Choice, text_controller
+from fuzzyarm.control.controllers.on_plant import learned
+from fuzzyarm.control.controllers.text import teaching
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.language import RuleBaseError
 from fuzzyarm.learning import train
-from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place
 from fuzzyarm.plant.setting import RunArithmetic
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.symbolic.kernels import has_machine_code
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 

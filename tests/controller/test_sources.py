@@ -17,26 +17,26 @@ from own_source import WORD, controller, example, register, whole
 
 import fuzzyarm
 from fuzzyarm import simulate
-from fuzzyarm.api import check_text
-from fuzzyarm.cli import main
-from fuzzyarm.controller.on_plant import site_of
-from fuzzyarm.controller.reach import reaches_of
-from fuzzyarm.controller.text import with_files
-from fuzzyarm.export.steps import steps_of
-from fuzzyarm.expression.records import KindError
-from fuzzyarm.expression.sources import SOURCES, OptionKind, SourceState, source
-from fuzzyarm.kernels import SWITCH, has_machine_code
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.show.controller import definition_words
+from fuzzyarm.apps.show.diagram import BLOCK_KINDS, block_diagram
+from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.control.controllers.on_plant import site_of
+from fuzzyarm.control.controllers.reach import reaches_of
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.control.loop.analysis import AnalysisError, describing_function
+from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.queries import coloured, complete, hover, read
-from fuzzyarm.loop.analysis import AnalysisError, describing_function
-from fuzzyarm.model.controller import SignalLine, Source
+from fuzzyarm.language.edit import coloured, complete, hover, read
+from fuzzyarm.language.model.controller import SignalLine, Source
+from fuzzyarm.learning.tuning.linear import straightened
 from fuzzyarm.plant.own import find_plant
-from fuzzyarm.proof.controllers import prove_drives, sampled_drive
-from fuzzyarm.show.controller import definition_words
-from fuzzyarm.show.diagram import BLOCK_KINDS, block_diagram
+from fuzzyarm.proof.map.controllers import prove_drives, sampled_drive
+from fuzzyarm.symbolic.kernels import SWITCH, has_machine_code
+from fuzzyarm.symbolic.records import KindError
+from fuzzyarm.symbolic.sources import SOURCES, OptionKind, SourceState, source
 from fuzzyarm.table import Axis, LookupTable
-from fuzzyarm.text.diagnostic import Severity
-from fuzzyarm.tuning.linear import straightened
 
 PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
 VALUES = st.lists(st.floats(-5, 5, width=32), min_size=1, max_size=40)

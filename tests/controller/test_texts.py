@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.controller import GainError
-from fuzzyarm.controller.text import ControllerRun, PortError, with_files
+from fuzzyarm.apps.cli import main
+from fuzzyarm.control.controllers import GainError
+from fuzzyarm.control.controllers.text import ControllerRun, PortError, with_files
 from fuzzyarm.inference import infer
 from fuzzyarm.language import RuleBaseError, format_text, parse, read_text
 from fuzzyarm.table import Axis, LookupTable

@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 
 TOKEN = "a" * 32
 
@@ -23,7 +23,7 @@ class Faults(logging.Handler):
 @pytest.fixture(autouse=True)
 def faults(request):
     """Fail a test that meets a fault of the program, if it is not marked to have one."""
-    log, handler = logging.getLogger("fuzzyarm.designer"), Faults()
+    log, handler = logging.getLogger("fuzzyarm.apps.designer"), Faults()
     log.addHandler(handler)
     yield handler.records
     log.removeHandler(handler)
@@ -83,7 +83,7 @@ def page(context):
 def client(tmp_path):
     from starlette.testclient import TestClient
 
-    from fuzzyarm.designer.server import Designer, Workspace
+    from fuzzyarm.apps.designer.server import Designer, Workspace
 
     text = shipped("pd7.frb").read_text()
     (tmp_path / "inside").mkdir()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 WITH_FORKS = "forkserver" in multiprocessing.get_all_start_methods()
 HEAVY = [
-    "fuzzyarm.cli.designer", "fuzzyarm.designer.server", "numpy", "uvicorn.server",
+    "fuzzyarm.apps.cli.designer", "fuzzyarm.apps.designer.server", "numpy", "uvicorn.server",
     "uvicorn.lifespan.on", "uvicorn.protocols.http.h11_impl",
     "uvicorn.protocols.websockets.websockets_sansio_impl", "websockets.speedups",
 ]  # fmt: skip
@@ -30,7 +30,7 @@ def start(words: list[str], state: str, log: Path) -> tuple[multiprocessing.Proc
 
 
 def _run(words: list[str], state: str, log: str, output) -> None:
-    from fuzzyarm.cli.main import main
+    from fuzzyarm.apps.cli.main import main
 
     os.dup2(output.fileno(), 1)
     os.dup2(os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)

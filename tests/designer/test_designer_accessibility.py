@@ -12,7 +12,7 @@ from needs import requires
 from test_designer_learning import SOC
 from test_designer_page import put, until
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 
 AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.min.js"
 

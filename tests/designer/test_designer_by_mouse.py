@@ -6,9 +6,9 @@ import pytest
 from needs import requires
 from test_designer_page import put, text_of, until
 
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
-from fuzzyarm.shipped_files import shipped
 
 pytestmark = [
     requires("chromium"),

@@ -7,12 +7,12 @@ import pytest
 from needs import requires
 from test_designer_page import put, text_of, until
 
-from fuzzyarm.controller.text import with_files
-from fuzzyarm.designer.diagram import PEN, diagram_of, sheets
-from fuzzyarm.designer.folder import Workspace
-from fuzzyarm.language.queries import read
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.shipped_files import shipped, shipped_folder, shipped_names
+from fuzzyarm.apps.designer.diagram import PEN, diagram_of, sheets
+from fuzzyarm.apps.designer.folder import Workspace
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.shipped_files import shipped, shipped_folder, shipped_names
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.language.edit import read
 
 BOTH = """\
 controller both "rules and a controller in one file"

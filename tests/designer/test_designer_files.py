@@ -13,25 +13,25 @@ import pytest
 from needs import requires
 
 import fuzzyarm
-from fuzzyarm.builder.starting import PURPOSES
-from fuzzyarm.cli.main import main
-from fuzzyarm.designer.comparison import compare
-from fuzzyarm.designer.exports import files_of, kinds_of
-from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
-from fuzzyarm.designer.jobs import Downloads, WindowJob
-from fuzzyarm.designer.names import OutsideError, clean_name, demand_name
-from fuzzyarm.designer.records import read_record
-from fuzzyarm.designer.requests import CompareWork, SurfaceAxes, TableErrorWork
-from fuzzyarm.designer.tables import cell_place, error_map, table_error, table_page
+from fuzzyarm.apps.builder.starting import PURPOSES
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.designer.comparison import compare
+from fuzzyarm.apps.designer.exports import files_of, kinds_of
+from fuzzyarm.apps.designer.folder import LARGEST_IMPORT, Workspace, converted_file
+from fuzzyarm.apps.designer.jobs import Downloads, WindowJob
+from fuzzyarm.apps.designer.names import OutsideError, clean_name, demand_name
+from fuzzyarm.apps.designer.records import read_record
+from fuzzyarm.apps.designer.requests import CompareWork, SurfaceAxes, TableErrorWork
+from fuzzyarm.apps.designer.tables import cell_place, error_map, table_error, table_page
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.files import confined
+from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.base.made import marked
+from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.shipped_files import shipped, shipped_folder
 from fuzzyarm.inference import infer
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.proof.tables import cell_errors
-from fuzzyarm.shipped_files import shipped, shipped_folder
+from fuzzyarm.proof.map.tables import cell_errors
 from fuzzyarm.table import compile_table, read_table, write_table
-from fuzzyarm.text.files import confined
-from fuzzyarm.text.folders import EXPORTS
-from fuzzyarm.text.made import marked
-from fuzzyarm.text.numbers import outward_text
 
 TOKEN = "b" * 32
 PD7 = shipped("pd7.frb").read_text()
@@ -478,7 +478,7 @@ def test_two_files_are_compared_where_both_have_values(folder):
 def client(folder):
     from starlette.testclient import TestClient
 
-    from fuzzyarm.designer.server import Designer
+    from fuzzyarm.apps.designer.server import Designer
 
     app = Designer(Workspace(folder), TOKEN).app()
     with TestClient(app, base_url="http://127.0.0.1:8000") as found:
@@ -514,7 +514,7 @@ def test_a_folder_begins_with_the_first_sound_rule_base(tmp_path):
 
 def test_a_folder_that_cannot_be_written_says_so(tmp_path, monkeypatch):
     (tmp_path / "d.frb").write_text(PD7)
-    monkeypatch.setattr("fuzzyarm.designer.folder.os.access", lambda *_: False)
+    monkeypatch.setattr("fuzzyarm.apps.designer.folder.os.access", lambda *_: False)
     assert "cannot be written" in Workspace(tmp_path).listing()["trouble"]
     monkeypatch.undo()
 
@@ -646,7 +646,7 @@ def test_files_are_dropped_and_windows_hear_of_other_names(client, folder):
 def test_a_page_says_what_it_was_opened_for(folder):
     from starlette.testclient import TestClient
 
-    from fuzzyarm.designer.server import Designer
+    from fuzzyarm.apps.designer.server import Designer
 
     app = Designer(Workspace(folder / "pd7.frb"), TOKEN).app()
     with TestClient(app, base_url="http://127.0.0.1:8000") as client:

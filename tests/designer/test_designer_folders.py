@@ -6,8 +6,8 @@ import pytest
 from needs import requires
 from test_designer_page import Served, put, text_of, until
 
-from fuzzyarm.builder.starting import starting_text
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.builder.starting import starting_text
+from fuzzyarm.base.shipped_files import shipped
 
 pytestmark = [
     requires("chromium"),
@@ -211,8 +211,8 @@ def test_a_folder_of_broken_and_foreign_files_can_be_begun_in(page, serve):
 
 def test_foreign_files_of_the_folder_are_offered_to_be_converted(page, serve):
     server = serve()
-    from fuzzyarm.designer.exports import files_of
-    from fuzzyarm.lsp.session import Session
+    from fuzzyarm.apps.designer.exports import files_of
+    from fuzzyarm.apps.lsp.session import Session
 
     tipper = Session("tipper.frb", shipped("tipper.frb").read_text())
     content = files_of(tipper, ".fis", {}, lambda _: None)[0][0].content

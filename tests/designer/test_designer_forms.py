@@ -6,14 +6,14 @@ import pytest
 from jsonschema import Draft202012Validator
 from offenders import check_all
 
-from fuzzyarm.cli.main import main
-from fuzzyarm.designer.exports import forms_of
-from fuzzyarm.designer.forms import FORMS, judged
-from fuzzyarm.designer.records import MessageError
-from fuzzyarm.lsp.session import Session
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.designer.exports import forms_of
+from fuzzyarm.apps.designer.forms import FORMS, judged
+from fuzzyarm.apps.designer.records import MessageError
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.requests.fields import fields_of
 from fuzzyarm.requests.schema import form_fields
-from fuzzyarm.shipped_files import shipped
 
 
 def session(name):

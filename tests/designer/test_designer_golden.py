@@ -14,7 +14,7 @@ import pytest
 from needs import requires
 from test_designer_page import CHROMIUM, Served, put, until
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 
 pytestmark = [
     requires("chromium"),

@@ -4,7 +4,7 @@ import pytest
 from needs import requires
 from test_designer_page import Served, text_of, until
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 
 pytestmark = [
     requires("chromium"),

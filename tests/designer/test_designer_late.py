@@ -6,7 +6,7 @@ import shutil
 import pytest
 from test_designer_page import further, put, pytestmark, until  # noqa: F401
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 
 FORMS = {"Sweep": "Start", "Learn": "Start", "Fit": "Fit", "Tune": "Start", "Prove": "Prove"}
 """Views with a form, and what their button says."""

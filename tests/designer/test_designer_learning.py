@@ -10,22 +10,22 @@ import numpy as np
 import pytest
 from crane import write_crane
 
-from fuzzyarm.cli import main
-from fuzzyarm.designer import requests
-from fuzzyarm.designer.changes import applied
-from fuzzyarm.designer.folder import Workspace
-from fuzzyarm.designer.jobs import WindowJob
-from fuzzyarm.designer.open_files import WORKS
-from fuzzyarm.designer.records import read_record
-from fuzzyarm.designer.shared import SharedText
-from fuzzyarm.designer.stage import Plants
-from fuzzyarm.language.queries import ReshapeError, add_tuning, apply_edits, read, set_ranges
-from fuzzyarm.lsp.session import Session
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.designer import requests
+from fuzzyarm.apps.designer.changes import applied
+from fuzzyarm.apps.designer.folder import Workspace
+from fuzzyarm.apps.designer.jobs import WindowJob
+from fuzzyarm.apps.designer.open_files import WORKS
+from fuzzyarm.apps.designer.records import read_record
+from fuzzyarm.apps.designer.shared import SharedText
+from fuzzyarm.apps.designer.stage import Plants
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.made import marked
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.language.edit import ReshapeError, add_tuning, apply_edits, read, set_ranges
+from fuzzyarm.learning.tuning.design import Design, default_ranges, everything
 from fuzzyarm.plant.equations import traced
-from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
-from fuzzyarm.text.made import marked
-from fuzzyarm.tuning.design import Design, default_ranges, everything
 
 SOC = """\
 controller servo-soc "self-organising control of a shaft"

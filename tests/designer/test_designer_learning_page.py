@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.table import read_table
 from tests.designer.test_designer_learning import SINE, SOC
 from tests.designer.test_designer_page import further, pytestmark, text_of, until  # noqa: F401

@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from test_designer_server import PD7, hear, socket_of
 
-from fuzzyarm.designer import requests
-from fuzzyarm.designer.records import json_name
-from fuzzyarm.designer.shared import SharedText
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.designer import requests
+from fuzzyarm.apps.designer.records import json_name
+from fuzzyarm.apps.designer.shared import SharedText
+from fuzzyarm.base.shipped_files import shipped
 
 # What a page may send is read before any handler sees it; what a handler fails at is its fault.
 
@@ -95,7 +95,7 @@ def test_repairs_are_those_of_the_line_that_is_asked_about(tmp_path):
 
 
 def test_each_question_and_each_work_has_its_record_and_its_handler():
-    from fuzzyarm.designer import folder, open_files, shared
+    from fuzzyarm.apps.designer import folder, open_files, shared
 
     assert set(shared._QUESTIONS) == set(requests.TEXT_QUESTIONS)
     apart = {"findings", "import", "convert"}  # the server does these beside the answering
@@ -107,7 +107,7 @@ def test_each_question_and_each_work_has_its_record_and_its_handler():
 
 @pytest.mark.faults
 def test_a_fault_of_a_handler_is_an_internal_error_with_its_trace(client, monkeypatch, caplog):
-    from fuzzyarm.designer import shared
+    from fuzzyarm.apps.designer import shared
 
     def fail(_shared, _asked):
         return {}["nothing"]  # a KeyError, as a careless message was answered once
@@ -126,7 +126,7 @@ def test_a_fault_of_a_handler_is_an_internal_error_with_its_trace(client, monkey
     assert "internal" not in second
     assert second["error"] == "a message is not understood: at must be a list"
     (entry,) = caplog.records
-    assert entry.name == "fuzzyarm.designer"
+    assert entry.name == "fuzzyarm.apps.designer"
     assert entry.exc_info[2].tb_next is not None  # down to the handler
 
 

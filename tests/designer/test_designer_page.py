@@ -10,11 +10,11 @@ import pytest
 from needs import program, requires
 
 import fuzzyarm
-from fuzzyarm.designer.exports import files_of
-from fuzzyarm.designer.folder import converted_file
-from fuzzyarm.designer.mailed_page import page_of
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.designer.exports import files_of
+from fuzzyarm.apps.designer.folder import converted_file
+from fuzzyarm.apps.designer.mailed_page import page_of
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.shipped_files import shipped
 
 CHROMIUM = program("chromium")
 pytestmark = [

@@ -5,8 +5,8 @@ import shutil
 import pytest
 from test_designer_learning import Page
 
-from fuzzyarm.cli import main
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
 
 LINES = "\nprove u in -6 .. 6\nprove u rises with e\n"
 
@@ -121,7 +121,7 @@ def test_the_drives_of_a_controller_have_ranges_gains_and_sectors(page, monkeypa
 
 @pytest.mark.slow
 def test_a_certificate_is_offered_and_proves_what_it_says(page, monkeypatch, capsys):
-    from fuzzyarm.designer.jobs import Downloads
+    from fuzzyarm.apps.designer.jobs import Downloads
 
     kept = {}
     monkeypatch.setattr(

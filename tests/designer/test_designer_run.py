@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 from crane import write_crane
 
-from fuzzyarm.controller import find_controller
-from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_gain
-from fuzzyarm.loop import Options, Sensor, Signal, simulate
-from fuzzyarm.loop.run import ClosedLoop
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers import find_controller
+from fuzzyarm.control.loop import Options, Sensor, Signal, simulate
+from fuzzyarm.control.loop.run import ClosedLoop
+from fuzzyarm.language.edit import ReshapeError, apply_edits, read, set_gain
 from fuzzyarm.plant import find_plant
-from fuzzyarm.shipped_files import shipped
 
 TOKEN = "b" * 32
 FILES = ("servo", "tanks", "pd7", "ball-and-beam", "heater")
 SERVO = shipped("servo.frb").read_text()
 
 MINE = """\
-from fuzzyarm.picture import Drawing, Line
+from fuzzyarm.base.picture import Drawing, Line
 from fuzzyarm.plant import Plant, Port
 
 class Kiln(Plant):
@@ -121,8 +121,8 @@ class Page:
 def client(folder):
     from starlette.testclient import TestClient
 
-    from fuzzyarm.designer.server import Designer, Workspace
-    from fuzzyarm.designer.stage import Plants
+    from fuzzyarm.apps.designer.server import Designer, Workspace
+    from fuzzyarm.apps.designer.stage import Plants
 
     crane, _ = write_crane(folder)
     plants = Plants((f"{folder / 'mine.py'}:Kiln", f"{folder / 'mine.py'}:Fails", crane))
@@ -453,7 +453,7 @@ def test_a_run_that_is_stopped_leaves_no_thread(open_page):
 
 
 def test_the_plants_of_the_command_line_are_judged_before_it_serves(tmp_path, capsys):
-    from fuzzyarm.cli.main import main
+    from fuzzyarm.apps.cli.main import main
 
     (tmp_path / "mine.py").write_text(MINE)
     words = ["designer", str(tmp_path), "--no-browser", "--plant"]
@@ -462,8 +462,8 @@ def test_the_plants_of_the_command_line_are_judged_before_it_serves(tmp_path, ca
 
 
 def test_a_pull_in_the_wind_is_no_load():
-    from fuzzyarm.designer.stage import loads_of
-    from fuzzyarm.loop.run import SoFar
+    from fuzzyarm.apps.designer.stage import loads_of
+    from fuzzyarm.control.loop.run import SoFar
     from fuzzyarm.plant.drawings import PlantScene
     from fuzzyarm.plant.plant import interface_of
 
@@ -481,8 +481,8 @@ def test_a_pull_in_the_wind_is_no_load():
 
 
 def test_signals_of_a_page_are_those_of_simulate():
-    from fuzzyarm.designer.forms import RUN
-    from fuzzyarm.loop.words import motion_of, options_of
+    from fuzzyarm.apps.designer.forms import RUN
+    from fuzzyarm.control.loop.words import motion_of, options_of
 
     asked = {"reference": ("position=step:2",), "duration": "1s", "seed": 3, "plant": "x"}
     words = RUN.request(asked, Path())

@@ -7,7 +7,7 @@ from needs import requires
 from test_designer_accessibility import AXE, violations
 from test_designer_page import put, text_of, until
 
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 
 pytestmark = [
     requires("chromium"),

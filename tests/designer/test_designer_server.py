@@ -17,18 +17,18 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from needs import requires
 
-from fuzzyarm.designer import open_files, requests
-from fuzzyarm.designer.assets import PAGE, asset, index_page, modules
-from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
-from fuzzyarm.designer.mailed_page import NotWrittenError, page_of, page_of_text, script_source
-from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.apps.designer import open_files, requests
+from fuzzyarm.apps.designer.assets import PAGE, asset, index_page, modules
+from fuzzyarm.apps.designer.changes import ChangeError, applied, difference, merged
+from fuzzyarm.apps.designer.mailed_page import NotWrittenError, page_of, page_of_text, script_source
+from fuzzyarm.apps.designer.shared import ConflictError, SharedText
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language import parse, write
-from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
-from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import membership_function, polyline
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.language.edit import ReshapeError, apply_edits, read, set_cell, set_shapes
+from fuzzyarm.language.model.rulebase import Shape
+from fuzzyarm.language.model.shapes import membership_function, polyline
 from tests.strategies import rulebases
 
 TOKEN = "a" * 32
@@ -625,7 +625,7 @@ def test_windows_hear_what_is_unsaved_and_a_save_is_answered(client, tmp_path):
 def test_what_is_not_saved_is_named_at_the_end(tmp_path):
     from starlette.testclient import TestClient
 
-    from fuzzyarm.designer.server import Designer, Workspace
+    from fuzzyarm.apps.designer.server import Designer, Workspace
 
     (tmp_path / "pd7.frb").write_text(PD7)
     told = []
@@ -665,7 +665,7 @@ def test_a_rename_during_a_check_loses_no_findings(client, monkeypatch):
 
 @pytest.mark.faults
 def test_what_may_not_be_looked_at_is_left_out_and_the_watch_goes_on(client, tmp_path, monkeypatch):
-    from fuzzyarm.designer.folder import Workspace
+    from fuzzyarm.apps.designer.folder import Workspace
 
     is_file, files = Path.is_file, Workspace.files
     (tmp_path / "inside" / "closed.frb").write_text(PD7)
@@ -792,7 +792,7 @@ def test_every_word_that_the_page_says_is_there_and_said():
 
 
 def test_a_folder_has_a_port_of_its_own_where_that_is_free(monkeypatch):
-    from fuzzyarm.designer import server
+    from fuzzyarm.apps.designer import server
 
     # No rights are needed for them, and Linux gives none of them to a connection.
     assert server.OWN_PORTS.start > 1023

@@ -8,9 +8,9 @@ from budget import part
 from needs import requires
 from test_designer_page import Served, further, put, until
 
-from fuzzyarm.designer.assets import asset
-from fuzzyarm.designer.mailed_page import page_of
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.designer.assets import asset
+from fuzzyarm.apps.designer.mailed_page import page_of
+from fuzzyarm.base.shipped_files import shipped
 
 SPLITS = """
 import { shareAt, shareBy, sizesOf } from "./split.js";

@@ -8,11 +8,11 @@ import shutil
 import pytest
 from test_designer_learning import Page
 
-from fuzzyarm.cli import main
-from fuzzyarm.designer.forms import FIT, FORMS, SWEEP
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.designer.forms import FIT, FORMS, SWEEP
+from fuzzyarm.base.made import marked
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language import parse
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.text.made import marked
 
 RANGES = ("G_e=4..30:4 log", "J=0.01..0.05:3")
 
@@ -56,7 +56,7 @@ def test_runs_over_ranges_are_those_of_the_command(page, monkeypatch, capsys):
 
 
 def test_the_file_of_a_sweep_has_the_bytes_of_the_command(page, monkeypatch, capsys):
-    from fuzzyarm.designer.jobs import Downloads
+    from fuzzyarm.apps.designer.jobs import Downloads
 
     monkeypatch.chdir(page.folder)
     kept = {}

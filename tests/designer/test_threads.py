@@ -3,7 +3,7 @@
 import asyncio
 import threading
 
-from fuzzyarm.designer.threads import run_to_its_end
+from fuzzyarm.apps.designer.threads import run_to_its_end
 
 
 def test_work_whose_waiter_has_gone_ends_in_silence(monkeypatch):

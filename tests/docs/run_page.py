@@ -27,7 +27,7 @@ from typing import Any
 
 def run_command(words: list[str]) -> tuple[int, str, str]:
     """Return status, output and errors of ``fuzzyarm WORDS``."""
-    from fuzzyarm.cli import main
+    from fuzzyarm.apps.cli import main
 
     streams = [io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2)]
     with contextlib.redirect_stdout(streams[0]), contextlib.redirect_stderr(streams[1]):
@@ -67,9 +67,9 @@ def run_session(text: str, names: dict[str, Any]) -> tuple[int, str, str]:
     return int(failed > 0), "", out.getvalue()
 
 
-HEAVY = ("numba", "scipy.optimize", "matplotlib.figure", "rich.console", "fuzzyarm.cli.main")
+HEAVY = ("numba", "scipy.optimize", "matplotlib.figure", "rich.console", "fuzzyarm.apps.cli.main")
 
-NOT_LOADED = ("fuzzyarm.__main__", "fuzzyarm.playground.arrays", "fuzzyarm.sklearn")
+NOT_LOADED = ("fuzzyarm.__main__", "fuzzyarm.apps.playground.arrays", "fuzzyarm.apps.estimators")
 """The command, what stands in for NumPy in a browser, and what an extra is needed for."""
 
 

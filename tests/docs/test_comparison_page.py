@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from budget import cases
 
-from fuzzyarm.cli import main
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.files import write_atomically
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "docs"))
@@ -113,7 +113,7 @@ def test_led_set_points_make_one_error_of_three(capsys):
 
 
 def test_the_page_has_all_controllers_and_conditions():
-    from fuzzyarm.study.comparison import compared_names
+    from fuzzyarm.apps.study.comparison import compared_names
 
     whole = [
         shown

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import fuzzyarm
+from fuzzyarm.control.loop.metrics import FORMULAS, Metrics
 from fuzzyarm.inference.infer import DEFAULT_TOLERANCE
 from fuzzyarm.language.statements import _VERBS, TABLE_MODES
-from fuzzyarm.loop.metrics import FORMULAS, Metrics
-from fuzzyarm.proof.bounds import LIKE_EXPECT
+from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "metrics.md").read_text("utf-8")

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import pytest
 from needs import need
 
-from fuzzyarm.cli.main import COMMANDS, find_command
+from fuzzyarm.apps.cli.main import COMMANDS, find_command
 
 ROOT = Path(__file__).parents[2]
 README, LANDING = ROOT / "README.md", ROOT / "docs" / "index.md"
@@ -276,8 +276,8 @@ def test_the_rule_base_of_the_readme_is_what_is_shipped(pd7_of_the_readme):
 
 
 def test_the_mistake_of_the_readme_is_told_as_the_program_tells_it(pd7_of_the_readme):
+    from fuzzyarm.base.diagnostic import render_all
     from fuzzyarm.language import parse
-    from fuzzyarm.text.diagnostic import render_all
 
     broken = pd7_of_the_readme.replace("NB  NM  NM", "NB  NX  NM", 1)
     told = render_all(parse(broken, "broken.frb").diagnostics, broken)

@@ -43,7 +43,7 @@ def test_a_written_page_is_that_of_today(page, script, function, scripts, update
 
 
 def test_the_page_of_commands_has_every_option(scripts):
-    from fuzzyarm.cli.main import COMMANDS, find_command
+    from fuzzyarm.apps.cli.main import COMMANDS, find_command
 
     text = scripts["make_reference"].commands_page()
     sections = dict(
@@ -117,7 +117,7 @@ def test_rule_bases_and_tables_are_coloured_as_in_an_editor(scripts):
 def test_the_sketch_of_the_arduino_page_compiles(tmp_path):
     """With the names that the board's core has, and every warning on."""
     need("g++")
-    from fuzzyarm.cli import main
+    from fuzzyarm.apps.cli import main
 
     page = (DOCS / "howto" / "arduino.md").read_text("utf-8")
     for text in re.findall(r"(?ms)^```frb\n(.*?)^```", page):

@@ -13,10 +13,10 @@ import pytest
 from needs import requires
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
-from fuzzyarm.dossier.contents import report_of
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.dossier.contents import report_of
+from fuzzyarm.exchange.compiled import Making, source_of
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.proof.compiled import Making, source_of
 
 needs_gcc = requires("gcov")
 

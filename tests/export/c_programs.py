@@ -9,8 +9,8 @@ from pathlib import Path
 import needs
 import numpy as np
 
-from fuzzyarm.export import export_files
-from fuzzyarm.export.numbers import C_TYPES
+from fuzzyarm.exchange.export import export_files
+from fuzzyarm.exchange.export.numbers import C_TYPES
 
 STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Werror",

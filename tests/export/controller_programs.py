@@ -9,11 +9,11 @@ import numpy as np
 from c_programs import compile_c, execute
 
 from fuzzyarm import load, shipped
-from fuzzyarm.controller.text import with_files
-from fuzzyarm.export.c import controller_c
-from fuzzyarm.export.controllers import port_name
-from fuzzyarm.export.names import identifier
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.exchange.export.c import controller_c
+from fuzzyarm.exchange.export.controllers import port_name
 from fuzzyarm.language import parse
+from fuzzyarm.symbolic.identifiers import identifier
 
 SHIPPED = (
     "fuzzy-direct", "fuzzy-direct-as-described", "stfc", "stfc-as-described", "cfaf",
@@ -193,8 +193,8 @@ def run_in_c(programs, folder, *flags):
 
 
 def scattered(steps, periods=300):
-    """Return rows of errors of every size; see `fuzzyarm.export.trial.trial`."""
-    from fuzzyarm.export.trial import trial
+    """Return rows of errors of every size; see `fuzzyarm.exchange.export.trial.trial`."""
+    from fuzzyarm.exchange.export.trial import trial
 
     rows = [[given[p.symbol] for p in ports(steps)] for given in trial(steps, periods)]
     return np.array(rows)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from needs import need
 
-from fuzzyarm.export import routines_of
-from fuzzyarm.export.module_files import routines_module
-from fuzzyarm.export.modules import MODULES
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.exchange.export import routines_of
+from fuzzyarm.exchange.export.module_files import routines_module
+from fuzzyarm.exchange.export.modules import MODULES
+from fuzzyarm.language.model.rulebase import RuleBase
 
 
 def javascript_of(rulebase: RuleBase) -> str:

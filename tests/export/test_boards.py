@@ -20,10 +20,10 @@ from avr_programs import (
 )
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
-from fuzzyarm.export import avr, routines_of
-from fuzzyarm.export.boards import BOARDS
-from fuzzyarm.export.pace import clock_of
+from fuzzyarm.apps.cli import main
+from fuzzyarm.exchange.export import avr, routines_of
+from fuzzyarm.exchange.export.boards import BOARDS
+from fuzzyarm.exchange.export.pace import clock_of
 from fuzzyarm.language import load_rulebase
 
 PD7 = str(shipped("pd7.frb"))

@@ -12,11 +12,11 @@ import pytest
 from c_programs import HOST, compile_c, execute, need
 
 from fuzzyarm import load
-from fuzzyarm.cli import main
-from fuzzyarm.export import EXPORTS
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.export import EXPORTS
 from fuzzyarm.inference import infer
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 
 ROOT = Path(__file__).parents[2]

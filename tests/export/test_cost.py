@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from controller_programs import SHIPPED, shipped_text, text_of
 
-from fuzzyarm.export import ExportError
-from fuzzyarm.export.cost import rule_cost, step_cost
+from fuzzyarm.exchange.export import ExportError
+from fuzzyarm.exchange.export.cost import rule_cost, step_cost
 from fuzzyarm.language import parse
 
 SUMS, PRODUCTS, QUOTIENTS = "additions and subtractions", "multiplications", "divisions"

@@ -26,15 +26,11 @@ from strategies import (
     value_terms,
 )
 
-from fuzzyarm.export import ExportError, export_files, routines_of
-from fuzzyarm.export.program import make_program
-from fuzzyarm.export.rulebase import corners_of
-from fuzzyarm.expression import kinds, op
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.expression.nodes import Apply
-from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.exchange.export import ExportError, export_files, routines_of
+from fuzzyarm.exchange.export.program import make_program
+from fuzzyarm.exchange.export.rulebase import corners_of
 from fuzzyarm.language import load_rulebase, parse
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     SAMPLINGS,
     And,
     Consequent,
@@ -50,6 +46,10 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.symbolic import kinds, op
+from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.nodes import Apply
+from fuzzyarm.symbolic.operations import OPERATIONS
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 TARGETS = [HOST, pytest.param(ARM, marks=pytest.mark.slow)]
@@ -594,7 +594,7 @@ def test_long_rules_and_many_terms_are_no_trouble(tmp_path):
 def test_unbounded_variables_and_rules_that_never_fire(tmp_path, monkeypatch, how):
     from c_programs import compile_c, execute
 
-    from fuzzyarm.cli import main
+    from fuzzyarm.apps.cli import main
 
     monkeypatch.chdir(tmp_path)
     Path("odd.frb").write_text(

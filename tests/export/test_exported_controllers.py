@@ -25,19 +25,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from st_programs import Program
 
-from fuzzyarm.cli import main
-from fuzzyarm.export import (
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.export import (
     ControllerProgram,
     ExportError,
     export_controller,
     module_files,
     with_tables,
 )
-from fuzzyarm.export.controller_lowering import controller_program
-from fuzzyarm.export.evaluation import EvaluatedController
-from fuzzyarm.export.names import identifier
-from fuzzyarm.export.steps import steps_of
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.exchange.export.controller_lowering import controller_program
+from fuzzyarm.exchange.export.evaluation import EvaluatedController
+from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.symbolic.identifiers import identifier
 from fuzzyarm.table import compile_table
 
 ONE_OF_EACH = ("cfaf", "hfie", "soc-table", "fuzzy-fine", "fuzzy-lut")

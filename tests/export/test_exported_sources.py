@@ -14,11 +14,11 @@ sys.path.append(str(Path(__file__).parents[1] / "controller"))
 
 from own_source import WORD, controller, register, whole
 
-from fuzzyarm.cli import main
-from fuzzyarm.export import ControllerProgram, export_controller
-from fuzzyarm.export.names import identifier
-from fuzzyarm.export.steps import steps_of
-from fuzzyarm.expression.sources import SOURCES
+from fuzzyarm.apps.cli import main
+from fuzzyarm.exchange.export import ControllerProgram, export_controller
+from fuzzyarm.exchange.export.steps import steps_of
+from fuzzyarm.symbolic.identifiers import identifier
+from fuzzyarm.symbolic.sources import SOURCES
 
 BUILT_IN = [word for word, kind in SOURCES.items() if kind.of != "call"]
 WORDS = [*BUILT_IN, WORD]

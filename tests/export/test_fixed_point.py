@@ -12,8 +12,8 @@ from c_programs import ARM, HOST, run_c, spread
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.export import routines_of
-from fuzzyarm.export.table_numbers import WholeNumberScale, fixed_table, part, scale_over
+from fuzzyarm.exchange.export import routines_of
+from fuzzyarm.exchange.export.table_numbers import WholeNumberScale, fixed_table, part, scale_over
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")
@@ -153,7 +153,7 @@ def test_c_is_bit_for_bit_the_model_over_100_000_points(tmp_path, bits, target):
 
 
 def test_no_floating_point_is_in_the_file(tmp_path):
-    from fuzzyarm.export import export_files
+    from fuzzyarm.exchange.export import export_files
 
     for mode in ("bins", "linear"):
         (file,) = export_files(routines_of(PRINTED, mode=mode, q=15), tmp_path / "c.h").files

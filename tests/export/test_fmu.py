@@ -16,12 +16,12 @@ from controller_programs import EVERYTHING, model_drives, ports, scattered, ship
 from needs import need
 
 from fuzzyarm import compile_table, infer, load
-from fuzzyarm.cli import main
-from fuzzyarm.export import ControllerProgram, ExportError, export_controller
-from fuzzyarm.export.controllers import port_name
-from fuzzyarm.export.fmu import find_compiler
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.export import ControllerProgram, ExportError, export_controller
+from fuzzyarm.exchange.export.controllers import port_name
+from fuzzyarm.exchange.export.fmu import find_compiler
 from fuzzyarm.inference.engine import kept
-from fuzzyarm.shipped_files import shipped
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 
@@ -318,7 +318,7 @@ def test_platforms_that_are_not_known_are_named(tmp_path, capsys, words, message
 
 
 def test_without_the_wheel_it_says_what_to_install(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("fuzzyarm.export.fmu.find_spec", lambda name: None)
+    monkeypatch.setattr("fuzzyarm.exchange.export.fmu.find_spec", lambda name: None)
     words = ["compile", str(shipped("servo.frb")), "-o", str(tmp_path / "servo.fmu")]
     assert main([*words, "--platforms", "linux64"]) == 1
     err = capsys.readouterr().err

@@ -16,8 +16,8 @@ from module_programs import failing_in_javascript, failing_in_rust
 from st_programs import Program
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
-from fuzzyarm.text.names import quote
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.names import quote
 
 NASTY = (
     "one\nimport os\r\nraise SystemExit\u2028x()\x85y()",

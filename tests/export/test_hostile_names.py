@@ -17,7 +17,7 @@ from needs import requires
 from own_tests import failing_in_c, failing_in_python, failing_in_scl
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 FILES = {
     "signals": of_signals(ALL),

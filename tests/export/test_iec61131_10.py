@@ -12,7 +12,7 @@ import pytest
 from st_programs import Program
 from test_plcopen import CASES
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 SPACE = "{www.iec.ch/public/TC65SC65BWG7TF10}"
 KIND = "{http://www.w3.org/2001/XMLSchema-instance}type"

@@ -15,17 +15,17 @@ from needs import requires
 from strategies import SMOOTH, STRAIGHT, plain_mamdani
 
 import fuzzyarm
-from fuzzyarm.designer.engine import engine_source, numbers_of
-from fuzzyarm.export import ExportError, routines_of
-from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.expression.op import inf
-from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.apps.designer.engine import engine_source, numbers_of
+from fuzzyarm.base.jsonable import script_json
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.export import ExportError, routines_of
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.engine import Compiled
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import Defuzzifier
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.text.jsonable import script_json
+from fuzzyarm.language.model.rulebase import Defuzzifier
+from fuzzyarm.symbolic.kinds import SHAPES
+from fuzzyarm.symbolic.op import inf
+from fuzzyarm.symbolic.operations import OPERATIONS
 
 pytestmark = requires("node")
 

@@ -5,7 +5,7 @@ import tracemalloc
 import pytest
 
 from fuzzyarm import parse
-from fuzzyarm.export import routines_of
+from fuzzyarm.exchange.export import routines_of
 
 
 @pytest.mark.slow

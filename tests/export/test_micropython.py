@@ -21,8 +21,8 @@ from controller_programs import (
 from micropython_programs import run_micropython
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
-from fuzzyarm.export import ControllerProgram, export_controller, export_files, routines_of
+from fuzzyarm.apps.cli import main
+from fuzzyarm.exchange.export import ControllerProgram, export_controller, export_files, routines_of
 from fuzzyarm.language import load_rulebase, parse
 from fuzzyarm.table import read_table
 

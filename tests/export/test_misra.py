@@ -15,7 +15,7 @@ from budget import part
 from needs import requires
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 PAGE = Path(__file__).parents[2] / "docs" / "howto" / "misra.md"
 

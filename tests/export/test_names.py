@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from st_programs import WORDS
 
-from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, Names, identifier
-from fuzzyarm.export.numbers import c_number, rounded_down, st_number
+from fuzzyarm.exchange.export.numbers import c_number, rounded_down, st_number
+from fuzzyarm.symbolic.identifiers import C_RESERVED, ST_RESERVED, Names, identifier
 
 words = st.text(max_size=8) | st.sampled_from(["int", "INT", "e", "E", "ė", "α", "9", "_", "a__b_"])
 

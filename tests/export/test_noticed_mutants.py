@@ -10,8 +10,8 @@ import pytest
 from constant_mutants import mutants, noticed_by_test
 
 from fuzzyarm import load, load_controller, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.export import ControllerProgram, export_controller
+from fuzzyarm.apps.cli import main
+from fuzzyarm.exchange.export import ControllerProgram, export_controller
 
 CASES = {"pd7": "u", "tipper": "tip", "fan": "speed"}
 """Rule bases with the function of their only output."""

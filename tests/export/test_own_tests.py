@@ -11,7 +11,7 @@ from module_programs import failing_in_javascript, failing_in_rust
 from own_tests import failing_in_c, failing_in_python, failing_in_scl
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(

@@ -10,7 +10,7 @@ import pytest
 from st_programs import Program
 
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 SPACE = "{http://www.plcopen.org/xml/tc6_0201}"
 TEXT = "{http://www.w3.org/1999/xhtml}p"

@@ -9,7 +9,7 @@ from scl_reader import Reader
 from st_programs import Program
 from test_plcopen import CASES
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 DOUBLE = {"servo", "learning", "curved"}
 

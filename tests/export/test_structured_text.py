@@ -13,12 +13,12 @@ from needs import need
 from st_programs import Program
 
 from fuzzyarm import load
-from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.export import ExportError, export_files, routines_of
-from fuzzyarm.export.names import identifier
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.exchange.compiled import Making, program_of, source_of
+from fuzzyarm.exchange.export import ExportError, export_files, routines_of
 from fuzzyarm.language import load_rulebase, parse
-from fuzzyarm.proof.compiled import Making, program_of, source_of
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.symbolic.identifiers import identifier
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")

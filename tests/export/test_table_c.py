@@ -12,7 +12,7 @@ from c_programs import ARM, HOST, compile_c, execute, run_c, spread, ulps
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.export import ExportError, export_files, routines_of
+from fuzzyarm.exchange.export import ExportError, export_files, routines_of
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 
 INF = math.inf
 HALF = math.exp(-0.5)

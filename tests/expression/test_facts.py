@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_definitions import SHAPE_VALUES
 
-from fuzzyarm.expression.evaluation import has_value
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.expression.nodes import apply, symbol
+from fuzzyarm.symbolic.evaluation import has_value
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.nodes import apply, symbol
 
 degree = st.floats(0.0, 1.0)
 TENTHS = [k / 10 for k in range(11)]

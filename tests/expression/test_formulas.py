@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.expression import op
-from fuzzyarm.expression.evaluation import array_function
-from fuzzyarm.expression.formulas import (
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.evaluation import array_function
+from fuzzyarm.symbolic.formulas import (
     FRB,
     FUZZYLITE,
     JFUZZYLOGIC,
@@ -17,8 +17,8 @@ from fuzzyarm.expression.formulas import (
     read_formula,
     write_formula,
 )
-from fuzzyarm.expression.nodes import symbol
-from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.symbolic.nodes import symbol
+from fuzzyarm.symbolic.operations import OPERATIONS
 
 VALUES = {"e": 1.5, "ce": -2.0, "the load": 3.0}
 

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_definitions import SHAPE_VALUES
 
-from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.expression.lines import degree_on_corners, lines_through, sampled_degrees
-from fuzzyarm.model.rulebase import Hedge, Shape
-from fuzzyarm.model.shapes import apply_hedges, polyline, straight_lines
+from fuzzyarm.language.model.rulebase import Hedge, Shape
+from fuzzyarm.language.model.shapes import apply_hedges, polyline, straight_lines
+from fuzzyarm.symbolic.kinds import SHAPES
+from fuzzyarm.symbolic.lines import degree_on_corners, lines_through, sampled_degrees
 
 position = st.one_of(
     st.sampled_from([0.0, 1.0, 1.5, 2.0]), st.integers(-500, 500).map(lambda i: i / 49)

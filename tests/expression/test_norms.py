@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 DEGREES = [0.0, 1e-300, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0]
 PAIRS = np.array(list(itertools.product(DEGREES, DEGREES))).T

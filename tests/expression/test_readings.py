@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from needs import program, requires
 
-from fuzzyarm.expression import kinds, op
-from fuzzyarm.expression.evaluation import (
+from fuzzyarm.symbolic import kinds, op
+from fuzzyarm.symbolic.evaluation import (
     bounds,
     derivative,
     evaluate,
@@ -21,10 +21,10 @@ from fuzzyarm.expression.evaluation import (
     gradient,
     specialise,
 )
-from fuzzyarm.expression.functions import python_function, row_function, row_source
-from fuzzyarm.expression.nodes import Apply, postorder, replace, symbol, trace
-from fuzzyarm.expression.operations import OPERATIONS
-from fuzzyarm.expression.printing import (
+from fuzzyarm.symbolic.functions import python_function, row_function, row_source
+from fuzzyarm.symbolic.nodes import Apply, postorder, replace, symbol, trace
+from fuzzyarm.symbolic.operations import OPERATIONS
+from fuzzyarm.symbolic.printing import (
     PYTHON,
     STRUCTURED_TEXT,
     NotPrintableError,

@@ -1,7 +1,7 @@
 """A Python that begins with its libraries loaded: a process for each script, forked from one.
 
-`fuzzyarm.live` starts ``PYTHON gather.py SCRIPT ANSWER OPTIONS``, and that process loads NumPy,
-SciPy, networkx and matplotlib before the first line of a script says anything: 0.6 s of a
+`fuzzyarm.exchange.live` starts ``PYTHON gather.py SCRIPT ANSWER OPTIONS``, and that process loads
+NumPy, SciPy, networkx and matplotlib before the first line of a script says anything: 0.6 s of a
 processor. The program that :func:`forked_python` writes asks a server by a socket, which has
 loaded them, forks, and runs ``gather.py`` in the child with the streams, the folder and the
 environment of whoever asked. What ``gather.py`` changes in a module as it is loaded, it changes in
@@ -72,9 +72,9 @@ def asked(address: str) -> tuple[list[str], socket.socket]:
     for name in LIBRARIES:
         with contextlib.suppress(ImportError):
             import_module(name)
-    import fuzzyarm.formats.tables
-    import fuzzyarm.live.objects
-    import fuzzyarm.live.pyit2fls  # noqa: F401
+    import fuzzyarm.exchange.formats.tables
+    import fuzzyarm.exchange.live.objects
+    import fuzzyarm.exchange.live.pyit2fls  # noqa: F401
 
     forgotten = {name.partition(".")[0] for name in LIBRARIES}
     for name in [name for name in sys.modules if name.partition(".")[0] in forgotten]:

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.made import MARK
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
-from fuzzyarm.text.made import MARK
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
 
 ROOT = Path(__file__).parents[2]
 PAGES = ("scikit-fuzzy", "simpful", "pyit2fls", "matlab", "fuzzylite")

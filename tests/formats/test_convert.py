@@ -16,14 +16,15 @@ from hypothesis import strategies as st
 from strategies import input_points, rulebases
 
 from fuzzyarm import shipped
-from fuzzyarm.cli.main import main
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.formats import same_model, write
-from fuzzyarm.formats.registry import read
-from fuzzyarm.formats.tables import in_tables
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.made import MARK
+from fuzzyarm.exchange.formats import same_model, write
+from fuzzyarm.exchange.formats.registry import read
+from fuzzyarm.exchange.formats.tables import in_tables
 from fuzzyarm.inference import infer, prepare
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Input,
@@ -35,7 +36,6 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.text.made import MARK
 
 DATA = Path(__file__).parent / "data"
 

@@ -8,12 +8,12 @@ from types import FrameType
 
 import pytest
 
-from fuzzyarm.formats import Imported, parse_fcl, parse_fis, parse_fll, parse_fml
-from fuzzyarm.formats.fcl_reader import detect as detect_fcl
-from fuzzyarm.formats.findings import TextPiece, number
-from fuzzyarm.formats.fis_text import detect as detect_fis
-from fuzzyarm.formats.fis_text import membership_parts
-from fuzzyarm.formats.fis_type2 import is_of_toolbox
+from fuzzyarm.exchange.formats import Imported, parse_fcl, parse_fis, parse_fll, parse_fml
+from fuzzyarm.exchange.formats.fcl_reader import detect as detect_fcl
+from fuzzyarm.exchange.formats.findings import TextPiece, number
+from fuzzyarm.exchange.formats.fis_text import detect as detect_fis
+from fuzzyarm.exchange.formats.fis_text import membership_parts
+from fuzzyarm.exchange.formats.fis_type2 import is_of_toolbox
 
 SYSTEM = """<?xml version="1.0"?><fuzzySystem name="s"><knowledgeBase>
 <fuzzyVariable name="x" domainleft="0" domainright="10" type="input">

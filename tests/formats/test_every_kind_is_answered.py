@@ -7,11 +7,9 @@ from collections.abc import Iterator, Mapping
 import pytest
 from budget import crossed
 
-from fuzzyarm.expression import kinds, op
-from fuzzyarm.expression.records import Kind
-from fuzzyarm.formats import FOREIGN, PRODUCERS, parse, write
-from fuzzyarm.live.skfuzzy import to_skfuzzy
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.exchange.formats import FOREIGN, PRODUCERS, parse, write
+from fuzzyarm.exchange.live.skfuzzy import to_skfuzzy
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -26,6 +24,8 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.symbolic import kinds, op
+from fuzzyarm.symbolic.records import Kind
 
 PROGRAMS = [(suffix, producer) for suffix in FOREIGN for producer in (None, *PRODUCERS[suffix])]
 OWN = "own-kind"

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm import FileWarning, check_file, load
-from fuzzyarm.formats import Imported, parse, parse_fis, parse_fll, read, same_model, write
+from fuzzyarm.base.diagnostic import RuleBaseError, Severity
+from fuzzyarm.exchange.formats import Imported, parse, parse_fis, parse_fll, read, same_model, write
 from fuzzyarm.inference import infer, prepare
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
-from fuzzyarm.model.shapes import membership
-from fuzzyarm.text.diagnostic import RuleBaseError, Severity
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, Shape
+from fuzzyarm.language.model.shapes import membership
 
 DATA = Path(__file__).parent / "data"
 PROGRAMS = ("matlab", "octave", "fuzzylite")

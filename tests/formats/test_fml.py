@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm import check_file, load
-from fuzzyarm.cli.main import main
-from fuzzyarm.formats import Imported, parse, read
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.exchange.formats import Imported, parse, read
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.language.model.shapes import membership
 
 DATA = Path(__file__).parent / "data"
 FAN = (DATA / "fan_ieee1855.fml").read_text(encoding="utf-8")

@@ -15,15 +15,15 @@ import pytest
 import skfuzzy
 
 import fuzzyarm
-from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
-from fuzzyarm.formats.fcl_text import is_cut
-from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.meaning import root
-from fuzzyarm.formats.shapes import estimated_range, larger_wins
+from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.exchange.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
+from fuzzyarm.exchange.formats.fcl_text import is_cut
+from fuzzyarm.exchange.formats.fcl_writer import write_fcl
+from fuzzyarm.exchange.formats.meaning import root
+from fuzzyarm.exchange.formats.shapes import estimated_range, larger_wins
 from fuzzyarm.inference import InferenceError, infer, infer_interval
-from fuzzyarm.model.rulebase import Defuzzifier, Hedge, RuleBase, Shape
-from fuzzyarm.model.shapes import apply_hedges, membership
-from fuzzyarm.text.diagnostic import Severity
+from fuzzyarm.language.model.rulebase import Defuzzifier, Hedge, RuleBase, Shape
+from fuzzyarm.language.model.shapes import apply_hedges, membership
 
 DATA = Path(__file__).parent / "data"
 

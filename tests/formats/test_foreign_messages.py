@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.api import UnknownKindError, load
-from fuzzyarm.cli.main import main
-from fuzzyarm.formats import FormatError, Imported, parse_fcl, parse_fis, parse_fll, read
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.exchange.files import UnknownKindError, load
+from fuzzyarm.exchange.formats import FormatError, Imported, parse_fcl, parse_fis, parse_fll, read
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Severity
+from fuzzyarm.language.model.rulebase import RuleBase
 
 DATA = Path(__file__).parent / "data"
 PUMP = (DATA / "pump_jfuzzylogic.fcl").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mutation import mutated
 from needs import CORPUS, requires
 
-from fuzzyarm.formats import FOREIGN, parse, write
+from fuzzyarm.exchange.formats import FOREIGN, parse, write
 
 DATA = Path(__file__).parent / "data"
 OWN = {path: path.read_text(encoding="utf-8") for path in sorted(DATA.glob("*.f??"))}

@@ -11,11 +11,20 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
-from fuzzyarm.formats.findings import MAX_CHARACTERS
+from fuzzyarm.exchange.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
+from fuzzyarm.exchange.formats.findings import MAX_CHARACTERS
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
-from fuzzyarm.model.shapes import membership_function
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Defuzzifier,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    RuleBase,
+    Shape,
+)
+from fuzzyarm.language.model.shapes import membership_function
 
 DATA = Path(__file__).parent / "data"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from corpus import read_references, worst_difference
 
-from fuzzyarm.formats import parse, read, write
+from fuzzyarm.exchange.formats import parse, read, write
 
 HERE = Path(__file__).parent
 REFERENCES = sorted((HERE / "reference").glob("*.json"))

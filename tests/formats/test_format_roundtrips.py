@@ -12,14 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import input_points, plain_mamdani, rulebases
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS
-from fuzzyarm.formats import SUFFIXES, Exported, parse, read, same_model, write
-from fuzzyarm.formats.dialects import MACHINE_EPSILON, PRODUCERS
-from fuzzyarm.formats.drafts import maximum_of_nothing
-from fuzzyarm.formats.recovery import straight_shape
-from fuzzyarm.formats.shapes import fuzzylite_shape
+from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.exchange.formats import SUFFIXES, Exported, parse, read, same_model, write
+from fuzzyarm.exchange.formats.dialects import MACHINE_EPSILON, PRODUCERS
+from fuzzyarm.exchange.formats.drafts import maximum_of_nothing
+from fuzzyarm.exchange.formats.recovery import straight_shape
+from fuzzyarm.exchange.formats.shapes import fuzzylite_shape
 from fuzzyarm.inference import InferenceError, infer
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -37,7 +37,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     Variable,
 )
-from fuzzyarm.text.diagnostic import Severity
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 
 DATA = Path(__file__).parent / "data"
 FILES = sorted(DATA.glob("*.f??"))

@@ -10,11 +10,11 @@ import numpy as np
 import pyit2fls
 import pytest
 
-from fuzzyarm.expression.formulas import read_formula
-from fuzzyarm.live.gather import _noting
-from fuzzyarm.live.objects import read_object
-from fuzzyarm.live.python_formulas import function_shape
-from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.exchange.live.gather import _noting
+from fuzzyarm.exchange.live.objects import read_object
+from fuzzyarm.exchange.live.python_formulas import function_shape
+from fuzzyarm.language.model.rulebase import Shape
+from fuzzyarm.symbolic.formulas import read_formula
 
 DOMAIN = np.linspace(0.0, 100.0, 101)
 LOW = pyit2fls.T1FS(DOMAIN, pyit2fls.tri_mf, [-1.0, 0.0, 100.0, 1.0])

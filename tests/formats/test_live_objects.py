@@ -24,14 +24,14 @@ from needs import requires
 from skfuzzy import control
 
 import fuzzyarm
+from fuzzyarm.base.diagnostic import RuleBaseError
+from fuzzyarm.exchange.live import compare
+from fuzzyarm.exchange.live.comparison import comparison_points
+from fuzzyarm.exchange.live.objects import read_object
+from fuzzyarm.exchange.live.simpful import from_simpful
 from fuzzyarm.language import write
-from fuzzyarm.live import compare
-from fuzzyarm.live.comparison import comparison_points
-from fuzzyarm.live.objects import read_object
-from fuzzyarm.live.simpful import from_simpful
-from fuzzyarm.model.rulebase import Defuzzifier, Shape
-from fuzzyarm.model.shapes import membership
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.language.model.rulebase import Defuzzifier, Shape
+from fuzzyarm.language.model.shapes import membership
 
 STAND_IN = Path(__file__).parent / "stand_in"
 

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import main
-from fuzzyarm.formats import parse
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.diagnostic import RuleBaseError, Severity
+from fuzzyarm.exchange.formats import parse
+from fuzzyarm.exchange.live.conversion import text_in, written
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse as parse_own
 from fuzzyarm.language import write as write_own
-from fuzzyarm.live.conversion import text_in, written
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import RuleBaseError, Severity
+from fuzzyarm.language.model.rulebase import RuleBase
 
 ENDS = """\
 rulebase ends

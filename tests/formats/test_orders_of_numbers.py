@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 import skfuzzy
 
-from fuzzyarm.formats import parse
+from fuzzyarm.exchange.formats import parse
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.language.model.rulebase import Shape
+from fuzzyarm.language.model.shapes import membership
 
 XS = (-3.0, 0.5, 1.0, 2.75, 4.0, 4.5, 5.0, 6.25, 9.0, 14.0)
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import pytest
 
-from fuzzyarm.live import ScriptError, System, read_script
-from fuzzyarm.live.comparison import SLIGHT
-from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from fuzzyarm.base.diagnostic import Diagnostic, Severity
+from fuzzyarm.exchange.live import ScriptError, System, read_script
+from fuzzyarm.exchange.live.comparison import SLIGHT
 from tests.formats.forked_python import forked_python
 
 PROGRAMS = Path(__file__).parent / "programs"

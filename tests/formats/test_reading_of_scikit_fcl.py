@@ -13,9 +13,9 @@ import pytest
 import skfuzzy
 from skfuzzy import control
 
-from fuzzyarm.formats import FormatError, Imported, parse_fcl, write_fcl
-from fuzzyarm.live.skfuzzy import from_skfuzzy
-from fuzzyarm.model.shapes import membership_function
+from fuzzyarm.exchange.formats import FormatError, Imported, parse_fcl, write_fcl
+from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy
+from fuzzyarm.language.model.shapes import membership_function
 
 TEXT = """FUNCTION_BLOCK A
 VAR_INPUT x : REAL; END_VAR

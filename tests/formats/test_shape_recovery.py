@@ -11,8 +11,9 @@ from budget import cases
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.formats.composed import composed, norm_of
-from fuzzyarm.formats.recovery import (
+from fuzzyarm.apps.show.terms import shape_words
+from fuzzyarm.exchange.formats.composed import composed, norm_of
+from fuzzyarm.exchange.formats.recovery import (
     TOLERANCE,
     beside_lines,
     constant_beyond,
@@ -26,9 +27,8 @@ from fuzzyarm.formats.recovery import (
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.language.declarations import even_shapes
-from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import membership, membership_function
-from fuzzyarm.show.terms import shape_words
+from fuzzyarm.language.model.rulebase import Shape
+from fuzzyarm.language.model.shapes import membership, membership_function
 
 XS = np.linspace(-2.0, 3.0, 101)
 

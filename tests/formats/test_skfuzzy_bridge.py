@@ -11,11 +11,11 @@ import pytest
 import skfuzzy
 from skfuzzy import control
 
-from fuzzyarm.formats.tables import in_tables
+from fuzzyarm.exchange.formats.tables import in_tables
+from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy, to_skfuzzy
 from fuzzyarm.inference import NoRuleFiredError, infer
 from fuzzyarm.language import parse, write
-from fuzzyarm.live.skfuzzy import from_skfuzzy, to_skfuzzy
-from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Is, Or, RuleBase, Shape
+from fuzzyarm.language.model.rulebase import And, Defuzzifier, Hedge, Is, Or, RuleBase, Shape
 
 # scikit-fuzzy calls np.maximum in a way that newer NumPy frowns upon.
 pytestmark = pytest.mark.filterwarnings("ignore:Passing more than 2 positional")
@@ -254,7 +254,7 @@ def test_what_scikit_fuzzy_cannot_say_is_said(old: str, new: str, name: str) -> 
 
 def test_formats_import_no_array_library() -> None:
     code = (
-        "import sys, fuzzyarm.formats, fuzzyarm.live.skfuzzy\n"
+        "import sys, fuzzyarm.exchange.formats, fuzzyarm.exchange.live.skfuzzy\n"
         "assert not {'numpy', 'skfuzzy', 'scipy'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

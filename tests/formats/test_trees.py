@@ -14,12 +14,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.formats import parse, tree
-from fuzzyarm.formats.trees import Connection, read_connection
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.exchange.formats import parse, tree
+from fuzzyarm.exchange.formats.trees import Connection, read_connection
 from fuzzyarm.inference import infer
 from fuzzyarm.language import format_text, write
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 from tests import strategies
 
 POINTS = np.linspace(0.0, 1.0, 101)

@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 from needs import CORPUS, requires
 from strategies import odd_text, rulebases
 
-from fuzzyarm.expression.formulas import read_formula, write_formula
-from fuzzyarm.formats import FOREIGN, PRODUCERS, parse, read, write
+from fuzzyarm.base.diagnostic import Diagnostic, Severity
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.exchange.formats import FOREIGN, PRODUCERS, parse, read, write
 from fuzzyarm.inference import InferenceError, prepare
-from fuzzyarm.model.rulebase import Expression, Hedged, Is, Rule, RuleBase, Shape, Variable
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from fuzzyarm.language.model.rulebase import Expression, Hedged, Is, Rule, RuleBase, Shape, Variable
+from fuzzyarm.symbolic.formulas import read_formula, write_formula
 
 DATA = Path(__file__).parent / "data"
 POINTS = 50

@@ -27,15 +27,15 @@ import numpy as np  # noqa: E402
 from fuzzing import Told, run  # noqa: E402
 
 from fuzzyarm import compile_table, infer  # noqa: E402
-from fuzzyarm.errors import FuzzyarmError  # noqa: E402
+from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.inference import check_expectations  # noqa: E402
 from fuzzyarm.inference.arrays import firing_strengths  # noqa: E402
 from fuzzyarm.language import parse, write  # noqa: E402
-from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
-from fuzzyarm.model.shapes import corner_points  # noqa: E402
-from fuzzyarm.proof import Prover, UnprovableError, Verdict, prove  # noqa: E402
-from fuzzyarm.proof.arithmetic import Stop, TimeOverError  # noqa: E402
-from fuzzyarm.proof.boxes import Boxes  # noqa: E402
+from fuzzyarm.language.model.rulebase import RuleBase  # noqa: E402
+from fuzzyarm.language.model.shapes import corner_points  # noqa: E402
+from fuzzyarm.proof.map import Prover, UnprovableError, Verdict, prove  # noqa: E402
+from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError  # noqa: E402
+from fuzzyarm.proof.map.boxes import Boxes  # noqa: E402
 
 SECONDS = 1.0
 """For each statement."""

@@ -22,9 +22,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "fuzz")]
 import numpy as np  # noqa: E402
 from fuzzing import Told, demand_whole_files, folder, run  # noqa: E402
 
+from fuzzyarm.base.diagnostic import Diagnostic  # noqa: E402
 from fuzzyarm.table import LookupTable, read_table, write_table  # noqa: E402
 from fuzzyarm.table.files import SUFFIXES, TableFileError, table_as  # noqa: E402
-from fuzzyarm.text.diagnostic import Diagnostic  # noqa: E402
 from tests.formats.mutation import mutated  # noqa: E402
 
 MADE = """fuzzyarm-table 1

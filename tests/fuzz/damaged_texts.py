@@ -19,13 +19,13 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "fuzz")]
 from fuzzing import Told, demand_whole_files, folder, run  # noqa: E402
 
 from fuzzyarm import infer  # noqa: E402
-from fuzzyarm.api import check_text  # noqa: E402
-from fuzzyarm.errors import FuzzyarmError  # noqa: E402
-from fuzzyarm.formats import PRODUCERS, SUFFIXES, parse, same_model, write  # noqa: E402
+from fuzzyarm.base.diagnostic import RuleBaseError  # noqa: E402
+from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
+from fuzzyarm.exchange.files import check_text  # noqa: E402
+from fuzzyarm.exchange.formats import PRODUCERS, SUFFIXES, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
-from fuzzyarm.language import format_text, queries  # noqa: E402
-from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
-from fuzzyarm.text.diagnostic import RuleBaseError  # noqa: E402
+from fuzzyarm.language import edit, format_text  # noqa: E402
+from fuzzyarm.language.model.rulebase import RuleBase  # noqa: E402
 from tests.formats.mutation import mutated  # noqa: E402
 
 OWN_LINES = """rulebase everything
@@ -146,15 +146,15 @@ def use(rulebase: RuleBase, r: random.Random, told: Told) -> None:
 
 def ask(text: str, r: random.Random) -> None:
     """Ask what editors ask, anywhere in the text."""
-    reading = queries.read(text)
+    reading = edit.read(text)
     lines = text.split("\n")
     line = r.randrange(len(lines))
     column = r.randint(0, len(lines[line])) + 1
-    queries.complete(reading, line + 1, column)
-    queries.hover(reading, line + 1, column)
-    queries.symbols(reading)
-    queries.folds(reading)
-    queries.coloured(reading)
+    edit.complete(reading, line + 1, column)
+    edit.hover(reading, line + 1, column)
+    edit.symbols(reading)
+    edit.folds(reading)
+    edit.coloured(reading)
     try:
         formatted = format_text(text)
     except RuleBaseError:

@@ -15,8 +15,8 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
-from fuzzyarm.cli.command import Argument
-from fuzzyarm.cli.main import find_command
+from fuzzyarm.apps.cli.command import Argument
+from fuzzyarm.apps.cli.main import find_command
 from tests.formats.mutation import mutated
 
 ROOT = Path(__file__).resolve().parents[2]

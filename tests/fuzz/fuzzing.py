@@ -89,7 +89,7 @@ def report(found: list[Finding], count: int, seconds: float) -> None:
 
 def command(words: list[str]) -> tuple[int, str]:
     """Run the command line in this process; return its status and what it printed."""
-    from fuzzyarm.cli import main
+    from fuzzyarm.apps.cli import main
 
     said = io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):

@@ -22,8 +22,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "fuzz")]
 
 from workers import HUNG, Outcome, Worker  # noqa: E402
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SNORMS, TNORMS  # noqa: E402
-from fuzzyarm.model.rulebase import SAMPLINGS  # noqa: E402
+from fuzzyarm.language.model.rulebase import SAMPLINGS  # noqa: E402
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SNORMS, TNORMS  # noqa: E402
 
 Range = tuple[float, float]
 

@@ -58,18 +58,18 @@ from own_loop import (  # noqa: E402
 )
 
 from fuzzyarm import load_controller, prove, simulate  # noqa: E402
-from fuzzyarm.closed_loop import (  # noqa: E402
+from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
+from fuzzyarm.control.loop.course import Options, Sensor  # noqa: E402
+from fuzzyarm.language.model.claims import LoopClaim  # noqa: E402
+from fuzzyarm.plant.own import find_plant  # noqa: E402
+from fuzzyarm.proof.loop import (  # noqa: E402
     LoopVerdict,
     check_certificate,
     write_certificate,
 )
-from fuzzyarm.closed_loop.certificate import sealed  # noqa: E402
-from fuzzyarm.closed_loop.timed import loop_tube  # noqa: E402
-from fuzzyarm.closed_loop.tube_certificate import certify_tube  # noqa: E402
-from fuzzyarm.errors import FuzzyarmError  # noqa: E402
-from fuzzyarm.loop.course import Options, Sensor  # noqa: E402
-from fuzzyarm.model.claims import LoopClaim  # noqa: E402
-from fuzzyarm.plant.own import find_plant  # noqa: E402
+from fuzzyarm.proof.loop.certificate import sealed  # noqa: E402
+from fuzzyarm.proof.loop.timed import loop_tube  # noqa: E402
+from fuzzyarm.proof.loop.tube_certificate import certify_tube  # noqa: E402
 
 BUDGET = 1.0
 """Seconds for each claim."""

@@ -26,8 +26,8 @@ from fuzzing import Told, run  # noqa: E402
 
 from fuzzyarm import compile_table, infer  # noqa: E402
 from fuzzyarm.language import parse, write  # noqa: E402
-from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
-from fuzzyarm.proof import (  # noqa: E402
+from fuzzyarm.language.model.rulebase import RuleBase  # noqa: E402
+from fuzzyarm.proof.map import (  # noqa: E402
     Bounds,
     Prover,
     UnprovableError,
@@ -35,7 +35,7 @@ from fuzzyarm.proof import (  # noqa: E402
     prove,
     sector,
 )
-from fuzzyarm.proof.arithmetic import Stop, TimeOverError  # noqa: E402
+from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError  # noqa: E402
 
 PLANTED = 1e-9
 SECONDS = 4.0

@@ -31,24 +31,24 @@ from hypothesis import seed as seeded  # noqa: E402
 from hypothesis import strategies as st  # noqa: E402
 
 from fuzzyarm import compile_table, compiled, infer  # noqa: E402
-from fuzzyarm.errors import FuzzyarmError  # noqa: E402
-from fuzzyarm.export import ExportError, routines_of  # noqa: E402
-from fuzzyarm.export.module_files import routines_module  # noqa: E402
-from fuzzyarm.export.modules import MODULES  # noqa: E402
-from fuzzyarm.export.routine import Accuracy  # noqa: E402
-from fuzzyarm.expression.kinds import DEFUZZIFIERS  # noqa: E402
-from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402
+from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
+from fuzzyarm.exchange.export import ExportError, routines_of  # noqa: E402
+from fuzzyarm.exchange.export.module_files import routines_module  # noqa: E402
+from fuzzyarm.exchange.export.modules import MODULES  # noqa: E402
+from fuzzyarm.exchange.export.routine import Accuracy  # noqa: E402
+from fuzzyarm.exchange.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
 from fuzzyarm.inference.arrays import infer_arrays  # noqa: E402
 from fuzzyarm.inference.plan import plan  # noqa: E402
-from fuzzyarm.model.rulebase import (  # noqa: E402
+from fuzzyarm.language.model.rulebase import (  # noqa: E402
     Defuzzifier,
     Input,
     RuleBase,
     RuleBlock,
     Shape,
 )
-from fuzzyarm.model.shapes import corner_points, straight_lines  # noqa: E402
+from fuzzyarm.language.model.shapes import corner_points, straight_lines  # noqa: E402
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS  # noqa: E402
 from tests.export.c_programs import run_c  # noqa: E402
 from tests.strategies import (  # noqa: E402
     SMOOTH,

@@ -16,7 +16,7 @@ from drawn_commands import OFTEN
 from fuzzing import run, search
 from workers import HUNG, Outcome, Worker
 
-from fuzzyarm.cli.main import COMMANDS
+from fuzzyarm.apps.cli.main import COMMANDS
 from fuzzyarm.language import parse
 
 LONG = {"plot", "sweep", "tune", "demo", "compare", "reproduce", "watch", "learn"}

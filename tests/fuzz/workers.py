@@ -1,6 +1,6 @@
 """Commands in a process that has everything loaded, and that is ended where one hangs.
 
-``Worker`` runs ``fuzzyarm.cli.main.main`` again and again in one process of its own: what the
+``Worker`` runs ``fuzzyarm.apps.cli.main.main`` again and again in one process of its own: what the
 first command loaded or compiled serves all others, as in a test. Streams are files, so that
 whatever writes to them (a compiler, a thread) is seen.
 """
@@ -155,7 +155,7 @@ def _serve() -> None:
 
     tasks, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     faulthandler.enable(os.fdopen(os.dup(2), "wb", buffering=0))
-    from fuzzyarm.cli.main import main
+    from fuzzyarm.apps.cli.main import main
 
     for line in tasks:
         task = json.loads(line)

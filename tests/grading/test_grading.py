@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import main
-from fuzzyarm.grading import GradingError, grade, read_assignment
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.grading import GradingError, grade, read_assignment
 
 ASSIGNMENTS = Path(__file__).parents[2] / "examples" / "assignments"
 SHIPPED = sorted(path.name for path in ASSIGNMENTS.iterdir() if path.is_dir())

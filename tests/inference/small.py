@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     Consequent,
     Defuzzifier,
     Expression,

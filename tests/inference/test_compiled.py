@@ -15,7 +15,6 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm import kernels
 from fuzzyarm.inference import (
     InferenceError,
     NoRuleFiredError,
@@ -33,9 +32,8 @@ from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.prepared import MOST, prepared
 from fuzzyarm.inference.row_functions import _row_function
-from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -50,7 +48,9 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.tuning.design import Design
+from fuzzyarm.learning.tuning.design import Design
+from fuzzyarm.symbolic import kernels
+from fuzzyarm.symbolic.kernels import has_machine_code
 from tests.inference import small
 from tests.strategies import (
     CONJUNCTIONS,

@@ -10,9 +10,9 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference import InferenceError, infer
-from fuzzyarm.model.rulebase import RuleBase, Shape
+from fuzzyarm.language.model.rulebase import RuleBase, Shape
+from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 from tests.inference.small import base, rule, terms
 from tests.strategies import SMOOTH, STRAIGHT, shapes
 
@@ -333,7 +333,7 @@ def test_tsukamoto_needs_a_slope() -> None:
 
 @given(st.floats(0.05, 1.0), st.floats(0.05, 1.0))
 def test_hedges_of_a_consequent_change_the_set(a: float, b: float) -> None:
-    from fuzzyarm.model.rulebase import Consequent, Hedge, Is, Rule
+    from fuzzyarm.language.model.rulebase import Consequent, Hedge, Is, Rule
 
     rules = [Rule(Is("a", "high"), (Consequent("u", "left", (Hedge("not"),)),)), RULES[1]]
     rulebase = base(rules, BOXES)

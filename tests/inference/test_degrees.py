@@ -12,8 +12,7 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.export import routines_of
-from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+from fuzzyarm.exchange.export import routines_of
 from fuzzyarm.inference import (
     InferenceError,
     NoRuleFiredError,
@@ -27,7 +26,7 @@ from fuzzyarm.inference import (
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.point import NumberedProposition, Propositions
 from fuzzyarm.inference.sets import degrees, term_function
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -42,7 +41,8 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.model.shapes import corner_points, straight_lines
+from fuzzyarm.language.model.shapes import corner_points, straight_lines
+from fuzzyarm.symbolic.kinds import HEDGES, SNORMS, TNORMS
 from tests.export.c_programs import run_c
 from tests.inference.small import inputs
 from tests.strategies import (

@@ -17,7 +17,16 @@ from hypothesis import strategies as st
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer, prepare
 from fuzzyarm.inference.arrays import blocks, infer_arrays
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import And, Defuzzifier, Expression, Hedged, Is, Or, Output, RuleBase
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Defuzzifier,
+    Expression,
+    Hedged,
+    Is,
+    Or,
+    Output,
+    RuleBase,
+)
 from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
 
 slow_draws = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
@@ -272,7 +281,8 @@ def test_single_precision_inputs_are_taken_as_they_are(pd7: RuleBase) -> None:
 
 def test_importing_and_a_single_point_need_no_array_library() -> None:
     code = (
-        "import sys; import fuzzyarm.inference as i; from fuzzyarm.model.rulebase import *\n"
+        "import sys; import fuzzyarm.inference as i\n"
+        "from fuzzyarm.language.model.rulebase import *\n"
         "t = (Term('A', Shape('triangle', (0.0, 1.0, 2.0))),)\n"
         "r = RuleBase('r', (Input('e', 0.0, 2.0, t),), (Output('u', 0.0, 2.0, t),),"
         " (RuleBlock((Rule(Is('e', 'A'), (Consequent('u', 'A'),)),)),))\n"
@@ -301,7 +311,7 @@ def test_every_combination_of_norms_agrees_in_both_engines(pd7: RuleBase) -> Non
 
 
 def test_hedges_on_a_whole_expression(pd7: RuleBase) -> None:
-    from fuzzyarm.model.rulebase import Consequent, Hedge, Rule
+    from fuzzyarm.language.model.rulebase import Consequent, Hedge, Rule
 
     inside = Or((Is("e", "NB"), Is("e", "PB")))
     rule = Rule(Hedged((Hedge("not"), Hedge("very")), inside), (Consequent("u", "PB"),))

@@ -13,14 +13,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference import centroid, infer
 from fuzzyarm.inference.overlap import closed_form
 from fuzzyarm.inference.plan import OutputPlan, plan
 from fuzzyarm.inference.sets import degrees as array_membership
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, Shape
+from fuzzyarm.language.model.shapes import membership
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 from tests.strategies import SMOOTH, STRAIGHT, plain_mamdani
 
 
@@ -206,7 +206,15 @@ def test_fine_samples_approach_the_exact_value(pd7: RuleBase) -> None:
 
 
 def _bare_output(shapes: list[Shape], low: float, high: float) -> OutputPlan:
-    from fuzzyarm.model.rulebase import Consequent, Input, Is, Output, Rule, RuleBlock, Term
+    from fuzzyarm.language.model.rulebase import (
+        Consequent,
+        Input,
+        Is,
+        Output,
+        Rule,
+        RuleBlock,
+        Term,
+    )
 
     terms = tuple(Term(f"T{i}", shape) for i, shape in enumerate(shapes))
     rules = tuple(Rule(Is("e", "A"), (Consequent("u", term.name),)) for term in terms)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape, Term
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, Shape, Term
 
 REFERENCE = json.loads(
     (Path(__file__).parent / "data/fuzzylite_centroid.json").read_text(encoding="utf-8")

@@ -24,8 +24,8 @@ def test_the_examples_run_as_they_stand(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_every_norm_and_defuzzifier_is_named() -> None:
-    from fuzzyarm.expression.kinds import DEFUZZIFIERS
-    from fuzzyarm.model.rulebase import SAMPLINGS
+    from fuzzyarm.language.model.rulebase import SAMPLINGS
+    from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
     from tests.strategies import CONJUNCTIONS, DISJUNCTIONS
 
     shipped = [name for name in DEFUZZIFIERS if not DEFUZZIFIERS[name].own]

@@ -16,12 +16,12 @@ from skfuzzy import defuzz
 from strategies import input_points, plain_mamdani
 
 from fuzzyarm import compiled
-from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.point import prepare
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import Defuzzifier
-from fuzzyarm.model.shapes import membership
+from fuzzyarm.language.model.rulebase import Defuzzifier
+from fuzzyarm.language.model.shapes import membership
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 
 TEXT = """
 rulebase lamp

@@ -16,15 +16,15 @@ import pytest
 from budget import cases, part
 from needs import requires
 
-from fuzzyarm.controller.program import rule_block
-from fuzzyarm.export import export_files, routines_of
-from fuzzyarm.formats import PRODUCERS, write
+from fuzzyarm.control.controllers.program import rule_block
+from fuzzyarm.exchange.export import export_files, routines_of
+from fuzzyarm.exchange.formats import PRODUCERS, write
 from fuzzyarm.inference import compiled, prepare
 from fuzzyarm.inference import kernel as inference_kernel
 from fuzzyarm.inference.arrays import infer_arrays
-from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.kernels import has_machine_code, routine
 from tests.export.c_programs import run_c
 from tests.export.module_programs import javascript_of
 from tests.export.st_programs import Program

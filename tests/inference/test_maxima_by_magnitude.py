@@ -9,7 +9,7 @@ import pytest
 
 from fuzzyarm import compiled, infer, prove
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 
 METHODS = ("nearest-of-maximum", "farthest-of-maximum")
 

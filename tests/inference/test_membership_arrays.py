@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.inference.sets import degrees as membership
 from fuzzyarm.inference.sets import hedged as apply_hedges
-from fuzzyarm.model.rulebase import Hedge, Shape
-from fuzzyarm.model.shapes import apply_hedge
-from fuzzyarm.model.shapes import membership as plain_membership
+from fuzzyarm.language.model.rulebase import Hedge, Shape
+from fuzzyarm.language.model.shapes import apply_hedge
+from fuzzyarm.language.model.shapes import membership as plain_membership
+from fuzzyarm.symbolic.kinds import HEDGES
 from tests.strategies import SMOOTH, STRAIGHT, shapes
 
 any_shape = st.sampled_from(STRAIGHT + SMOOTH).flatmap(lambda kind: shapes(kind, -6.0, 6.0))

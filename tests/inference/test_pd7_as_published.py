@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 from tests.pd7 import make_pd7
 
 

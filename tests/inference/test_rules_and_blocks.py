@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from fuzzyarm.expression.formulas import FormulaError
+from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.inference import (
     CyclicRulesError,
     InferenceError,
@@ -22,7 +22,7 @@ from fuzzyarm.inference import (
     explain,
     infer,
 )
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Defuzzifier,
     Hedge,
@@ -33,7 +33,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
 )
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.symbolic.formulas import FormulaError
 from tests.inference.small import base, inputs, rule, terms
 
 HILL = terms(hill=Shape("triangle", (0.0, 5.0, 10.0)))

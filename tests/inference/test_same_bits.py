@@ -13,8 +13,8 @@ from budget import cases
 from needs import CORPUS, requires
 
 import fuzzyarm
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.export import ExportError, routines_of
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.exchange.export import ExportError, routines_of
 from fuzzyarm.inference import (
     compiled,
     engine,
@@ -26,8 +26,8 @@ from fuzzyarm.inference import (
 )
 from fuzzyarm.inference.arrays import firing_strengths, infer_arrays
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.model.shapes import corner_points
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.model.shapes import corner_points
 from tests.export.c_programs import run_c
 
 SHIPPED = ("pd7", "pd7-study", "alpha7", "alpha7-study", "fine7", "slide7", "balance", "fan",

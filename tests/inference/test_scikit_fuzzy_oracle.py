@@ -18,7 +18,7 @@ import skfuzzy
 from skfuzzy import control
 
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, Shape
 
 pytestmark = pytest.mark.filterwarnings("ignore:Passing more than 2:DeprecationWarning")
 

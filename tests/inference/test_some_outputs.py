@@ -8,11 +8,11 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference import MissingInputError, UnknownNameError, infer
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 from tests.strategies import input_points, rulebases
 
 

@@ -11,12 +11,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import compiled, infer
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference import NoRuleFiredError, prepare
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.stages import stages
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 from tests.strategies import input_points, rulebases
 
 HEAD = """rulebase chain

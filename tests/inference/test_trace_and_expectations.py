@@ -8,9 +8,9 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.base.diagnostic import Severity, Span
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, check_expectations, explain, infer
-from fuzzyarm.model.rulebase import Expectation, Outcome, RuleBase, Shape
-from fuzzyarm.text.diagnostic import Severity, Span
+from fuzzyarm.language.model.rulebase import Expectation, Outcome, RuleBase, Shape
 from tests.inference.small import base, rule, terms
 from tests.strategies import input_points, rulebases
 

@@ -12,9 +12,10 @@ import pytest
 from numpy.typing import NDArray
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.export.rulebase import direct_routine
-from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.diagnostic import Diagnostic
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.inference import InferenceError, compiled, infer, infer_interval
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
@@ -22,7 +23,7 @@ from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import prepare
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.check import check
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -38,8 +39,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.text.diagnostic import Diagnostic
+from fuzzyarm.symbolic.kinds import HEDGES, SNORMS, TNORMS
 
 TIPPER = """\
 rulebase tipper2

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/type2.md").read_text(encoding="utf-8")

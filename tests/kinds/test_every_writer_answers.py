@@ -13,12 +13,12 @@ import pytest
 from budget import crossed, part
 
 import fuzzyarm
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.export import ExportError, routines_of
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.formats import PRODUCERS, parse, write
-from fuzzyarm.live.skfuzzy import from_skfuzzy, to_skfuzzy
-from fuzzyarm.model.rulebase import SAMPLINGS, Defuzzifier, RuleBase
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.exchange.export import ExportError, routines_of
+from fuzzyarm.exchange.formats import PRODUCERS, parse, write
+from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy, to_skfuzzy
+from fuzzyarm.language.model.rulebase import SAMPLINGS, Defuzzifier, RuleBase
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.table.files import SUFFIXES
 from tests.export.c_programs import run_c
 

@@ -14,19 +14,19 @@ from needs import need
 
 import fuzzyarm
 from fuzzyarm import kinds, op
-from fuzzyarm.cli import main
-from fuzzyarm.export import routines_of
-from fuzzyarm.expression.defuzzifiers import ASPECTS, DEFUZZIFIERS
-from fuzzyarm.expression.records import KindError
-from fuzzyarm.formats import PRODUCERS, same_model, write
-from fuzzyarm.formats import parse as parse_foreign
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.diagnostic import RuleBaseError
+from fuzzyarm.exchange.export import routines_of
+from fuzzyarm.exchange.formats import PRODUCERS, same_model, write
+from fuzzyarm.exchange.formats import parse as parse_foreign
+from fuzzyarm.exchange.live.skfuzzy import to_skfuzzy
 from fuzzyarm.inference import explain
 from fuzzyarm.inference.infer import infer_interval
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.queries import coloured, complete, hover, read
-from fuzzyarm.live.skfuzzy import to_skfuzzy
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.language.edit import coloured, complete, hover, read
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.symbolic.defuzzifiers import ASPECTS, DEFUZZIFIERS
+from fuzzyarm.symbolic.records import KindError
 from tests.export.c_programs import run_c
 from tests.export.module_programs import javascript_of
 from tests.inference import test_matrix as matrix

@@ -18,14 +18,14 @@ from budget import crossed, part
 from own_kinds import HEDGE, NORM, SHAPE, TEXTS, register, remove
 
 import fuzzyarm
-from fuzzyarm.cli import main
-from fuzzyarm.cli.main import COMMANDS
-from fuzzyarm.export import ExportError, routines_of
-from fuzzyarm.expression import records
-from fuzzyarm.formats import PRODUCERS, parse, same_model, write
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.cli.main import COMMANDS
+from fuzzyarm.exchange.export import ExportError, routines_of
+from fuzzyarm.exchange.formats import PRODUCERS, parse, same_model, write
+from fuzzyarm.exchange.live.skfuzzy import to_skfuzzy
 from fuzzyarm.language import format_text
-from fuzzyarm.live.skfuzzy import to_skfuzzy
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic import records
 from tests.export.c_programs import run_c
 
 OWN = (SHAPE, NORM, HEDGE)
@@ -308,7 +308,7 @@ def test_an_evaluated_table_gives_what_the_rule_base_gives(tmp_path, capsys):
 
 
 def test_editors_know_them():
-    from fuzzyarm.language.queries import complete, read
+    from fuzzyarm.language.edit import complete, read
 
     text = TEXTS["all"]
     for fragment, wanted in (

@@ -2,9 +2,9 @@
 
 import pytest
 
+from fuzzyarm.base.diagnostic import MAX_CHARACTERS, MAX_DIAGNOSTICS, MAX_LINE, render_all
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import check
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS, MAX_DIAGNOSTICS, MAX_LINE, render_all
 
 HEAD = """rulebase t
 input e -6 .. 6

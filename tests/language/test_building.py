@@ -4,8 +4,9 @@ import itertools
 
 import pytest
 
+from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.inference import infer
-from fuzzyarm.language.queries import (
+from fuzzyarm.language.edit import (
     RenameError,
     ReshapeError,
     add_column,
@@ -26,10 +27,9 @@ from fuzzyarm.language.queries import (
     set_rule,
     set_setting,
 )
-from fuzzyarm.language.queries.lines import INCOMPLETE
+from fuzzyarm.language.edit.lines import INCOMPLETE
+from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.rules import GridNode
-from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.shipped_files import shipped, shipped_names
 
 PD7 = shipped("pd7.frb").read_text()
 
@@ -220,7 +220,7 @@ def test_a_setting_that_cannot_be_is_refused(key, value, target, said):
 
 
 def test_every_choice_of_norms_is_taken_by_any_rule_base():
-    from fuzzyarm.expression.kinds import SNORMS, TNORMS
+    from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
     for key, kinds in (("and", TNORMS), ("implication", TNORMS), ("or", SNORMS)):
         for value in itertools.islice(kinds, 6):

@@ -13,7 +13,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import rulebases
 
-from fuzzyarm.api import check_text
+from fuzzyarm.base.diagnostic import Severity
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.language.check import CHECKS, check
@@ -21,7 +23,7 @@ from fuzzyarm.language.check.coverage import silent_point
 from fuzzyarm.language.check.search import GapSearch, Need, VariableStretch
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.document import Document
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Input,
@@ -34,8 +36,6 @@ from fuzzyarm.model.rulebase import (
     Term,
     propositions,
 )
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.text.diagnostic import Severity
 
 DOCS = Path(__file__).parents[2] / "docs" / "checks.md"
 SOURCES = Path(__file__).parents[2] / "src" / "fuzzyarm"

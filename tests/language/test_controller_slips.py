@@ -2,11 +2,11 @@
 
 import pytest
 
-from fuzzyarm.api import check_text
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.queries import apply_edits, fixes
-from fuzzyarm.model.controller import SOURCES
-from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.language.edit import apply_edits, fixes
+from fuzzyarm.language.model.controller import SOURCES
 
 PATH = str(shipped("servo.frb").with_name("tried.frb"))
 

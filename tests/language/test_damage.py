@@ -8,10 +8,10 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.base.diagnostic import render_all
+from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.check import check
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.text.diagnostic import render_all
 
 FILES = [name for name in shipped_names() if name.endswith(".frb")]
 PER_FILE = cases(24, 48)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from fuzzyarm import infer
-from fuzzyarm.api import check_text
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse, write
-from fuzzyarm.language.queries import complete, hover, read, rename
+from fuzzyarm.language.edit import complete, hover, read, rename
 
 HEAD = """\
 rulebase two "two outputs"

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.base.diagnostic import MAX_INPUTS, MAX_TERMS
 from fuzzyarm.language import format_text, parse, write
+from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import STATEMENTS
-from fuzzyarm.model.shapes import EVEN_SHAPES
-from fuzzyarm.text.diagnostic import MAX_INPUTS, MAX_TERMS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
 PATH = Path(__file__).parents[2] / "docs" / "language.md"
 PAGE = PATH.read_text()

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import pytest
 
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.parts import FixedText, Keyword, Number, VariableName
-from fuzzyarm.language.queries import (
+from fuzzyarm.language.edit import (
     apply_edits,
     coloured,
     complete,
@@ -19,11 +20,10 @@ from fuzzyarm.language.queries import (
     rename,
     symbols,
 )
+from fuzzyarm.language.parts import FixedText, Keyword, Number, VariableName
 from fuzzyarm.language.rows import StatementKind, StatementRow
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.language.tokens import STARTERS, name_text
-from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.placed import Figure, Word
 
 HEAD = """\
 rulebase r

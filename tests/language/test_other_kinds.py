@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_kind
-from fuzzyarm.model.alike import KINDS, UnlikeError, alike
-from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import membership_function
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.language.edit import ReshapeError, apply_edits, read, set_kind
+from fuzzyarm.language.model.alike import KINDS, UnlikeError, alike
+from fuzzyarm.language.model.rulebase import Shape
+from fuzzyarm.language.model.shapes import membership_function
 
 LOW, HIGH = -6.0, 6.0
 BOUNDED = ("triangle", "trapezoid", "rectangle", "pi", "gaussian", "two-sided-gaussian", "bell",

@@ -2,8 +2,8 @@
 
 import pytest
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.language import parse
+from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
 
 TEXT = (
     "rulebase t\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles L H\n{}\n"

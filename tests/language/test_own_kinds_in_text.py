@@ -9,11 +9,11 @@ from types import ModuleType
 
 import pytest
 
-from fuzzyarm.api import check_text
-from fuzzyarm.expression import kinds, op, records
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse, write
-from fuzzyarm.language.queries import coloured, complete, hover, read
-from fuzzyarm.model.rulebase import Hedge
+from fuzzyarm.language.edit import coloured, complete, hover, read
+from fuzzyarm.language.model.rulebase import Hedge
+from fuzzyarm.symbolic import kinds, op, records
 
 TEXT = """\
 rulebase own "kinds of one's own"

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression import kinds
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language import parse
 from fuzzyarm.language.document import ParseMemory
 from fuzzyarm.language.reading import parse_once
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.symbolic import kinds
+from fuzzyarm.symbolic.kinds import SHAPES
 
 SHIPPED = sorted((Path(__file__).parents[2] / "rulebases").glob("*.frb"))
 PIECES = (

@@ -5,9 +5,7 @@ import math
 
 import pytest
 
-from fuzzyarm.language import format_text, load_rulebase, parse, write
-from fuzzyarm.model.rulebase import And, Hedge, Hedged, Is, Or
-from fuzzyarm.text.diagnostic import (
+from fuzzyarm.base.diagnostic import (
     MAX_CHARACTERS,
     MAX_DIAGNOSTICS,
     MAX_LINE,
@@ -15,6 +13,8 @@ from fuzzyarm.text.diagnostic import (
     RuleBaseError,
     render_all,
 )
+from fuzzyarm.language import format_text, load_rulebase, parse, write
+from fuzzyarm.language.model.rulebase import And, Hedge, Hedged, Is, Or
 
 HEAD = """rulebase t
 input e -6 .. 6
@@ -89,7 +89,7 @@ def test_even_triangles_have_their_feet_under_the_neighbours_peaks():
 
 
 def test_even_gaussians_cross_at_one_half():
-    from fuzzyarm.model.shapes import membership
+    from fuzzyarm.language.model.shapes import membership
 
     rulebase = parse(
         "rulebase t\ninput e 0 .. 10\noutput u 0 .. 1\nterms e: gaussians A B C\n"

@@ -8,9 +8,11 @@ import re
 import pytest
 from markdown_it import MarkdownIt
 
-from fuzzyarm.api import check_text
+from fuzzyarm.base.names import quote
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import parse
-from fuzzyarm.language.queries import (
+from fuzzyarm.language.edit import (
     Completion,
     NameKind,
     RenameError,
@@ -26,10 +28,8 @@ from fuzzyarm.language.queries import (
     rename,
     symbols,
 )
-from fuzzyarm.language.queries.fixes import Edit
+from fuzzyarm.language.edit.fixes import Edit
 from fuzzyarm.language.statements import GridNode
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.text.names import quote
 
 HEAD = """\
 rulebase cart "a cart"
@@ -425,7 +425,7 @@ def test_a_duplicate_rule_is_removed_and_a_doubt_can_be_allowed() -> None:
 
 def test_edits_keep_the_ends_of_other_lines() -> None:
     text = "a\r\nb\rc\n"
-    from fuzzyarm.text.diagnostic import Span
+    from fuzzyarm.base.diagnostic import Span
 
     assert apply_edits(text, [Edit(Span(3, 1, 3, 2), "C"), Edit(Span(1, 1, 1, 2), "A")]) == (
         "A\r\nb\rC\n"

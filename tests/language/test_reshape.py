@@ -4,7 +4,8 @@ import re
 
 import pytest
 
-from fuzzyarm.language.queries import (
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.language.edit import (
     Reshaped,
     ReshapeError,
     add_term,
@@ -17,8 +18,7 @@ from fuzzyarm.language.queries import (
     set_shapes,
     set_variable_range,
 )
-from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.language.model.rulebase import Shape
 
 PD7 = shipped("pd7.frb").read_text()
 TIPPER2 = shipped("tipper2.frb").read_text()

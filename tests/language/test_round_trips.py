@@ -9,16 +9,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import plain_mamdani, rulebases
 
-from fuzzyarm.api import load
-from fuzzyarm.cli import main
-from fuzzyarm.formats import same_model
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.diagnostic import MAX_LINE, RuleBaseError
+from fuzzyarm.base.names import is_plain_name
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.exchange.files import load
+from fuzzyarm.exchange.formats import same_model
 from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.language.check import check
+from fuzzyarm.language.model.rulebase import And, RuleBase
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.rulebase import And, RuleBase
-from fuzzyarm.text.diagnostic import MAX_LINE, RuleBaseError
-from fuzzyarm.text.names import is_plain_name
-from fuzzyarm.text.numbers import number_text
 
 
 @settings(max_examples=cases(10, 50), deadline=None)

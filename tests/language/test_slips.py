@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from fuzzyarm.api import check_text
+from fuzzyarm.base.diagnostic import Diagnostic
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.queries import apply_edits, fixes
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.text.diagnostic import Diagnostic
+from fuzzyarm.language.edit import apply_edits, fixes
 
 TEXT = """\
 rulebase tip "the tip"

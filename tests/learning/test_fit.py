@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from needs import DATA, requires
 
-from fuzzyarm.api import check_text
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.inference import infer
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.learning.data import Samples, as_samples, read_samples

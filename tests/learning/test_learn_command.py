@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 from fuzzyarm.table import read_table
 
 FAST = ["--segment", "0.2", "--trajectory", "pick-and-place"]
@@ -60,7 +60,7 @@ def test_a_cell_of_a_given_table_that_was_never_used_keeps_its_number(capsys):
 def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypatch):
     from PIL import Image
 
-    from fuzzyarm.show.figures import learning
+    from fuzzyarm.apps.show.figures import learning
 
     monkeypatch.setattr(learning, "MOST_FRAMES", 3)
     figure, film = tmp_path / "learned.svg", tmp_path / "learned.gif"
@@ -74,10 +74,10 @@ def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypa
 
 
 def test_a_figure_of_a_training_hatches_what_was_never_used():
-    from fuzzyarm.controller import controller
+    from fuzzyarm.apps.show.figures.learning import LearningHistory, learning_figure
+    from fuzzyarm.control.controllers import controller
     from fuzzyarm.learning import train
     from fuzzyarm.plant import pick_and_place
-    from fuzzyarm.show.figures.learning import LearningHistory, learning_figure
     from tests.show.boxes import faults
 
     snapshots = list(train(controller("soc-zero"), pick_and_place(segment=0.2)))

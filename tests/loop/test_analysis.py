@@ -7,17 +7,17 @@ import pytest
 from scipy.linalg import expm
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.language import parse
-from fuzzyarm.loop import (
+from fuzzyarm.apps.cli import main
+from fuzzyarm.control.loop import (
     AnalysisError,
     Signal,
     describing_function,
     nonlinearity,
     phase_portrait,
 )
-from fuzzyarm.loop.course import OptionError, require_points
-from fuzzyarm.loop.metrics import metrics_of
+from fuzzyarm.control.loop.course import OptionError, require_points
+from fuzzyarm.control.loop.metrics import metrics_of
+from fuzzyarm.language import parse
 from fuzzyarm.plant import find_plant
 
 SATURATION = parse("""rulebase limited

@@ -14,15 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import shipped
-from fuzzyarm.controller import controller
-from fuzzyarm.controller.program import SourceError
-from fuzzyarm.controller.text import with_files
-from fuzzyarm.errors import UsageError
+from fuzzyarm.base.errors import UsageError
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.control.loop import Options, Sensor, Signal, read_signal, simulate
+from fuzzyarm.control.loop.analysis import phase_portrait
+from fuzzyarm.control.loop.run import ClosedLoop, as_controller, plant_motion
+from fuzzyarm.control.loop.words import driven
 from fuzzyarm.language import parse
-from fuzzyarm.loop import Options, Sensor, Signal, read_signal, simulate
-from fuzzyarm.loop.analysis import phase_portrait
-from fuzzyarm.loop.run import ClosedLoop, as_controller, plant_motion
-from fuzzyarm.loop.words import driven
 from fuzzyarm.plant import PLANTS, Plant, PlantError, Port, find_plant, reach
 from fuzzyarm.plant.plant import interface_of, is_traced, with_actuators, with_parameters
 from fuzzyarm.requests.runs import SimulateRequest

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

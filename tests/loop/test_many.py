@@ -13,14 +13,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm import load
-from fuzzyarm.controller import Controller, controller, find_controller
-from fuzzyarm.controller.catalogue import CATALOGUE
-from fuzzyarm.errors import FuzzyarmError, MissingExtraError
-from fuzzyarm.loop import Options, Sensor, Signal, SweepError, simulate, simulate_many
-from fuzzyarm.loop.blocks import TravelError, in_order, packed, unpacked
-from fuzzyarm.loop.many import Bench
-from fuzzyarm.loop.metrics import METRICS
-from fuzzyarm.loop.simulation import experiment_of
+from fuzzyarm.base.errors import FuzzyarmError, MissingExtraError
+from fuzzyarm.control.controllers import Controller, controller, find_controller
+from fuzzyarm.control.controllers.catalogue import CATALOGUE
+from fuzzyarm.control.loop import Options, Sensor, Signal, SweepError, simulate, simulate_many
+from fuzzyarm.control.loop.blocks import TravelError, in_order, packed, unpacked
+from fuzzyarm.control.loop.many import Bench
+from fuzzyarm.control.loop.metrics import METRICS
+from fuzzyarm.control.loop.simulation import experiment_of
 from fuzzyarm.plant import LOADED, UNLOADED, Arm, find_plant, reach_return
 from fuzzyarm.plant.following import with_load
 from fuzzyarm.plant.plant import with_parameters
@@ -323,7 +323,7 @@ def test_a_controller_of_a_file_travels_as_its_text(tmp_path):
     file.write_text(
         textwrap.dedent(
             """
-            from fuzzyarm.controller import Controller
+            from fuzzyarm.control.controllers import Controller
 
 
             class Mine(Controller):
@@ -343,7 +343,7 @@ def test_a_controller_of_a_file_travels_as_its_text(tmp_path):
 
 def test_what_was_used_travels_as_well(heater):
     # Of what was computed on the way, such as a compiled formula, nothing goes along.
-    from fuzzyarm.tuning.cost import Cost
+    from fuzzyarm.learning.tuning.cost import Cost
 
     cost = Cost("rms + 0.5*max(0, overshoot - 1)")
     values = {"rms": 2.0, "overshoot": 3.0}

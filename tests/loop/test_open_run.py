@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from fuzzyarm.controller import find_controller
-from fuzzyarm.controller.catalogue import controller_in
-from fuzzyarm.loop import Options, Sensor, Signal
-from fuzzyarm.loop.along import trajectory_motion
-from fuzzyarm.loop.open_run import StructureError
-from fuzzyarm.loop.run import ClosedLoop, plant_motion
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.controllers import find_controller
+from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.loop import Options, Sensor, Signal
+from fuzzyarm.control.loop.along import trajectory_motion
+from fuzzyarm.control.loop.open_run import StructureError
+from fuzzyarm.control.loop.run import ClosedLoop, plant_motion
 from fuzzyarm.plant import Arm, find_plant, reach_return
-from fuzzyarm.shipped_files import shipped
 
 NOISY = Options(
     sensors={

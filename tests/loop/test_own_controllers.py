@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from fuzzyarm.controller import Controller, controller
-from fuzzyarm.controller.catalogue import controller_in
-from fuzzyarm.controller.own import find_controller
-from fuzzyarm.controller.program import SourceError
-from fuzzyarm.loop import Options, Sensor, simulate, simulate_many
+from fuzzyarm.control.controllers import Controller, controller
+from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.controllers.own import find_controller
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.loop import Options, Sensor, simulate, simulate_many
 from fuzzyarm.plant import reach_return
 from fuzzyarm.plant.own import find_plant
 
@@ -206,7 +206,7 @@ def test_a_failure_is_that_of_the_controller():
 def test_a_class_in_a_file_and_what_it_does_wrong(tmp_path):
     path = tmp_path / "thermostat.py"
     path.write_text(
-        "from fuzzyarm.controller import Controller\n"
+        "from fuzzyarm.control.controllers import Controller\n"
         "class Bang(Controller):\n"
         "    period = 10.0\n"
         "    def step(self, measured, reference):\n"

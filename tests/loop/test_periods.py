@@ -7,18 +7,18 @@ import pytest
 from arm_oracle import EMPTY, LOADED, rms_of
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.controller import controller
-from fuzzyarm.controller.catalogue import controller_in
-from fuzzyarm.controller.on_plant import SITE_OF_LAWS, timing_on
-from fuzzyarm.controller.program import SourceError
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.study.comparison import compare
+from fuzzyarm.apps.study.cost import count_operations, measure_time
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, timing_on
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.loop import Options, Signal, simulate, simulate_many
+from fuzzyarm.control.loop.along import trajectory_motion
 from fuzzyarm.language import read_text
-from fuzzyarm.loop import Options, Signal, simulate, simulate_many
-from fuzzyarm.loop.along import trajectory_motion
 from fuzzyarm.plant import PLAIN, STUDY, Arm, reach_return, through
 from fuzzyarm.plant.setting import STUDY_TIMING
-from fuzzyarm.study.comparison import compare
-from fuzzyarm.study.cost import count_operations, measure_time
 
 PD = read_text(shipped("pd-motor.frb"))
 MOVES = reach_return((50.0, -40.0), segment=0.901, hold=0.301)
@@ -220,7 +220,7 @@ def test_led_set_points_lie_on_the_path():
 
 
 def test_runs_in_parts_have_the_errors_of_whole_ones():
-    from fuzzyarm.loop.run import ClosedLoop
+    from fuzzyarm.control.loop.run import ClosedLoop
 
     motion = trajectory_motion(Arm(), MOVES)
     loop = ClosedLoop(controller("pd-motor"), motion)

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from budget import cases
 
-from fuzzyarm import kernels
-from fuzzyarm.controller import CATALOGUE, Controller, controller
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop import Options, Sensor, program, simulate
-from fuzzyarm.loop.loop import LoopBlock
-from fuzzyarm.loop.many import Bench, Experiment
-from fuzzyarm.loop.program import RunRecord, loop_for
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.controllers import CATALOGUE, Controller, controller
+from fuzzyarm.control.loop import Options, Sensor, program, simulate
+from fuzzyarm.control.loop.loop import LoopBlock
+from fuzzyarm.control.loop.many import Bench, Experiment
+from fuzzyarm.control.loop.program import RunRecord, loop_for
 from fuzzyarm.plant import (
     LOADED,
     PLAIN,
@@ -28,6 +27,7 @@ from fuzzyarm.plant import (
     through,
 )
 from fuzzyarm.plant.arm import forward_dynamics
+from fuzzyarm.symbolic import kernels
 
 INTERPRETED = Options(compiled=False)
 

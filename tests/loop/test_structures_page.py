@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "structures.md").read_text()

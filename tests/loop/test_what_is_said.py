@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.controller import controller
-from fuzzyarm.controller.catalogue import controller_in
-from fuzzyarm.controller.program import SourceError
+from fuzzyarm.apps.cli import main
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.controllers.catalogue import controller_in
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.loop import Options, Sensor, Signal, simulate, simulate_many
 from fuzzyarm.language import read_text
-from fuzzyarm.loop import Options, Sensor, Signal, simulate, simulate_many
 from fuzzyarm.plant import STUDY, Plant, PlantError, Port, find_plant, reach, reach_return
 from fuzzyarm.plant.plant import with_actuators
 

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from lsprotocol import types
 
-from fuzzyarm.lsp.features import make_server
-from fuzzyarm.lsp.server import MessageStream
+from fuzzyarm.apps.lsp.features import make_server
+from fuzzyarm.apps.lsp.server import MessageStream
 
 URI = "file:///rules/a.frb"
 AT = {"textDocument": {"uri": URI}, "position": {"line": 1, "character": 7}}

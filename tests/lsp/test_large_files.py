@@ -10,8 +10,8 @@ from lsprotocol import types
 from pytest_lsp import LanguageClient
 from server_client import CONFIG, File, partial, start
 
-from fuzzyarm.api import check_text
-from fuzzyarm.lsp.session import SLOW, Session
+from fuzzyarm.apps.lsp.session import SLOW, Session
+from fuzzyarm.exchange.files import check_text
 
 pytestmark = pytest.mark.slow
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from lsprotocol import types
 from pytest_lsp.client import make_test_lsp_client
 
-from fuzzyarm.errors import MissingExtraError, demand_extra
-from fuzzyarm.extras import installing
-from fuzzyarm.lsp.session import characters, to_place, to_position, units
+from fuzzyarm.apps.lsp.session import characters, to_place, to_position, units
+from fuzzyarm.base.errors import MissingExtraError, demand_extra
+from fuzzyarm.base.extras import installing
 
 CODECS = {"utf-8": ("utf-8", 1), "utf-16": ("utf-16-le", 2), "utf-32": ("utf-32-le", 4)}
 TEXTS = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
@@ -50,7 +50,7 @@ def test_the_commands_say_which_extra_they_need(command: str, extra: str) -> Non
     hide = (
         "import sys, importlib.util as u; real = u.find_spec;"
         "u.find_spec = lambda n, *a: None if n in ('pygls', 'textual') else real(n, *a);"
-        f"from fuzzyarm.cli import main; sys.exit(main({command.split()!r}))"
+        f"from fuzzyarm.apps.cli import main; sys.exit(main({command.split()!r}))"
     )
     done = subprocess.run([sys.executable, "-c", hide], capture_output=True, text=True, check=False)
     assert done.returncode == 1
@@ -61,7 +61,7 @@ def test_the_commands_say_which_extra_they_need(command: str, extra: str) -> Non
 
 @pytest.mark.parametrize("port", ["0", "x", "70000", "localhost:"])
 def test_a_bad_port_is_a_usage_error(port: str) -> None:
-    from fuzzyarm.cli import main
+    from fuzzyarm.apps.cli import main
 
     assert main(["lsp", "--tcp", port]) == 2
 

@@ -8,9 +8,9 @@ import pytest
 from budget import cases
 from random_edits import SMALL, changed, random_edit
 
-from fuzzyarm.api import check_text
-from fuzzyarm.language.queries import coloured, complete, hover
-from fuzzyarm.lsp.session import Session
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.exchange.files import check_text
+from fuzzyarm.language.edit import coloured, complete, hover
 
 STEPS = cases(800, 10_000)
 
@@ -39,7 +39,7 @@ def test_random_edits_of_the_document_model(part: int) -> None:
 
 
 def test_tables_survive_edits_too() -> None:
-    from fuzzyarm.lsp.tables import TableText
+    from fuzzyarm.apps.lsp.tables import TableText
     from fuzzyarm.table import parse_lut
 
     text = (

@@ -11,7 +11,7 @@ from pytest_lsp import LanguageClient
 from random_edits import SMALL, changed, random_edit
 from server_client import CHANGE, CONFIG, File, partial, start
 
-from fuzzyarm.api import check_text
+from fuzzyarm.exchange.files import check_text
 
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.slow]
 

@@ -11,7 +11,7 @@ from pygls.exceptions import JsonRpcException
 from pytest_lsp import LanguageClient
 from server_client import CHANGE, CONFIG, File, partial, start
 
-from fuzzyarm.api import check_text
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text
 
 pytestmark = [

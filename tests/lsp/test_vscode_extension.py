@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 from needs import need
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS, SIGNAL
+from fuzzyarm.language.model.controller import SOURCES, TIMES
+from fuzzyarm.language.model.rulebase import SAMPLINGS
+from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import LOOKUP_ITEMS, STATEMENTS, WORDS
 from fuzzyarm.language.tokens import RESERVED
-from fuzzyarm.model.controller import SOURCES, TIMES
-from fuzzyarm.model.rulebase import SAMPLINGS
-from fuzzyarm.model.shapes import EVEN_SHAPES
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.table.header import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.native.binaries import Binary, platform_tag, read_binary
+from fuzzyarm.apps.native.binaries import Binary, platform_tag, read_binary
 
 
 def elf(names, needed, machine=62):

@@ -7,13 +7,13 @@ import sys
 import numpy as np
 import pytest
 
-from fuzzyarm.kernels import call, kernel
-from fuzzyarm.loop.loop import LoopBlock
-from fuzzyarm.native import build as building
-from fuzzyarm.native import printing
-from fuzzyarm.native.build import BuildError, Compiler, build, find_compiler
-from fuzzyarm.native.printing import kernels_in_c
-from fuzzyarm.native.roots import Root, roots
+from fuzzyarm.apps.native import build as building
+from fuzzyarm.apps.native import printing
+from fuzzyarm.apps.native.build import BuildError, Compiler, build, find_compiler
+from fuzzyarm.apps.native.printing import kernels_in_c
+from fuzzyarm.apps.native.roots import Root, roots
+from fuzzyarm.control.loop.loop import LoopBlock
+from fuzzyarm.symbolic.kernels import call, kernel
 from fuzzyarm.table import lookup
 
 ONE = [Root(lookup.gather, "fsf", over_rows=True)]

@@ -14,13 +14,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm import compiled, kernels, load, shipped
-from fuzzyarm.expression.evaluation import evaluate
-from fuzzyarm.expression.nodes import apply, constant, symbol
-from fuzzyarm.expression.operations import OPERATIONS
-from fuzzyarm.expression.programs import program_of
-from fuzzyarm.kernels import NotBuiltError, address_of, bound_routine, kernel, routine
-from fuzzyarm.native.roots import roots
+from fuzzyarm import compiled, load, shipped
+from fuzzyarm.apps.native.roots import roots
+from fuzzyarm.symbolic import kernels
+from fuzzyarm.symbolic.evaluation import evaluate
+from fuzzyarm.symbolic.kernels import NotBuiltError, address_of, bound_routine, kernel, routine
+from fuzzyarm.symbolic.nodes import apply, constant, symbol
+from fuzzyarm.symbolic.operations import OPERATIONS
+from fuzzyarm.symbolic.programs import program_of
 
 ROOTS = {root.key: root for root in roots()}
 
@@ -243,8 +244,8 @@ ALL_WAYS = """
 import hashlib, json, sys
 import numpy as np
 from fuzzyarm import compiled, load, shipped
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import simulate
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import reach
 from fuzzyarm.table import lookup, read_table
 lookup.WORTH_CALLING = 0
@@ -308,7 +309,7 @@ def test_the_digest_is_of_the_c_and_not_of_the_text_it_is_printed_from(tmp_path)
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "FUZZYARM_NATIVE": "0"}
 
     def noted():
-        command = [sys.executable, "-m", "fuzzyarm.native.build", "--note"]
+        command = [sys.executable, "-m", "fuzzyarm.apps.native.build", "--note"]
         subprocess.run(command, env=environment, check=True)
         return (package / "_kernels.digest").read_text(encoding="ascii").split()
 

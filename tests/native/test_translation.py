@@ -7,10 +7,10 @@ from typing import NamedTuple
 import pytest
 from needs import need
 
-from fuzzyarm.kernels import kernel
-from fuzzyarm.translation.functions import NotTranslatedError, Translation
-from fuzzyarm.translation.targets import C99, JAVASCRIPT
-from fuzzyarm.translation.types import Array, Scalar
+from fuzzyarm.symbolic.kernels import kernel
+from fuzzyarm.symbolic.translation.functions import NotTranslatedError, Translation
+from fuzzyarm.symbolic.translation.targets import C99, JAVASCRIPT
+from fuzzyarm.symbolic.translation.types import Array, Scalar
 
 
 class Pair(NamedTuple):

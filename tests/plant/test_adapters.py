@@ -13,11 +13,11 @@ import pytest
 from needs import need, program
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.controller.catalogue import controller_of
-from fuzzyarm.controller.text import with_files
+from fuzzyarm.apps.cli import main
+from fuzzyarm.control.controllers.catalogue import controller_of
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.control.loop import Options, Signal, simulate
 from fuzzyarm.language import parse
-from fuzzyarm.loop import Options, Signal, simulate
 from fuzzyarm.plant import PlantError, find_plant
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.plant import with_parameters

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fuzzyarm.controller import controller
-from fuzzyarm.loop import Options, simulate
+from fuzzyarm.apps.study.comparison import INDUCTANCE
+from fuzzyarm.control.controllers import controller
+from fuzzyarm.control.loop import Options, simulate
 from fuzzyarm.plant import ArmError, through
 from fuzzyarm.plant.arm import RATIOS, RESISTANCE, TORQUE_CONSTANT, motor_torque
 from fuzzyarm.plant.driven_arm import Arm, armature_torque, armature_voltage
-from fuzzyarm.study.comparison import INDUCTANCE
 
 STEP = 0.0006
 QUICK = through([(40.0, -30.0), (-20.0, 10.0)], segment=0.8, hold=0.3)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
-from fuzzyarm.controller.text import with_files
-from fuzzyarm.errors import MissingExtraError
+from fuzzyarm.base.errors import MissingExtraError
+from fuzzyarm.control.controllers.text import with_files
+from fuzzyarm.control.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.language import parse
-from fuzzyarm.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.plant import Plant, PlantError, Port, find_plant
 from fuzzyarm.plant.adapters import ControlPlant, to_control
 from fuzzyarm.plant.plant import with_parameters
@@ -203,7 +203,9 @@ def test_a_missing_package_names_the_extra(monkeypatch, module, use):
     monkeypatch.setitem(sys.modules, module, None)
     monkeypatch.delitem(sys.modules, module)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    monkeypatch.setattr("fuzzyarm.extras._pip", lambda: "pip")  # whatever has made this environment
+    monkeypatch.setattr(
+        "fuzzyarm.base.extras._pip", lambda: "pip"
+    )  # whatever has made this environment
     with pytest.raises(MissingExtraError, match=r'pip install -e ".*\[plants\]"'):
         use()
 

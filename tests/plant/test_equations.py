@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
-from fuzzyarm.kernels import kernel
-from fuzzyarm.loop import Options, Signal, simulate
+from fuzzyarm.control.loop import Options, Signal, simulate
 from fuzzyarm.plant import Port
 from fuzzyarm.plant.equations import has_numba, traced
 from fuzzyarm.plant.own import as_plant
+from fuzzyarm.symbolic.kernels import kernel
 
 
 class Pendulum:

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
-from fuzzyarm.kernels import kernel
-from fuzzyarm.loop import Options, Signal, simulate
+from fuzzyarm.control.loop import Options, Signal, simulate
 from fuzzyarm.plant import Plant, Port, find_plant
 from fuzzyarm.plant.plain_python import plain_motion
 from fuzzyarm.plant.plant import CLOCK_SIZE, WORK, numbers_of, with_parameters
 from fuzzyarm.plant.setting import RunArithmetic
+from fuzzyarm.symbolic.kernels import kernel
 
 CONTROLLERS = {
     "motor": ("servo.frb", "position", 1.0),

@@ -2,10 +2,10 @@
 
 import pytest
 
-from fuzzyarm.cli.main import main
-from fuzzyarm.loop import simulate
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.loop import simulate
 from fuzzyarm.plant import Plant, PlantError, Port, find_plant
-from fuzzyarm.shipped_files import shipped
 
 KILN = """\
 from fuzzyarm.plant import Plant, Port

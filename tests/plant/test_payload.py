@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fuzzyarm.loop.loop import final, rms, signed_maximum
+from fuzzyarm.control.loop.loop import final, rms, signed_maximum
 from fuzzyarm.plant import (
     LOADED,
     PLAIN,

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from fuzzyarm.playground.arrays.module import MissingNumPyError, install, stand_in
+from fuzzyarm.apps.playground.arrays.module import MissingNumPyError, install, stand_in
 
 own, _ = stand_in()
 
@@ -199,16 +199,16 @@ import importlib.util, json, sys
 if sys.argv[1] == "without":
     find = importlib.util.find_spec
     importlib.util.find_spec = lambda name, *more: None if name == "numpy" else find(name, *more)
-    from fuzzyarm.playground.arrays.module import install
+    from fuzzyarm.apps.playground.arrays.module import install
     assert install()
 """
 
 EXPORT = (
     WITHOUT_NUMPY
     + """
-from fuzzyarm.export import export_files, routines_of
+from fuzzyarm.exchange.export import export_files, routines_of
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.base.shipped_files import shipped
 rules = load_rulebase(shipped("tipper.frb"))
 files = [file for name in ("tipper.c", "tipper.st")
          for file in export_files(routines_of(rules), name).files]
@@ -244,10 +244,10 @@ print(json.dumps(found))
 SURFACE = (
     WITHOUT_NUMPY
     + """
-from fuzzyarm.designer.requests import SurfaceWork
-from fuzzyarm.designer.surfaces import surface
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.designer.requests import SurfaceWork
+from fuzzyarm.apps.designer.surfaces import surface
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.shipped_files import shipped
 class Job:
     def __init__(self): self.news = []
     def tell(self, news): self.news.append(news)

@@ -10,15 +10,15 @@ from collections.abc import Iterator
 
 import pytest
 
-from fuzzyarm.cli import playground as command
-from fuzzyarm.cli.main import main
-from fuzzyarm.playground import folder as written
-from fuzzyarm.playground import memory, package
-from fuzzyarm.playground import pyodide as fetching
-from fuzzyarm.playground.folder import BEGIN_WITH, write_playground
-from fuzzyarm.playground.memory import python_memory
-from fuzzyarm.playground.package import archive
-from fuzzyarm.playground.pyodide import FILES
+from fuzzyarm.apps.cli import playground as command
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.playground import folder as written
+from fuzzyarm.apps.playground import memory, package
+from fuzzyarm.apps.playground import pyodide as fetching
+from fuzzyarm.apps.playground.folder import BEGIN_WITH, write_playground
+from fuzzyarm.apps.playground.memory import python_memory
+from fuzzyarm.apps.playground.package import archive
+from fuzzyarm.apps.playground.pyodide import FILES
 
 
 @pytest.fixture
@@ -77,8 +77,8 @@ def test_a_wheel_of_numpy_beside_pyodide_is_taken(tmp_path, pyodide):
 
 def test_the_archive_has_what_a_page_runs_and_no_machine_code():
     names = zipfile.ZipFile(io.BytesIO(archive())).namelist()
-    assert {"fuzzyarm/playground/host.py", "fuzzyarm/shipped/pd7.frb"} <= set(names)
-    assert not [name for name in names if name.startswith("fuzzyarm/cli/") or ".so" in name]
+    assert {"fuzzyarm/apps/playground/host.py", "fuzzyarm/shipped/pd7.frb"} <= set(names)
+    assert not [name for name in names if name.startswith("fuzzyarm/apps/cli/") or ".so" in name]
 
 
 def test_files_of_ones_own_are_what_a_visitor_finds(tmp_path, pyodide, capsys, monkeypatch):
@@ -174,10 +174,10 @@ def test_without_node_a_page_starts_its_own_python(node, tmp_path, pyodide, caps
 
 
 def test_a_page_that_could_not_load_fuzzyarm_is_not_written(tmp_path, pyodide, capsys, monkeypatch):
-    monkeypatch.setattr(package, "APART", package.APART | {"designer/jobs.py"})
+    monkeypatch.setattr(package, "APART", package.APART | {"apps/designer/jobs.py"})
     assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
     words = "the page could not load fuzzyarm: ModuleNotFoundError: No module named"
-    assert f"{words} 'fuzzyarm.designer.jobs'" in capsys.readouterr().err
+    assert f"{words} 'fuzzyarm.apps.designer.jobs'" in capsys.readouterr().err
     assert not (tmp_path / "s").exists()
 
 
@@ -213,7 +213,7 @@ def test_what_the_page_imports_of_fuzzyarm_is_in_its_archive() -> None:
         texts = {name: file.read(name) for name in file.namelist() if name.endswith(".py")}
     there = {name.removesuffix(".py").removesuffix("/__init__").replace("/", ".") for name in texts}
     # Begin at what the page runs and follow what that loads; the rest is only there.
-    waiting, seen, missing = ["fuzzyarm.playground.host"], set(), set()
+    waiting, seen, missing = ["fuzzyarm.apps.playground.host"], set(), set()
     while waiting:
         module = waiting.pop()
         if module in seen or not module.startswith("fuzzyarm"):

@@ -6,11 +6,11 @@ import json
 
 import pytest
 
-from fuzzyarm.designer import threads
-from fuzzyarm.designer.jobs import Downloads
-from fuzzyarm.playground import host
-from fuzzyarm.playground.host import LARGEST_TEXT, USED, begin, warm
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.apps.designer import threads
+from fuzzyarm.apps.designer.jobs import Downloads
+from fuzzyarm.apps.playground import host
+from fuzzyarm.apps.playground.host import LARGEST_TEXT, USED, begin, warm
+from fuzzyarm.base.shipped_files import shipped
 
 TIPPER = shipped("tipper.frb").read_text(encoding="utf-8")
 

@@ -17,9 +17,9 @@ import pytest
 from budget import cases, crossed
 from needs import program, requires
 
-from fuzzyarm.native import build
-from fuzzyarm.playground.folder import wasm_kernels, write_playground
-from fuzzyarm.playground.memory import python_memory
+from fuzzyarm.apps.native import build
+from fuzzyarm.apps.playground.folder import wasm_kernels, write_playground
+from fuzzyarm.apps.playground.memory import python_memory
 
 sync_api = pytest.importorskip("playwright.sync_api")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
 SOURCE = Path(fuzzyarm.__file__).parent
 MODULES = sorted(
@@ -31,7 +31,9 @@ def _kinds_of_examples():
 
 
 def test_there_are_examples():
-    assert {"fuzzyarm", "fuzzyarm.builder.rulebase", "fuzzyarm.inference.infer"} <= set(MODULES)
+    assert {"fuzzyarm", "fuzzyarm.apps.builder.rulebase", "fuzzyarm.inference.infer"} <= set(
+        MODULES
+    )
 
 
 @pytest.mark.parametrize("name", MODULES)

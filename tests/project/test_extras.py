@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
-from fuzzyarm import extras
-from fuzzyarm.errors import MissingExtraError, demand_extra
+from fuzzyarm.base import extras
+from fuzzyarm.base.errors import MissingExtraError, demand_extra
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
@@ -65,12 +65,12 @@ def test_the_list_of_packages_is_that_of_the_extras():
 def test_a_name_without_its_extra_is_no_attribute():
     told = without_extras("""
         import fuzzyarm
-        print(hasattr(fuzzyarm, "sklearn"), getattr(fuzzyarm, "sklearn", "nothing"))
+        print(hasattr(fuzzyarm.apps, "estimators"), getattr(fuzzyarm.apps, "estimators", "nothing"))
         try:
-            fuzzyarm.sklearn
+            fuzzyarm.apps.estimators
         except AttributeError as error:
             print(error)
-        for word in ("import fuzzyarm.sklearn", "from fuzzyarm import sklearn"):
+        for word in ("import fuzzyarm.apps.estimators", "from fuzzyarm.apps import estimators"):
             try:
                 exec(word)
             except ImportError as error:
@@ -78,7 +78,7 @@ def test_a_name_without_its_extra_is_no_attribute():
     """)
     first, second, *others = told.splitlines()
     assert first == "False nothing"
-    assert second == f"fuzzyarm.sklearn needs an extra: {extras.installing('data')}"
+    assert second == f"fuzzyarm.apps.estimators needs an extra: {extras.installing('data')}"
     assert others == ["MissingExtraError data"] * 2
 
 
@@ -111,13 +111,13 @@ def test_every_public_name_is_there_without_extras():
             lacking += [(name, each) for each in dir(module) if not hasattr(module, each)]
         print(lacking)
     """)
-    expected = [("fuzzyarm", "sklearn"), ("fuzzyarm.sklearn", "data")]
+    expected = [("fuzzyarm.apps", "estimators")]
     assert told.strip() == str(expected)
 
 
 @pytest.mark.parametrize("ask", ["Run", "Many"])
 def test_a_data_frame_names_its_extra(ask, monkeypatch):
-    from fuzzyarm import loop
+    from fuzzyarm.control import loop
 
     result = object.__new__(getattr(loop, ask))
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
@@ -206,7 +206,7 @@ def test_no_hint_asks_an_index_for_fuzzyarm():
     texts += [*(ROOT / "editors" / "vscode" / "src").glob("*.ts"), ROOT / "Makefile"]
     asks = re.compile(r"fuzzyarm\[(?!.*@ file:)|pip install ['\"]?fuzzyarm\b(?!\[)")
     asking = {str(path.relative_to(ROOT)) for path in texts if asks.search(path.read_text("utf-8"))}
-    assert asking == {"src/fuzzyarm/extras.py"}  # which says why not
+    assert asking == {"src/fuzzyarm/base/extras.py"}  # which says why not
 
 
 def test_the_page_on_installing_lists_all_extras():

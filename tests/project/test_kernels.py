@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-from fuzzyarm import kernels
-from fuzzyarm.kernels import has_machine_code, in_threads, kernel, with_names
+from fuzzyarm.symbolic import kernels
+from fuzzyarm.symbolic.kernels import has_machine_code, in_threads, kernel, with_names
 
 
 @kernel
@@ -56,8 +56,9 @@ def in_new_process(code, **environment):
 
 def test_importing_does_not_load_scipy_or_matplotlib():
     code = (
-        "import sys, json, fuzzyarm.plant, fuzzyarm.controller, fuzzyarm.loop, fuzzyarm.study, "
-        "fuzzyarm.study.identify, fuzzyarm.study.figures;"
+        "import sys, json, fuzzyarm.plant, fuzzyarm.control.controllers, fuzzyarm.control.loop, "
+        "fuzzyarm.apps.study, "
+        "fuzzyarm.apps.study.identify, fuzzyarm.apps.study.figures;"
         "heavy = ('numba', 'scipy', 'matplotlib', 'rich');"
         "print(json.dumps([m for m in heavy if m in sys.modules]))"
     )
@@ -108,7 +109,7 @@ def test_after_an_exception_nothing_more_is_begun():
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
 def test_a_forked_process_has_threads_of_its_own():
     code = (
-        "import json, os, threading, warnings; from fuzzyarm.kernels import in_threads;"
+        "import json, os, threading, warnings; from fuzzyarm.symbolic.kernels import in_threads;"
         "warnings.simplefilter('ignore');"
         "work = lambda: in_threads(lambda _, b=threading.Barrier(2, timeout=60): b.wait(), [], 2);"
         "work(); child = os.fork(); found = sorted(work());"

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from conformance.suite import read_all
-from fuzzyarm.text.sources import SOURCES
+from fuzzyarm.base.sources import SOURCES
 
 PAPER = Path(__file__).parents[2] / "paper"
 TEXT = (PAPER / "paper.md").read_text("utf-8")

@@ -6,7 +6,7 @@ from sources import MODULES, SOURCE, tree
 
 MOST = 8
 
-ESTIMATORS = {"sklearn.py: __init__"}
+ESTIMATORS = {"apps/estimators.py: __init__"}
 """scikit-learn reads the parameters of an estimator from the signature of its constructor."""
 
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = sorted(
     each.name
     for each in pkgutil.walk_packages(fuzzyarm.__path__, "fuzzyarm.")
-    if each.ispkg or each.name.removeprefix("fuzzyarm.") in (*fuzzyarm.PACKAGES, "control")
+    if each.ispkg or each.name.removeprefix("fuzzyarm.") in fuzzyarm.PACKAGES
 )
 """What has public names: every package, and the modules that are public themselves."""
 
@@ -93,7 +93,7 @@ def described(function):
     return {name.strip("* ") for group in found for name in group.split(",")}
 
 
-OF_THE_LANGUAGE = ("fuzzyarm.language", "fuzzyarm.lsp", "fuzzyarm.expression")
+OF_THE_LANGUAGE = ("fuzzyarm.language", "fuzzyarm.apps.lsp", "fuzzyarm.symbolic")
 """Packages whose functions other tools call: their first lines say it."""
 
 

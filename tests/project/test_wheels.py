@@ -14,9 +14,13 @@ import wheels
 from budget import cases
 from needs import requires
 
-from fuzzyarm.native.abroad import declared_names, definition_of_python3, headers_for_any_platform
-from fuzzyarm.native.binaries import platform_tag
-from fuzzyarm.native.build import zig
+from fuzzyarm.apps.native.abroad import (
+    declared_names,
+    definition_of_python3,
+    headers_for_any_platform,
+)
+from fuzzyarm.apps.native.binaries import platform_tag
+from fuzzyarm.apps.native.build import zig
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
-from fuzzyarm.proof import arithmetic
-from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.map import arithmetic
+from fuzzyarm.proof.map.arithmetic import Stop
 
 
 def test_waiting_is_no_work() -> None:

@@ -9,10 +9,10 @@ from budget import cases
 from hypothesis import given, settings
 
 import fuzzyarm
-from fuzzyarm.formats import tree
+from fuzzyarm.exchange.formats import tree
 from fuzzyarm.language import parse
-from fuzzyarm.proof import Prover, prove
-from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.map import Prover, prove
+from fuzzyarm.proof.map.arithmetic import Stop
 from tests import strategies
 
 CHAIN = """rulebase chain

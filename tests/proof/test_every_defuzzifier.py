@@ -14,10 +14,10 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.proof import Prover, prove
-from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.boxes import Boxes
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map import Prover, prove
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.boxes import Boxes
 
 SETS = "terms u: triangles A B"
 CURVES = "terms u: gaussians A B"

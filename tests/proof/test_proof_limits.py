@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fuzzyarm.language import parse
-from fuzzyarm.proof import Prover, UnprovableError, boxes, pieces, prove
-from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.map import Prover, UnprovableError, boxes, pieces, prove
+from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.table import Axis, LookupTable
 
 RULES = """\

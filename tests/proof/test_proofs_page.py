@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
 from fuzzyarm.language import parse
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.show.figures.panels import chart_figure
+from fuzzyarm.apps.show.sector import controller_sectors, rulebase_sectors, sector_chart
+from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.proof import NoSectorError, Prover, UnprovableError, sector, slopes_at
-from fuzzyarm.proof.controllers import DriveProof, prove_drives
-from fuzzyarm.show.figures.panels import chart_figure
-from fuzzyarm.show.sector import controller_sectors, rulebase_sectors, sector_chart
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map import NoSectorError, Prover, UnprovableError, sector, slopes_at
+from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 
 RULES = """rulebase r
 input e -1 .. 1
@@ -248,7 +248,7 @@ def test_tables_along_one_input(tmp_path: Path) -> None:
 
 
 def test_what_is_not_proved_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fuzzyarm.proof.walk.BOXES_SECONDS", 0.1)
+    monkeypatch.setattr("fuzzyarm.proof.map.walk.BOXES_SECONDS", 0.1)
     words = {
         "stfc.frb": "sampled",
         "soc-zero.frb": "learns",

@@ -29,13 +29,13 @@ from fuzzyarm.inference.place_bounds import (
 )
 from fuzzyarm.inference.type_reduction import end_of_average
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
-from fuzzyarm.proof import Prover, UnprovableError, prove
-from fuzzyarm.proof.arithmetic import FLOATS, Stop, as_fraction, rationals
-from fuzzyarm.proof.bernstein import Quotients, from_values, halving, lattice
-from fuzzyarm.proof.pieces import Cut, cut
-from fuzzyarm.proof.straight import NotStraightError, straight
-from fuzzyarm.proof.surface import Surface
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.proof.map import Prover, UnprovableError, prove
+from fuzzyarm.proof.map.arithmetic import FLOATS, Stop, as_fraction, rationals
+from fuzzyarm.proof.map.bernstein import Quotients, from_values, halving, lattice
+from fuzzyarm.proof.map.pieces import Cut, cut
+from fuzzyarm.proof.map.straight import NotStraightError, straight
+from fuzzyarm.proof.map.surface import Surface
 from tests import strategies
 from tests.fuzz import random_proofs
 from tests.fuzz.random_proofs import OTHERS, Told, irregular, judged, points

@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm import api
-from fuzzyarm.api import check_text
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.diagnostic import RuleBaseError
+from fuzzyarm.exchange import files as api
+from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text, parse, write
-from fuzzyarm.language.queries import complete, hover, read
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.proof import Prover, prove, prove_all
-from fuzzyarm.proof.tables import cell_errors
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.language.edit import complete, hover, read
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map import Prover, prove, prove_all
+from fuzzyarm.proof.map.tables import cell_errors
 
 if TYPE_CHECKING:
-    from fuzzyarm.watch import WatchedFile
+    from fuzzyarm.apps.watch import WatchedFile
 
 PD7 = fuzzyarm.shipped("pd7.frb").read_text()
 
@@ -265,7 +265,7 @@ def test_where_a_property_fails_is_marked_and_pasted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """On the figure, on the surface of `watch`, and by a quick fix that makes the file say so."""
-    from fuzzyarm.watch import WatchedFile
+    from fuzzyarm.apps.watch import WatchedFile
 
     path = tmp_path / "p.frb"
     path.write_text(f"{PD7}prove u rises with e  # why\nprove u odd\n")
@@ -277,7 +277,7 @@ def test_where_a_property_fails_is_marked_and_pasted(
     assert capture(document) == 2
     figures = []
     monkeypatch.setattr(
-        "fuzzyarm.figure_files.save_figure", lambda figure, _: figures.append(figure)
+        "fuzzyarm.base.figure_files.save_figure", lambda figure, _: figures.append(figure)
     )
     assert main(["plot", str(path), "-o", str(tmp_path / "p.png"), "--what", "surface"]) == 0
     (figure,) = figures
@@ -338,7 +338,7 @@ def test_the_command(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_a_proved_error_holds_the_exported_arithmetic(pd7: RuleBase) -> None:
-    from fuzzyarm.export import routines_of
+    from fuzzyarm.exchange.export import routines_of
 
     table = fuzzyarm.compile_table(pd7)
     prover = Prover(pd7, "u")
@@ -399,7 +399,7 @@ prove table nearest within 1
 
 
 def test_what_is_known_of_sets_is_found_once_and_in_the_time_there_is(monkeypatch):
-    from fuzzyarm.proof import memberships
+    from fuzzyarm.proof.map import memberships
 
     asked = 0
     ordinary = memberships.bounds

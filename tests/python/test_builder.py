@@ -13,14 +13,14 @@ from hypothesis import given, settings
 
 import fuzzyarm
 from fuzzyarm import RuleBaseBuilder, RuleBaseError, Shape, parse, write
-from fuzzyarm.builder import BuilderArgumentError
-from fuzzyarm.formats import FormatError
-from fuzzyarm.formats.registry import same_model
+from fuzzyarm.apps.builder import BuilderArgumentError
+from fuzzyarm.exchange.formats import FormatError
+from fuzzyarm.exchange.formats.registry import same_model
 from fuzzyarm.language.document import print_document
+from fuzzyarm.language.model import Input, NotInModelError, Output
+from fuzzyarm.language.model import RuleBase as Model
 from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.writer import property_node, rule_node
-from fuzzyarm.model import Input, NotInModelError, Output
-from fuzzyarm.model import RuleBase as Model
 from tests.strategies import rulebases
 
 

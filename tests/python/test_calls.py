@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import fuzzyarm
-from fuzzyarm.api import UnknownKindError, WrongKindError
-from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.base.errors import FuzzyarmError, WordError
+from fuzzyarm.control.loop import Options, Sensor, Signal, phase_portrait, simulate_many
+from fuzzyarm.exchange.files import UnknownKindError, WrongKindError
 from fuzzyarm.inference import InferenceError
-from fuzzyarm.loop import Options, Sensor, Signal, phase_portrait, simulate_many
 from fuzzyarm.plant import PlantError
 
 PD7, SERVO = fuzzyarm.shipped("pd7.frb"), fuzzyarm.shipped("servo.frb")
@@ -26,7 +26,7 @@ TABLE = fuzzyarm.shipped("thesis-6.1.lut")
 def test_what_is_loaded_is_a_rule_base():
     loaded = fuzzyarm.load(PD7)
     assert type(loaded) is fuzzyarm.RuleBase
-    assert fuzzyarm.RuleBase is fuzzyarm.model.RuleBase is fuzzyarm.language.RuleBase
+    assert fuzzyarm.RuleBase is fuzzyarm.language.model.RuleBase is fuzzyarm.language.RuleBase
     assert isinstance(fuzzyarm.load(SERVO), fuzzyarm.ControllerText)
     assert isinstance(fuzzyarm.load(TABLE), fuzzyarm.LookupTable)
     builder = fuzzyarm.RuleBaseBuilder.of(loaded)

@@ -34,6 +34,6 @@ def test_a_kind_that_is_registered_anew_counts_for_what_was_used(tmp_path):
         assert infer(used, {"e": np.array([0.5, 0.5])})["u"].tolist() == [fresh["u"]] * 2
         assert compiled(used)(e=0.5) == pytest.approx(fresh)
     finally:
-        from fuzzyarm.expression.kinds import SHAPES
+        from fuzzyarm.symbolic.kinds import SHAPES
 
         SHAPES.remove("newly")

@@ -6,12 +6,13 @@ from html.parser import HTMLParser
 import pytest
 
 import fuzzyarm
-from fuzzyarm import RuleBaseBuilder, load, notebook, shipped
-from fuzzyarm.formats import read, write
+from fuzzyarm import RuleBaseBuilder, load, shipped
+from fuzzyarm.apps import notebook
+from fuzzyarm.apps.notebook import html_of_drawing
+from fuzzyarm.control.loop import phase_portrait, simulate_many
+from fuzzyarm.exchange.formats import read, write
 from fuzzyarm.language import read_text
 from fuzzyarm.learning import Fit, as_samples, validate
-from fuzzyarm.loop import phase_portrait, simulate_many
-from fuzzyarm.notebook import html_of_drawing
 from fuzzyarm.plant import find_plant, reach_return
 
 

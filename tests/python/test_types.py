@@ -23,14 +23,14 @@ pytest.importorskip("mypy")
 SLIPS = """\
 import fuzzyarm
 import fuzzyarm.table
-import fuzzyarm.show.figures
+import fuzzyarm.apps.show.figures
 
 fuzzyarm.inferr
 fuzzyarm.kindz.shape
 fuzzyarm.learning.fitt
 fuzzyarm.table.read_tabel
-fuzzyarm.show.figures.draw_run
-fuzzyarm.sklearn.FuzzyRegresor
+fuzzyarm.apps.show.figures.draw_run
+fuzzyarm.apps.estimators.FuzzyRegresor
 fuzzyarm.load_rulebase("x.frb").inputz
 fuzzyarm.load_controller("x.frb").rules
 fuzzyarm.simulate("x.frb", "motor", referense={})
@@ -72,7 +72,7 @@ run.plot().savefig("x.png")
 fuzzyarm.simulate(fuzzyarm.shipped("x.frb"), "motor", reference={"position": 1.0}, duration=0.3)
 fuzzyarm.simulate_many(servo, "motor", [{"G_e": 1.0}], duration="1s").rms
 fuzzyarm.tune(pd7, time="2min")
-fuzzyarm.learning.fit, fuzzyarm.plant.find_plant, fuzzyarm.study.reproduce
+fuzzyarm.learning.fit, fuzzyarm.plant.find_plant, fuzzyarm.apps.study.reproduce
 """
 
 

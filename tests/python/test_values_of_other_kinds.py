@@ -6,15 +6,18 @@ import pickle
 import pytest
 
 import fuzzyarm
-from fuzzyarm import export, formats, loop, proof, show
-from fuzzyarm.closed_loop.claims import read_claim
-from fuzzyarm.controller import Controller, Sources, controller, find_controller
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.apps import show
+from fuzzyarm.apps.show import figures
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.value_kinds import MistakenKindError, wrong_kind
+from fuzzyarm.control import loop
+from fuzzyarm.control.controllers import Controller, Sources, controller, find_controller
+from fuzzyarm.exchange import export, formats
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.plant import reach
-from fuzzyarm.proof.verdicts import read_property
-from fuzzyarm.show import figures
-from fuzzyarm.text.value_kinds import MistakenKindError, wrong_kind
+from fuzzyarm.proof import map as proof
+from fuzzyarm.proof.loop.claims import read_claim
+from fuzzyarm.proof.map.verdicts import read_property
 
 RULES = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
 TABLE = fuzzyarm.load(fuzzyarm.shipped("thesis-6.1.lut"))

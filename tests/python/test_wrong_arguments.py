@@ -5,15 +5,17 @@ import math
 import pytest
 
 import fuzzyarm
-from fuzzyarm import FuzzyarmError, RuleBaseBuilder, Shape, learning, loop, study
-from fuzzyarm.closed_loop.call import ProveKeywords
+from fuzzyarm import FuzzyarmError, RuleBaseBuilder, Shape, learning
+from fuzzyarm.apps import study
+from fuzzyarm.base.keywords import ArgumentError, _annotations
+from fuzzyarm.base.value_kinds import MistakenKindError
+from fuzzyarm.control import loop
+from fuzzyarm.control.loop.simulation import ManyKeywords, RunKeywords
 from fuzzyarm.learning.training import TrainKeywords
-from fuzzyarm.loop.simulation import ManyKeywords, RunKeywords
+from fuzzyarm.learning.tuning.tune import TuneKeywords
 from fuzzyarm.plant import PlantError
+from fuzzyarm.proof.loop.call import ProveKeywords
 from fuzzyarm.table.fidelity import ReportKeywords
-from fuzzyarm.text.keywords import ArgumentError, _annotations
-from fuzzyarm.text.value_kinds import MistakenKindError
-from fuzzyarm.tuning.tune import TuneKeywords
 
 PD7 = fuzzyarm.load_rulebase(fuzzyarm.shipped("pd7.frb"))
 SERVO = str(fuzzyarm.shipped("servo.frb"))

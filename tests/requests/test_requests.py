@@ -15,9 +15,11 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 import fuzzyarm
-from fuzzyarm.cli.main import find_command, main
-from fuzzyarm.designer.grounds import FieldError, form_of
+from fuzzyarm.apps.cli.main import find_command, main
+from fuzzyarm.apps.designer.grounds import FieldError, form_of
+from fuzzyarm.base.files import FileInUseError
 from fuzzyarm.learning.fit import STARTS
+from fuzzyarm.learning.tuning.optimisers import OPTIMISERS
 from fuzzyarm.requests import (
     CompareRequest,
     CompileRequest,
@@ -34,8 +36,6 @@ from fuzzyarm.requests import (
 from fuzzyarm.requests.fields import RequestField, fields_of
 from fuzzyarm.requests.journal import JournalError, WorkJournal
 from fuzzyarm.requests.schema import schema_of
-from fuzzyarm.text.files import FileInUseError
-from fuzzyarm.tuning.optimisers import OPTIMISERS
 
 ROOT = Path(__file__).parents[2]
 

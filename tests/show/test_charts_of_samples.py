@@ -10,13 +10,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fuzzyarm.loop.sweep import Range
-from fuzzyarm.picture import Area, Axis, Band, Cells, Chart, Dots, Level, Line, Panel, chart_data
-from fuzzyarm.show.drawing import plain_text, scale_of
-from fuzzyarm.show.figures.panels import chart_figure
-from fuzzyarm.show.panels import HATCH, LinePlot, SurfaceMap, panel_view
-from fuzzyarm.show.sweep import edges_of, sweep_chart
-from fuzzyarm.show.validation import MOST_RULES, validation_chart
+from fuzzyarm.apps.show.drawing import plain_text, scale_of
+from fuzzyarm.apps.show.figures.panels import chart_figure
+from fuzzyarm.apps.show.panels import HATCH, LinePlot, SurfaceMap, panel_view
+from fuzzyarm.apps.show.sweep import edges_of, sweep_chart
+from fuzzyarm.apps.show.validation import MOST_RULES, validation_chart
+from fuzzyarm.base.picture import (
+    Area,
+    Axis,
+    Band,
+    Cells,
+    Chart,
+    Dots,
+    Level,
+    Line,
+    Panel,
+    chart_data,
+)
+from fuzzyarm.control.loop.sweep import Range
 from tests.show.test_panels import dots_of
 
 PAYLOAD, GAIN = Range("payload", 0.0, 2.0, 3), Range("K", 1.0, 100.0, 5, log=True)

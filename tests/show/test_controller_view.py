@@ -7,17 +7,17 @@ import re
 import pytest
 
 import fuzzyarm
-from fuzzyarm.cli.main import main
-from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.show.controller import SignalFlow, controller_view, flow_rows, line_words
+from fuzzyarm.apps.show.controller_diff import compare_controllers
+from fuzzyarm.apps.show.diagram import block_diagram
+from fuzzyarm.apps.show.drawing import plain_text
+from fuzzyarm.apps.show.figures import controller_figure, diagram_figure
+from fuzzyarm.apps.show.figures.diagram import PEN
+from fuzzyarm.apps.show.placement import place
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language import parse
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.show.controller import SignalFlow, controller_view, flow_rows, line_words
-from fuzzyarm.show.controller_diff import compare_controllers
-from fuzzyarm.show.diagram import block_diagram
-from fuzzyarm.show.drawing import plain_text
-from fuzzyarm.show.figures import controller_figure, diagram_figure
-from fuzzyarm.show.figures.diagram import PEN
-from fuzzyarm.show.placement import place
 
 NAMES = sorted(
     name

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
-from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.apps.show.diagram import BLOCK_KINDS, block_diagram, time_text
+from fuzzyarm.apps.show.placement import Pen, place
+from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language import parse
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.show.diagram import BLOCK_KINDS, block_diagram, time_text
-from fuzzyarm.show.placement import Pen, place
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "controllers").glob("*.frb"))
 SHIPPED = [shipped(name) for name in sorted(shipped_names()) if name.endswith(".frb")]

@@ -36,7 +36,7 @@ def run(tmp_path):
     (tmp_path / "own.frb").write_text(TEXT)
 
     def call(*commands):
-        code = KINDS + "from fuzzyarm.cli import main\n"
+        code = KINDS + "from fuzzyarm.apps.cli import main\n"
         code += "".join(f"assert main({list(words)!r}) == 0\n" for words in commands)
         done = subprocess.run(
             [sys.executable, "-c", code],

@@ -9,21 +9,21 @@ from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.api import load
-from fuzzyarm.inference import explain
-from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.show.drawing import HeatGrid, plain_text, ruler
-from fuzzyarm.show.figures import (
+from fuzzyarm.apps.show.drawing import HeatGrid, plain_text, ruler
+from fuzzyarm.apps.show.figures import (
     inference_figure,
     memberships_figure,
     rulebase_figure,
     table_figure,
 )
-from fuzzyarm.show.figures.labels import shortened, spread, text_width, thinned, wrapped
+from fuzzyarm.apps.show.figures.labels import shortened, spread, text_width, thinned, wrapped
+from fuzzyarm.apps.watch import RulebaseScene
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.exchange.files import load
+from fuzzyarm.inference import explain
+from fuzzyarm.language import parse
+from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable, compile_table
-from fuzzyarm.watch import RulebaseScene
 from tests.show.boxes import faults
 
 

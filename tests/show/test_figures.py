@@ -3,9 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fuzzyarm.inference import explain, infer
-from fuzzyarm.language import parse
-from fuzzyarm.show.figures import (
+from fuzzyarm.apps.show.figures import (
     FigureFileError,
     inference_figure,
     memberships_figure,
@@ -14,8 +12,10 @@ from fuzzyarm.show.figures import (
     surface_figure,
     table_figure,
 )
-from fuzzyarm.show.figures.style import new_figure, tidy
-from fuzzyarm.show.figures.surface import without_noise
+from fuzzyarm.apps.show.figures.style import new_figure, tidy
+from fuzzyarm.apps.show.figures.surface import without_noise
+from fuzzyarm.inference import explain, infer
+from fuzzyarm.language import parse
 from fuzzyarm.table import Axis, LookupTable, compile_table
 
 ASYMMETRIC = LookupTable(
@@ -207,7 +207,7 @@ def test_milliseconds_are_written_as_they_are():
 def test_a_narrow_logarithmic_axis_has_plain_numbers_that_do_not_meet():
     from matplotlib.figure import Figure
 
-    from fuzzyarm.figure_files import plain_powers
+    from fuzzyarm.base.figure_files import plain_powers
 
     figure = Figure(figsize=(3.0, 2.0))
     axes = figure.subplots()

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.show.drawing import HeatGrid, curve_blocks, height_at, plain_text, scale_of
-from fuzzyarm.show.table import table_grids, table_view
+from fuzzyarm.apps.show.drawing import HeatGrid, curve_blocks, height_at, plain_text, scale_of
+from fuzzyarm.apps.show.table import table_grids, table_view
 from fuzzyarm.table import Axis, LookupTable
 
 ASYMMETRIC = LookupTable(

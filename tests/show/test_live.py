@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.loop import Signal, simulate
-from fuzzyarm.picture import Drawing, Line, Words
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.show import live
+from fuzzyarm.apps.show.canvas import Canvas
+from fuzzyarm.apps.show.drawing import make_console, plain_text
+from fuzzyarm.apps.show.live import LiveView, frames_of, play
+from fuzzyarm.base.picture import Drawing, Line, Words
+from fuzzyarm.control.loop import Signal, simulate
 from fuzzyarm.plant import PLANTS, PlantError, find_plant
 from fuzzyarm.plant.drawings import PlantScene, is_drawn
-from fuzzyarm.show import live
-from fuzzyarm.show.canvas import Canvas
-from fuzzyarm.show.drawing import make_console, plain_text
-from fuzzyarm.show.live import LiveView, frames_of, play
 
 STEPS = {
     "motor": ("servo.frb", "position", 0.1),
@@ -131,8 +131,8 @@ def test_a_run_is_watched_where_matplotlib_is_not_installed():
 import io, sys
 sys.modules["matplotlib"] = None  # an import of it fails
 from fuzzyarm import shipped
-from fuzzyarm.cli import main
-from fuzzyarm.show import drawing, live
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.show import drawing, live
 
 class Terminal(io.StringIO):
     encoding = "utf-8"

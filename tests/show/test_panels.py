@@ -1,4 +1,4 @@
-"""Records of `fuzzyarm.picture`, drawn in the terminal and by matplotlib."""
+"""Records of `fuzzyarm.base.picture`, drawn in the terminal and by matplotlib."""
 
 from __future__ import annotations
 
@@ -11,10 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.inference import infer
-from fuzzyarm.inference.trace import FuzzyValue
-from fuzzyarm.model.rulebase import Input, Shape, Term
-from fuzzyarm.picture import (
+from fuzzyarm.apps.show.cells import table_panel
+from fuzzyarm.apps.show.drawing import make_console, plain_text
+from fuzzyarm.apps.show.figures.panels import chart_figure
+from fuzzyarm.apps.show.panels import LinePlot, SurfaceMap, panel_lines
+from fuzzyarm.apps.show.response import Response
+from fuzzyarm.apps.show.search import spreads
+from fuzzyarm.apps.show.terms import TermPlots
+from fuzzyarm.apps.show.trace import _memberships
+from fuzzyarm.base.picture import (
     Area,
     Axis,
     Band,
@@ -31,14 +36,9 @@ from fuzzyarm.picture import (
     frame,
     rectangle,
 )
-from fuzzyarm.show.cells import table_panel
-from fuzzyarm.show.drawing import make_console, plain_text
-from fuzzyarm.show.figures.panels import chart_figure
-from fuzzyarm.show.panels import LinePlot, SurfaceMap, panel_lines
-from fuzzyarm.show.response import Response
-from fuzzyarm.show.search import spreads
-from fuzzyarm.show.terms import TermPlots
-from fuzzyarm.show.trace import _memberships
+from fuzzyarm.inference import infer
+from fuzzyarm.inference.trace import FuzzyValue
+from fuzzyarm.language.model.rulebase import Input, Shape, Term
 from fuzzyarm.table import compile_table
 
 
@@ -166,7 +166,7 @@ def test_a_map_has_the_colours_of_its_scale():
 
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".jpg", ".webp"])
 def test_one_saver_writes_every_format(tmp_path, suffix):
-    from fuzzyarm.figure_files import save_figure
+    from fuzzyarm.base.figure_files import save_figure
 
     panel = Panel([Line((0, 1), (0, 1))], Axis("x"), Axis("y"))
     figure = chart_figure(Chart([[panel]], (2.0, 2.0)))

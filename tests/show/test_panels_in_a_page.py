@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.picture import (
+from fuzzyarm.apps.show.plane import MOST_RULINGS, plane_panel
+from fuzzyarm.base.picture import (
     COLOURS,
     TONES,
     Axis,
@@ -21,7 +22,6 @@ from fuzzyarm.picture import (
     panel_data,
     short,
 )
-from fuzzyarm.show.plane import MOST_RULINGS, plane_panel
 
 NUMBERS = st.lists(st.floats(-1e6, 1e6) | st.just(math.nan), min_size=2, max_size=8)
 

@@ -1,10 +1,10 @@
 from __future__ import annotations
 
+from fuzzyarm.apps.show.diff import compare_rulebases
+from fuzzyarm.apps.show.drawing import plain_text
+from fuzzyarm.apps.show.rulebase import expression_words, find_grids, rules_view
 from fuzzyarm.language import parse
-from fuzzyarm.language.queries.hover import rule_sentence
-from fuzzyarm.show.diff import compare_rulebases
-from fuzzyarm.show.drawing import plain_text
-from fuzzyarm.show.rulebase import expression_words, find_grids, rules_view
+from fuzzyarm.language.edit.hover import rule_sentence
 
 HEADER = """\
 rulebase r

@@ -9,13 +9,13 @@ import pytest
 from rich.console import Console
 from rich.style import Style
 
+from fuzzyarm.apps.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
+from fuzzyarm.apps.show.drawing import make_console, plain_text
+from fuzzyarm.apps.show.rulebase import rulebase_view
+from fuzzyarm.apps.show.table import table_grids, table_view
+from fuzzyarm.apps.show.trace import trace_view
 from fuzzyarm.inference import explain
 from fuzzyarm.language import parse
-from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
-from fuzzyarm.show.drawing import make_console, plain_text
-from fuzzyarm.show.rulebase import rulebase_view
-from fuzzyarm.show.table import table_grids, table_view
-from fuzzyarm.show.trace import trace_view
 from fuzzyarm.table import compare_tables, compile_table, read_table
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 from fuzzyarm.inference import infer
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.table import LookupTable, read_table, write_table
@@ -61,7 +61,7 @@ def test_eval_of_a_table(capsys):
 def test_the_defuzzifier_of_the_command_line_wins(capsys):
     from dataclasses import replace
 
-    from fuzzyarm.model.rulebase import Defuzzifier
+    from fuzzyarm.language.model.rulebase import Defuzzifier
 
     rulebase = load_rulebase(PD7)
     assert main(["eval", PD7, "e=1.3", "ce=-2.2", "--json", "--defuzzifier", "centroid(101)"]) == 0
@@ -105,7 +105,7 @@ def test_eval_complains_in_one_sentence(capsys, words, message, status):
 
 def test_eval_needs_no_array_library():
     code = (
-        "import sys; from fuzzyarm.cli import main;"
+        "import sys; from fuzzyarm.apps.cli import main;"
         f"main(['eval', {PD7!r}, 'e=1.3', 'ce=-2.2', '--explain', '--json']);"
         "sys.exit('numpy' in sys.modules)"
     )
@@ -266,7 +266,7 @@ def test_missing_and_damaged_files(capsys, tmp_path, command):
 
 
 def test_visits_are_written_short():
-    from fuzzyarm.show.table import _count_text
+    from fuzzyarm.apps.show.table import _count_text
 
     assert [_count_text(n) for n in (1, 2, 99_999, 123_456)] == ["1", "2", "99999", "123k"]
     assert not _count_text(0).isdigit()

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
 
 FAST = ["--segment", "0.2"]
 
@@ -167,7 +167,7 @@ def test_wrong_usage(capsys, words):
 def test_own_controller_runs_with_the_same_command(capsys, tmp_path, monkeypatch):
     file = tmp_path / "mine.py"
     file.write_text(
-        "from fuzzyarm.controller import Controller\n"
+        "from fuzzyarm.control.controllers import Controller\n"
         "class Mine(Controller):\n"
         "    def torque(self, reference, state, clock):\n"
         "        return 10.0 * reference.position[0], 0.0\n"

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
-from fuzzyarm.cli import main
-from fuzzyarm.controller import CompiledController, Controller, controller
-from fuzzyarm.controller.law import Law, law_kernel
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.study import find_rows, reproduce_row
+from fuzzyarm.apps.study.comparison import CONDITIONS, compare, compared_names, watched_run
+from fuzzyarm.apps.study.cost import CostError, count_operations, measure_time
+from fuzzyarm.control.controllers import CompiledController, Controller, controller
+from fuzzyarm.control.controllers.law import Law, law_kernel
+from fuzzyarm.control.loop import Options, simulate
 from fuzzyarm.language import read_text
-from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import pick_and_place, through
 from fuzzyarm.plant.setting import PLAIN, STUDY_TABLES
-from fuzzyarm.study import find_rows, reproduce_row
-from fuzzyarm.study.comparison import CONDITIONS, compare, compared_names, watched_run
-from fuzzyarm.study.cost import CostError, count_operations, measure_time
 
 SHORT = through([(0.5, -0.4)], segment=0.05)
 QUICK = through([(10.0, -10.0), (-5.0, 4.0)], segment=0.3)
@@ -64,7 +64,7 @@ def test_a_partner_counts_with_its_functions():
 
 
 def test_counting_changes_no_result():
-    from fuzzyarm.study.cost import _Counting
+    from fuzzyarm.apps.study.cost import _Counting
 
     for name in ("acdid", "stfc", "soc-zero", "cdid+fuzzy"):
         plain = simulate(controller(name), SHORT, options=Options(compiled=False))
@@ -322,7 +322,7 @@ def test_compare_prints_a_line_for_each(capsys, tmp_path):
 
 @pytest.mark.slow
 def test_exported_programs_have_every_rule_in_a_row(capsys):
-    from fuzzyarm.export.cost import step_cost
+    from fuzzyarm.exchange.export.cost import step_cost
 
     assert main(["compare", "hfie", "stfc", "cdid+fuzzy", "--cost", "--json"]) == 0
     rows = {row["controller"]: row for row in json.loads(capsys.readouterr().out)}

@@ -8,9 +8,9 @@ import pytest
 from budget import cases
 
 from fuzzyarm import infer, load, shipped
-from fuzzyarm.study import chaotic, find_rows, judge, reproduce_row, variants
-from fuzzyarm.study.beyond import MODEL_FREE, run_beyond
-from fuzzyarm.study.published import published_rows
+from fuzzyarm.apps.study import chaotic, find_rows, judge, reproduce_row, variants
+from fuzzyarm.apps.study.beyond import MODEL_FREE, run_beyond
+from fuzzyarm.apps.study.published import published_rows
 
 TWO_PERCENT = ["fuzzy-direct", "stfc", "cfaf", "cdid+fuzzy", "acdid+fuzzy"]
 FIVE_PERCENT = ["ffid+fuzzy", "mrac+fuzzy", "dac+fuzzy"]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fuzzyarm.study.identify import PROBLEMS, UnknownProblemError, identify
+from fuzzyarm.apps.study.identify import PROBLEMS, UnknownProblemError, identify
 
 
 @pytest.mark.slow
@@ -25,8 +25,8 @@ def test_fit_of_dac_explains_its_row_better_than_the_round_gains():
 
 
 def test_searches_start_away_from_the_shipped_gains():
-    from fuzzyarm.study.identify import _shipped
-    from fuzzyarm.study.published import find_rows
+    from fuzzyarm.apps.study.identify import _shipped
+    from fuzzyarm.apps.study.published import find_rows
 
     for problem in PROBLEMS.values():
         row = find_rows(list(problem.rows))[0]

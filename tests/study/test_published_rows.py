@@ -2,7 +2,7 @@
 
 import pytest
 
-from fuzzyarm.study import UnknownRowError, find_rows, published_rows
+from fuzzyarm.apps.study import UnknownRowError, find_rows, published_rows
 
 
 def test_every_row_of_every_table_is_there():

@@ -6,10 +6,10 @@ The bounds below are written here on purpose, apart from those the package judge
 import numpy as np
 import pytest
 
-from fuzzyarm.controller import CATALOGUE
-from fuzzyarm.loop import Options
-from fuzzyarm.study import find_rows, judge, reproduce_row, variants
-from fuzzyarm.study.reproduce import count_within, row_controller
+from fuzzyarm.apps.study import find_rows, judge, reproduce_row, variants
+from fuzzyarm.apps.study.reproduce import count_within, row_controller
+from fuzzyarm.control.controllers import CATALOGUE
+from fuzzyarm.control.loop import Options
 
 EXACT = ["pd", "pid", "pid-modified", "ct", "ffid", "cdid", "ct+ie", "ffid+ie", "cdid+ie", "acdid"]
 ONE_PERCENT = ["5.4.2", "7.1.1/acdid+ie", "5.5.1", "7.1.1/mrac", "5.5.2"]

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
+from fuzzyarm.base.numbers import evenly, short_levels
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.table import (
@@ -22,7 +23,6 @@ from fuzzyarm.table import compiler as compiler_module
 from fuzzyarm.table import fidelity as fidelity_module
 from fuzzyarm.table.compiler import choose_axes, round_to
 from fuzzyarm.table.fidelity import smallest_even_grid
-from fuzzyarm.text.numbers import evenly, short_levels
 
 LOPSIDED = """\
 rulebase lopsided
@@ -419,7 +419,7 @@ def test_an_output_that_depends_on_nothing_has_a_small_table_all_the_same():
 
 
 def test_a_table_over_further_inputs_gives_the_same_numbers():
-    from fuzzyarm.proof import table_proof
+    from fuzzyarm.proof.map import table_proof
     from fuzzyarm.table.compiler import over_inputs
 
     rulebase = own_inputs()

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fuzzyarm.base.diagnostic import Span
 from fuzzyarm.table import LookupTable, parse_lut
 from fuzzyarm.table.files import parse_table
-from fuzzyarm.text.diagnostic import Span
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 

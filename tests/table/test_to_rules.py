@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse, write
-from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import (
     Axis,
     LookupTable,

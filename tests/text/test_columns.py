@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.text.columns import in_columns
+from fuzzyarm.base.columns import in_columns
 
 words = st.text("ab.1", max_size=6)
 tables = st.integers(1, 5).flatmap(

@@ -6,7 +6,7 @@ import stat
 
 import pytest
 
-from fuzzyarm.text.files import confined, demand_allowed, stamp_of, write_atomically
+from fuzzyarm.base.files import confined, demand_allowed, stamp_of, write_atomically
 
 
 def test_a_file_is_written_and_replaced(tmp_path):

@@ -4,9 +4,9 @@ import subprocess
 
 from needs import requires
 
-from fuzzyarm.cli.main import main
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.text.folders import own_files
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.folders import own_files
+from fuzzyarm.base.shipped_files import shipped
 
 RULES = shipped("pd7.frb").read_text(encoding="utf-8")
 

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.text.jsonable import jsonable
+from fuzzyarm.base.jsonable import jsonable
 
 numbers = st.one_of(
     st.floats(),

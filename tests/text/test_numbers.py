@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.text.numbers import outward_text
+from fuzzyarm.base.numbers import outward_text
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import load, shipped
-from fuzzyarm.model.arrangement import cores, mirror_faults, partition_faults
-from fuzzyarm.model.rulebase import Input, PeakTuning, Shape, Term
-from fuzzyarm.tuning.movement import Movement, TuneError
+from fuzzyarm.language.model.arrangement import cores, mirror_faults, partition_faults
+from fuzzyarm.language.model.rulebase import Input, PeakTuning, Shape, Term
+from fuzzyarm.learning.tuning.movement import Movement, TuneError
 
 FILES = ("pd7.frb", "pd7-study.frb", "fine7.frb", "thermostat.frb")
 VARIABLES = [

@@ -7,14 +7,14 @@ import os
 import pytest
 
 from fuzzyarm import load, tune
-from fuzzyarm.cli import main
-from fuzzyarm.loop import Signal
-from fuzzyarm.shipped_files import shipped
-from fuzzyarm.show.figures import tuning as figure
-from fuzzyarm.text import files
-from fuzzyarm.tuning import Journal, judging, result
-from fuzzyarm.tuning.cost import CostFormulaError
-from fuzzyarm.tuning.search import Search
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.show.figures import tuning as figure
+from fuzzyarm.base import files
+from fuzzyarm.base.shipped_files import shipped
+from fuzzyarm.control.loop import Signal
+from fuzzyarm.learning.tuning import Journal, judging, result
+from fuzzyarm.learning.tuning.cost import CostFormulaError
+from fuzzyarm.learning.tuning.search import Search
 
 ROOM = ("--reference", "temperature=20", "--for", "600s")
 QUICK = (*ROOM, "--workers", "1", "--evals", "8", "--unseen", "2", "-o", "mine.frb")

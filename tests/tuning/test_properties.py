@@ -11,16 +11,16 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import load, shipped
+from fuzzyarm.control.loop import Signal, simulate
 from fuzzyarm.inference import infer
 from fuzzyarm.learning.data import as_samples
-from fuzzyarm.loop import Signal, simulate
+from fuzzyarm.learning.tuning import Journal, tune
+from fuzzyarm.learning.tuning.design import Design, MovingNumber
+from fuzzyarm.learning.tuning.linear import straightened
+from fuzzyarm.learning.tuning.movement import significant
+from fuzzyarm.learning.tuning.optimisers import OPTIMISERS
+from fuzzyarm.learning.tuning.tune import read_tuning
 from fuzzyarm.plant import reach_return
-from fuzzyarm.tuning import Journal, tune
-from fuzzyarm.tuning.design import Design, MovingNumber
-from fuzzyarm.tuning.linear import straightened
-from fuzzyarm.tuning.movement import significant
-from fuzzyarm.tuning.optimisers import OPTIMISERS
-from fuzzyarm.tuning.tune import read_tuning
 
 HEATER = load(shipped("heater.frb"))
 ROOM = {"reference": {"temperature": Signal("step", (20.0,))}, "duration": 900.0}
@@ -161,7 +161,7 @@ def line_for(text, gains):
 @given(st.floats(0.02, 2.0), st.floats(1.0, 500.0), st.floats(0.01, 5.0))
 def test_whatever_the_gains_of_the_file_can_do_the_line_can_do(first, second, third):
     """The rules of the heater are a plane; as long as no input is cut off the two are one."""
-    from fuzzyarm.tuning.design import Candidate, controller_at
+    from fuzzyarm.learning.tuning.design import Candidate, controller_at
 
     gains = {"G_e": first, "G_ce": second, "G_du": third}
     line, wanted = line_for(HEATER, gains)

@@ -9,21 +9,17 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm import load, shipped
-from fuzzyarm.controller import controller, find_controller
-from fuzzyarm.controller.catalogue import controller_of
-from fuzzyarm.controller.controller import Controller
+from fuzzyarm.control.controllers import controller, find_controller
+from fuzzyarm.control.controllers.catalogue import controller_of
+from fuzzyarm.control.controllers.controller import Controller
+from fuzzyarm.control.loop import Sensor, Signal, simulate
+from fuzzyarm.control.loop.many import Bench, Experiment
+from fuzzyarm.control.loop.run import ClosedLoop, plant_motion
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.learning.data import as_samples
-from fuzzyarm.loop import Sensor, Signal, simulate
-from fuzzyarm.loop.many import Bench, Experiment
-from fuzzyarm.loop.run import ClosedLoop, plant_motion
-from fuzzyarm.plant import find_plant, reach_return
-from fuzzyarm.plant.plant import interface_of
-from fuzzyarm.proof import prove_all
-from fuzzyarm.requests.journal import JournalError
-from fuzzyarm.tuning import Journal, TuneError, tune
-from fuzzyarm.tuning.cost import (
+from fuzzyarm.learning.tuning import Journal, TuneError, tune
+from fuzzyarm.learning.tuning.cost import (
     Cost,
     CostFormulaError,
     brief_values_of,
@@ -31,11 +27,15 @@ from fuzzyarm.tuning.cost import (
     read_cost,
     values_of,
 )
-from fuzzyarm.tuning.design import Design
-from fuzzyarm.tuning.linear import cut_off, nearest_plane, straightened
-from fuzzyarm.tuning.optimisers import OPTIMISERS
-from fuzzyarm.tuning.scenarios import train_scenarios, unseen_scenarios
-from fuzzyarm.tuning.tune import read_tuning, stage_of
+from fuzzyarm.learning.tuning.design import Design
+from fuzzyarm.learning.tuning.linear import cut_off, nearest_plane, straightened
+from fuzzyarm.learning.tuning.optimisers import OPTIMISERS
+from fuzzyarm.learning.tuning.scenarios import train_scenarios, unseen_scenarios
+from fuzzyarm.learning.tuning.tune import read_tuning, stage_of
+from fuzzyarm.plant import find_plant, reach_return
+from fuzzyarm.plant.plant import interface_of
+from fuzzyarm.proof.map import prove_all
+from fuzzyarm.requests.journal import JournalError
 
 HEATER = shipped("heater.frb")
 ROOM = {
@@ -210,7 +210,7 @@ def test_every_candidate_keeps_the_expectations(moved):
 
 
 def _expected(rulebase, e, off=0.0):
-    from fuzzyarm.model.rulebase import Expectation, Outcome
+    from fuzzyarm.language.model.rulebase import Expectation, Outcome
 
     value = infer(rulebase, e=e, ce=0.0)["u"] + off
     return (Expectation((("e", e), ("ce", 0.0)), (Outcome("u", "=", value, 0.02),)),)
@@ -456,7 +456,7 @@ def test_a_time_is_that_of_the_whole(linear, monkeypatch):
     """By a clock that goes on by 0.1 s at each look; a run takes as long as in the search."""
     from itertools import count
 
-    from fuzzyarm.tuning import search
+    from fuzzyarm.learning.tuning import search
 
     ticks = count(0.0, 0.1)
     monkeypatch.setattr(search.time, "monotonic", lambda: next(ticks))

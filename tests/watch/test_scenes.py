@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm import load
-from fuzzyarm.cli import main
+from fuzzyarm.apps.cli import main
+from fuzzyarm.apps.show.drawing import plain_text
+from fuzzyarm.apps.watch import RulebaseScene, WatchedFile, WatchScene
+from fuzzyarm.apps.watch.keys import apply_key
 from fuzzyarm.inference import infer
-from fuzzyarm.show.drawing import plain_text
-from fuzzyarm.watch import RulebaseScene, WatchedFile, WatchScene
-from fuzzyarm.watch.keys import apply_key
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 
@@ -129,7 +129,7 @@ def test_watch_refuses_what_makes_no_sense(
 def test_watch_needs_no_extra() -> None:
     hide = (
         "import sys; sys.modules.update(dict.fromkeys(('pygls', 'lsprotocol')));"
-        "from fuzzyarm.cli import main;"
+        "from fuzzyarm.apps.cli import main;"
         f"sys.exit(main(['watch', {str(RULEBASES / 'pd7.frb')!r}, '--once']))"
     )
     done = subprocess.run([sys.executable, "-c", hide], capture_output=True, check=False)

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { decades, ticks, valueRange } from "../../../src/fuzzyarm/designer/page/geometry/chart.js";
+import { decades, ticks, valueRange } from "../../../src/fuzzyarm/apps/designer/page/geometry/chart.js";
 
 test("ticks are round, in order, and within", () => {
   for (const [low, high] of [

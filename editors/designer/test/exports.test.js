@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { groupsOf } from "../../../src/fuzzyarm/designer/page/exports.js";
+import { groupsOf } from "../../../src/fuzzyarm/apps/designer/page/exports.js";
 
 test("every file that the server offers has its place, a new one among the programs", () => {
   const offered = [".h", ".c", ".st", ".xml", ".lut", ".svg", ".fis", ".new"];

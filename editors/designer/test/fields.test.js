@@ -8,7 +8,7 @@ import {
   quoted,
   shownDefault,
   valueOf,
-} from "../../../src/fuzzyarm/designer/page/fields.js";
+} from "../../../src/fuzzyarm/apps/designer/page/fields.js";
 
 const WORDS = { usual: "usual", yes: "yes", no: "no" };
 const LIST = { type: "array", items: { type: "string" }, default: [] };

@@ -13,7 +13,7 @@ import {
   strokesOf,
   ticksOf,
   valueAt,
-} from "../../../src/fuzzyarm/designer/page/geometry/panel.js";
+} from "../../../src/fuzzyarm/apps/designer/page/geometry/panel.js";
 
 test("a scale takes the ends of its axis to those of the plot, also where ratios are equal lengths", () => {
   for (const logarithmic of [false, true]) {

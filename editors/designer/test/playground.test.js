@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Kept } from "../../../src/fuzzyarm/designer/page/playground/kept.js";
-import { carriedBy, fragmentOf } from "../../../src/fuzzyarm/designer/page/playground/link.js";
-import { Tabs } from "../../../src/fuzzyarm/designer/page/playground/tabs.js";
+import { Kept } from "../../../src/fuzzyarm/apps/designer/page/playground/kept.js";
+import { carriedBy, fragmentOf } from "../../../src/fuzzyarm/apps/designer/page/playground/link.js";
+import { Tabs } from "../../../src/fuzzyarm/apps/designer/page/playground/tabs.js";
 
 /** A browser: locks and channels of its tabs. */
 function browser() {

@@ -9,7 +9,7 @@ import {
   piecesOf,
   rangeOf,
   sendable,
-} from "../../../src/fuzzyarm/designer/page/geometry/shapes.js";
+} from "../../../src/fuzzyarm/apps/designer/page/geometry/shapes.js";
 
 const close = (a, b) => assert.ok(Math.abs(a - b) < 1e-9, `${a} is not ${b}`);
 const NUMBERS = {

@@ -9,7 +9,7 @@ import {
   planePanel,
   projectionOf,
   spotsOf,
-} from "../../../src/fuzzyarm/designer/page/geometry/surface.js";
+} from "../../../src/fuzzyarm/apps/designer/page/geometry/surface.js";
 
 test("a triangle fills as many pixels as it has area, and a shared side is filled once", () => {
   const fill = (...corners) => {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Task } from "../../../src/fuzzyarm/designer/page/task.js";
+import { Task } from "../../../src/fuzzyarm/apps/designer/page/task.js";
 
 /** A hand whose works speak when the test says so. */
 function held(settled = async () => true) {

@@ -1,7 +1,7 @@
 // What the panes of the page share, beside the messages: the store, and what a hand may do.
 
 declare namespace Page {
-  type Store = import("../../../src/fuzzyarm/designer/page/store.js").Store;
+  type Store = import("../../../src/fuzzyarm/apps/designer/page/store.js").Store;
 
   type Questions = Messages.TextQuestions;
 

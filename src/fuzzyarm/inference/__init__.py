@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fuzzyarm.base.lazy import lazily
 from fuzzyarm.inference.errors import (
     CyclicRulesError,
     InferenceError,
@@ -19,7 +20,6 @@ from fuzzyarm.inference.errors import (
 )
 from fuzzyarm.inference.infer import check_expectations, infer, infer_interval
 from fuzzyarm.inference.point import prepare
-from fuzzyarm.lazy import lazily
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.engine import Compiled, compiled

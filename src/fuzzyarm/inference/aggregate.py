@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
-from fuzzyarm.expression.lines import sampled_degrees
-from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function
-from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
-from fuzzyarm.model.shapes import apply_hedges
+from fuzzyarm.language.model.rulebase import Defuzzifier, Hedge, Shape
+from fuzzyarm.language.model.shapes import apply_hedges
+from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.lines import sampled_degrees
+from fuzzyarm.symbolic.records import emptied_with_kinds
 
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
 
@@ -64,7 +64,7 @@ Fired = Sequence[tuple[int, float]]
 """(index of a member, firing strength above 0), in the order of the rules."""
 
 Figures = dict[str, float]
-"""Numbers that an aggregate has, by their names in :mod:`fuzzyarm.expression.defuzzifiers`."""
+"""Numbers that an aggregate has, by their names in :mod:`fuzzyarm.symbolic.defuzzifiers`."""
 
 
 def aggregate(

@@ -8,15 +8,15 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import positions, sampled_set, weights
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 Array = NDArray[np.float64]
 
 ArrayFigures = dict[str, Array]
-"""Numbers of aggregates, by their names in :mod:`fuzzyarm.expression.defuzzifiers`."""
+"""Numbers of aggregates, by their names in :mod:`fuzzyarm.symbolic.defuzzifiers`."""
 
 
 class Strengths:

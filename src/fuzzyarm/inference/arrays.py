@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate_arrays import Strengths
 from fuzzyarm.inference.defuzzify import defuzzify_over_arrays
 from fuzzyarm.inference.errors import (
@@ -29,7 +28,17 @@ from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
 from fuzzyarm.inference.point import check_names, stands_in_for_nan
 from fuzzyarm.inference.sets import degrees as degrees_in
 from fuzzyarm.inference.sets import hedged
-from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Output, RuleBase, Variable
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Output,
+    RuleBase,
+    Variable,
+)
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 # --- Cut the shape of a result into blocks that stay in the processor's cache ---
 

@@ -36,7 +36,7 @@ from array import array
 from itertools import accumulate
 from typing import Any, NamedTuple
 
-from fuzzyarm.kernels import kernel, whole_numbers
+from fuzzyarm.symbolic.kernels import kernel, whole_numbers
 
 # ── what stands where, by name ───────────────────────────────────────────────────────
 

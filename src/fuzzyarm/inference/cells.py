@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
-from fuzzyarm.expression.lines import StraightLine, StraightShape
 from fuzzyarm.inference.partition import cut_at_corners
+from fuzzyarm.symbolic.lines import StraightLine, StraightShape
 
 FINENESS = 8
 """Most buckets for each cell."""

@@ -32,7 +32,7 @@ from fuzzyarm.inference.envelope import cut_pieces, envelope_of, whole_of
 from fuzzyarm.inference.firing_strengths import (
     join,
 )
-from fuzzyarm.kernels import kernel
+from fuzzyarm.symbolic.kernels import kernel
 
 
 @kernel

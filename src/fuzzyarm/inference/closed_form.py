@@ -27,7 +27,7 @@ from fuzzyarm.inference.block import (
     WORK,
     parts_of,
 )
-from fuzzyarm.kernels import kernel
+from fuzzyarm.symbolic.kernels import kernel
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from fuzzyarm.inference.layout import what_is_not_covered
 from fuzzyarm.inference.plan import OutputPlan, plan
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
 
 PER_RULE = 0.05
 PER_RULE_OF_NUMPY = 0.1

@@ -18,8 +18,8 @@ from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
 from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.stages import stages
-from fuzzyarm.kernels import bound_routine, has_machine_code, point_routines
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
+from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
+from fuzzyarm.symbolic.kernels import bound_routine, has_machine_code, point_routines
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.block import Layout

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzzyarm.kernels import kernel
+from fuzzyarm.symbolic.kernels import kernel
 
 PIECE = 4
 """Floats of a straight piece of a set: its two ends, x and height each."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.names import did_you_mean
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import did_you_mean
 
 
 class InferenceError(FuzzyarmError, ValueError):

@@ -17,10 +17,8 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS
-from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     POSITION,
     And,
     Consequent,
@@ -37,7 +35,9 @@ from fuzzyarm.model.rulebase import (
     Variable,
     propositions,
 )
-from fuzzyarm.model.shapes import apply_hedges
+from fuzzyarm.language.model.shapes import apply_hedges
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
+from fuzzyarm.symbolic.records import emptied_with_kinds
 
 UPPER, LOWER = 0, 1
 """The two readings of a rule, and the sides of the sets that they assert."""

@@ -27,7 +27,7 @@ from fuzzyarm.inference.block import (
     WIDTH,
     WORK,
 )
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.symbolic.kernels import call, kernel
 
 
 @kernel

@@ -7,14 +7,21 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, overload
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.diagnostic import Diagnostic, Severity
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.firing_intervals import Ends, ends
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.point import check_names, holds_arrays, prepare
 from fuzzyarm.inference.prepared import known, prepared, remembered
-from fuzzyarm.model.rulebase import AnyRuleBase, Expectation, Outcome, Output, RuleBase, model_of
-from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from fuzzyarm.language.model.rulebase import (
+    AnyRuleBase,
+    Expectation,
+    Outcome,
+    Output,
+    RuleBase,
+    model_of,
+)
 
 # --- Evaluate a rule base: one call for scalars and arrays ---
 

@@ -103,7 +103,7 @@ from fuzzyarm.inference.firing_strengths import (
     unite_rules,
     unite_rules_of_point,
 )
-from fuzzyarm.kernels import call, kernel, short, whole_numbers
+from fuzzyarm.symbolic.kernels import call, kernel, short, whole_numbers
 
 # ── points ───────────────────────────────────────────────────────────────────────────
 

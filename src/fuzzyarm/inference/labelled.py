@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.model.rulebase import Variable
+from fuzzyarm.language.model.rulebase import Variable
 
 # --- One mapping of inputs by name ---
 

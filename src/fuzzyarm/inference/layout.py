@@ -12,7 +12,6 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import Layout, NotCoveredError, TermNumbers
 from fuzzyarm.inference.cells import InputCells, cut_into_cells
@@ -30,8 +29,9 @@ from fuzzyarm.inference.row_functions import (
     weighed_strength,
 )
 from fuzzyarm.inference.stages import stages
-from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, RuleBase
-from fuzzyarm.model.shapes import apply_hedges, straight_lines
+from fuzzyarm.language.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, RuleBase
+from fuzzyarm.language.model.shapes import apply_hedges, straight_lines
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS, Norm
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000

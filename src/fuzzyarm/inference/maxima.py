@@ -18,7 +18,6 @@ from functools import reduce
 from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import (
     Figures,
     Fired,
@@ -30,6 +29,7 @@ from fuzzyarm.inference.aggregate import (
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.quadrature import CLIPPING
 from fuzzyarm.inference.sets import bisect, cut, golden, peak
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 if TYPE_CHECKING:
     import numpy as np

@@ -11,8 +11,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS, Norm
-from fuzzyarm.expression.nodes import Node, replace, symbol, trace
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import (
     envelope,
@@ -44,7 +42,9 @@ from fuzzyarm.inference.quadrature import (
 from fuzzyarm.inference.row_functions import Addresses, Curve, norm_number
 from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak, plateaus
 from fuzzyarm.inference.weighted import is_rising
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.language.model.shapes import polyline
+from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.symbolic.nodes import Node, replace, symbol, trace
 
 
 class LaidRule(NamedTuple):

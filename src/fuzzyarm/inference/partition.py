@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from fuzzyarm.expression.lines import StraightLine, StraightShape
+from fuzzyarm.symbolic.lines import StraightLine, StraightShape
 
 __all__ = ["Partition", "cut_at_corners"]
 

@@ -13,7 +13,6 @@ from dataclasses import replace
 from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fuzzyarm.expression.defuzzifiers import DefuzzifierKind
 from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.firing_intervals import Doubled, is_value
@@ -28,7 +27,7 @@ from fuzzyarm.inference.sets import (
     stretches,
     term_function,
 )
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     POSITION,
     Consequent,
     Hedge,
@@ -43,9 +42,10 @@ from fuzzyarm.model.rulebase import (
     last_conclusions,
     propositions,
 )
+from fuzzyarm.symbolic.defuzzifiers import DefuzzifierKind
 
 if TYPE_CHECKING:
-    from fuzzyarm.expression.formulas import Formula
+    from fuzzyarm.symbolic.formulas import Formula
 
 
 class Member(NamedTuple):
@@ -521,7 +521,7 @@ def _check_formula(
     discrete: bool,
     is_set: bool,
 ) -> None:
-    from fuzzyarm.expression.formulas import CONSTANTS
+    from fuzzyarm.symbolic.formulas import CONSTANTS
 
     names_there = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
     for name in formula.names:

@@ -12,8 +12,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.expression.lines import StraightShape
 from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
     MissingInputError,
@@ -27,7 +25,7 @@ from fuzzyarm.inference.partition import cut_at_corners
 from fuzzyarm.inference.plan import Plan, PlannedRule, plan
 from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.sets import term_function
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Expression,
     Hedge,
@@ -38,7 +36,9 @@ from fuzzyarm.model.rulebase import (
     Variable,
     propositions,
 )
-from fuzzyarm.model.shapes import apply_hedges, straight_lines
+from fuzzyarm.language.model.shapes import apply_hedges, straight_lines
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
+from fuzzyarm.symbolic.lines import StraightShape
 
 # --- The terms of one variable that hold at a position, found by bisection ---
 #

@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import (
     Figures,
     Fired,
@@ -24,6 +23,7 @@ from fuzzyarm.inference.aggregate import (
 )
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 if TYPE_CHECKING:
     import numpy as np

@@ -4,7 +4,7 @@ The mathematics stands in :mod:`fuzzyarm.inference.maxima`, :mod:`fuzzyarm.infer
 :mod:`fuzzyarm.inference.weighted`; this is the same arithmetic in the same order, so the bits are
 those of one point in plain Python. All of them go point by point; what is done at one point is a
 function of its own, to which :func:`.kernel.point_by_point` is bound, and which exported programs
-have as well (:mod:`fuzzyarm.export.walk`).
+have as well (:mod:`fuzzyarm.exchange.export.walk`).
 
 A value that is one of several positions is the answer itself: the row TOTAL then has something
 above 0, and the row MOMENT has the value. (0, 0) says that no rule fired; the caller puts what
@@ -59,7 +59,7 @@ from fuzzyarm.inference.kernel import (
 )
 from fuzzyarm.inference.maxima import SAME
 from fuzzyarm.inference.type_reduction_kernel import value_of
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.symbolic.kernels import call, kernel
 
 HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID, NEAREST = range(8)
 """What is asked for: the last of the output's floats. A bisector of samples at ``midpoints`` is the

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, TypeVar
 
-from fuzzyarm.expression.records import emptied_with_kinds
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.records import emptied_with_kinds
 
 _Part = TypeVar("_Part")
 _Make = Callable[[RuleBase], _Part]

@@ -1,7 +1,7 @@
 """The kernels that take a block: what evaluates one, and what a layout names in it by number.
 
 A defuzzifier of the kernel is a record, :class:`DefuzzifierProgram`: what it does at one point,
-what it reads, what it gives. What a record of :mod:`fuzzyarm.expression.defuzzifiers` takes of an
+what it reads, what it gives. What a record of :mod:`fuzzyarm.symbolic.defuzzifiers` takes of an
 aggregate, and what that is made of (numbers, samples, straight lines, panels of curves), decide
 which one it is.
 """
@@ -11,8 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
-from fuzzyarm.expression.formulas import CONSTANTS
-from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference import (
     centroid_kernel,
     closed_form,
@@ -25,6 +23,8 @@ from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan, has_envelope
 from fuzzyarm.inference.weighted import is_rising
+from fuzzyarm.symbolic.formulas import CONSTANTS
+from fuzzyarm.symbolic.kinds import SHAPES
 
 
 class DefuzzifierProgram(NamedTuple):
@@ -62,7 +62,7 @@ class DefuzzifierProgram(NamedTuple):
 
     @property
     def bindings(self) -> Mapping[str, Callable[..., Any]]:
-        """See :func:`fuzzyarm.kernels.address_of`."""
+        """See :func:`fuzzyarm.symbolic.kernels.address_of`."""
         return {} if self.whole else {"at_point": self.function}
 
     @property

@@ -34,7 +34,7 @@ from fuzzyarm.inference.block import (
 from fuzzyarm.inference.centroid_kernel import cut_in
 from fuzzyarm.inference.envelope import insert
 from fuzzyarm.inference.sets import BELOW_ONE
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.symbolic.kernels import call, kernel
 
 # Whole numbers of an output, from k[DETAIL] on: its constants in f, how many members it has,
 # the edges at which sets may bend (how many, where in f), and the stretches over which two

@@ -11,23 +11,23 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple, Protocol, cast
 
-from fuzzyarm.expression import op
-from fuzzyarm.expression.functions import row_function, row_source
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
-from fuzzyarm.expression.lines import degree_on_corners
-from fuzzyarm.expression.nodes import Node, constant, replace, symbol, symbols
-from fuzzyarm.expression.printing import PYTHON, printed
-from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.programs import DefuzzifierProgram
 from fuzzyarm.inference.sets import degree_formula
-from fuzzyarm.kernels import address_of, call, kernel, whole_numbers
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     POSITION,
     Hedge,
     Shape,
 )
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.language.model.shapes import polyline
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.functions import row_function, row_source
+from fuzzyarm.symbolic.kernels import address_of, call, kernel, whole_numbers
+from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, Norm
+from fuzzyarm.symbolic.lines import degree_on_corners
+from fuzzyarm.symbolic.nodes import Node, constant, replace, symbol, symbols
+from fuzzyarm.symbolic.printing import PYTHON, printed
+from fuzzyarm.symbolic.programs import program_of
 
 _OWN_NORMS = {
     ("T", "min"): at.MIN, ("T", "product"): at.PRODUCT, ("S", "max"): at.MAX, ("S", "sum"): at.SUM,

@@ -14,20 +14,26 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fuzzyarm.expression import op
-from fuzzyarm.expression.evaluation import evaluate_arrays, may_lack_values
-from fuzzyarm.expression.functions import python_function
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
-from fuzzyarm.expression.nodes import Node
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.model.rulebase import POSITION, Hedge, Shape
-from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, membership_function, polyline
+from fuzzyarm.language.model.rulebase import POSITION, Hedge, Shape
+from fuzzyarm.language.model.shapes import (
+    apply_hedge,
+    apply_hedges,
+    bends,
+    membership_function,
+    polyline,
+)
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.evaluation import evaluate_arrays, may_lack_values
+from fuzzyarm.symbolic.functions import python_function
+from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, TNORMS
+from fuzzyarm.symbolic.nodes import Node
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.expression.formulas import Formula
+    from fuzzyarm.symbolic.formulas import Formula
 
 SetFunction = Callable[[float], float]
 """The degree at one point."""
@@ -39,7 +45,7 @@ SetFunction = Callable[[float], float]
 @lru_cache(maxsize=512)
 def formula_of(shape: Shape) -> Formula:
     """Return the formula of a shape, read once."""
-    from fuzzyarm.expression.formulas import read_formula
+    from fuzzyarm.symbolic.formulas import read_formula
 
     return read_formula(shape.formula)
 

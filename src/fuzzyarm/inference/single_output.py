@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import type_reduction_kernel
 from fuzzyarm.inference.block import NotCoveredError, TermNumbers
@@ -23,6 +22,7 @@ from fuzzyarm.inference.programs import (
     program_of,
 )
 from fuzzyarm.inference.row_functions import Addresses
+from fuzzyarm.symbolic.kinds import TNORMS
 
 
 class OutputLayout(NamedTuple):

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.plan import Plan, plan
-from fuzzyarm.model.rulebase import Input, Output, RuleBase, Shape, propositions
+from fuzzyarm.language.model.rulebase import Input, Output, RuleBase, Shape, propositions
 
 
 def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.block import (
     INPUTS,
@@ -23,8 +23,8 @@ from fuzzyarm.inference.block import (
     make_block,
 )
 from fuzzyarm.inference.kernel import sweep
-from fuzzyarm.kernels import bound_routine, in_threads, processors, sweep_routine
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.kernels import bound_routine, in_threads, processors, sweep_routine
 
 CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""

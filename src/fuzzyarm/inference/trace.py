@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from fuzzyarm.expression.kinds import TNORMS
+from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.shown import Drawn, one_line
 from fuzzyarm.inference.aggregate import aggregate, fold_at_point
 from fuzzyarm.inference.defuzzify import consequent_value, ends_of_output
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
@@ -18,7 +19,7 @@ from fuzzyarm.inference.point import Point, PointEngine, bring_into_range, prepa
 from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.type_reduction import side_of
 from fuzzyarm.inference.weighted import tsukamoto_at_point
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     AnyRuleBase,
     Expression,
@@ -32,9 +33,8 @@ from fuzzyarm.model.rulebase import (
     model_of,
     propositions,
 )
-from fuzzyarm.model.shapes import apply_hedges
-from fuzzyarm.text.jsonable import jsonable
-from fuzzyarm.text.shown import Drawn, one_line
+from fuzzyarm.language.model.shapes import apply_hedges
+from fuzzyarm.symbolic.kinds import TNORMS
 
 SAMPLES = 201
 """Points that a smooth curve is drawn through."""

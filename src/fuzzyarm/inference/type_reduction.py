@@ -41,7 +41,7 @@ from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.quadrature import Leaf, edges_of, leaves_at_point, noise_of
-from fuzzyarm.kernels import kernel
+from fuzzyarm.symbolic.kernels import kernel
 
 Interval = tuple[float, float]
 

@@ -40,7 +40,7 @@ from fuzzyarm.inference.kernel import (
 )
 from fuzzyarm.inference.quadrature_kernel import integrate
 from fuzzyarm.inference.type_reduction import end_of_average
-from fuzzyarm.kernels import kernel
+from fuzzyarm.symbolic.kernels import kernel
 
 # Whole numbers of a consequent that is a value between two: which pair it belongs to, its side,
 # and where the lower and the upper value are in f: constant, then a coefficient for each input.

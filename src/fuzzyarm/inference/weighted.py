@@ -12,11 +12,11 @@ from itertools import pairwise
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference.aggregate import Figures, Fired, fold_at_point
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import bisect
+from fuzzyarm.symbolic.kinds import SHAPES
 
 if TYPE_CHECKING:
     import numpy as np

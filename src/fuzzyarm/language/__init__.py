@@ -5,9 +5,9 @@ Only the standard library is used here, so importing it is instant.
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.language.reading import Parsed, format_text, load_rulebase, parse, read_text
-from fuzzyarm.lazy import lazily
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.base.diagnostic import Diagnostic, Related, RuleBaseError, Severity, Span
+from fuzzyarm.base.lazy import lazily
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -29,7 +29,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     Variable,
 )
-from fuzzyarm.text.diagnostic import Diagnostic, Related, RuleBaseError, Severity, Span
+from fuzzyarm.language.reading import Parsed, format_text, load_rulebase, parse, read_text
 
 __all__ = [
     "And",

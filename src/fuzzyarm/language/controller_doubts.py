@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity
+from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, Learn, SignalLine
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, SignalLine
-from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity
 
 __all__ = ["doubts_of_lines"]
 

@@ -7,16 +7,16 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
-from fuzzyarm.expression.sources import MOST_PERIODS, Setting, whole_periods
+from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word, span_of
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
 from fuzzyarm.language.loop_claims import LoopClaimNode
-from fuzzyarm.language.signals import amount_text, time_text
-from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
-from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.claims import LoopClaim
-from fuzzyarm.model.controller import (
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.controller import (
     Axes,
     ControllerModel,
     Drive,
@@ -31,11 +31,11 @@ from fuzzyarm.model.controller import (
     Use,
     Zoom,
 )
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
-from fuzzyarm.text.names import near_hint
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word, span_of
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.signals import amount_text, time_text
+from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.symbolic.sources import MOST_PERIODS, Setting, whole_periods
 
 __all__ = ["elaborate_controller"]
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 
-from fuzzyarm.expression.sources import SourceKind
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.notations import ANY_CASE, CAPITALS, NAME, NUMBER, Advice, Slip, small
-from fuzzyarm.model.controller import SOURCES
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.symbolic.sources import SourceKind
 
 # --- Sources by the words that others have for them ---
 

@@ -2,7 +2,7 @@
 
 They stand below a line ``controller NAME``, and are words of the language there only. Rows are as
 :mod:`fuzzyarm.language.rows` says; their nodes are the records of
-:mod:`fuzzyarm.model.controller`, and what a signal may come from is its table ``SOURCES``.
+:mod:`fuzzyarm.language.model.controller`, and what a signal may come from is its table ``SOURCES``.
 """
 
 from __future__ import annotations
@@ -10,7 +10,26 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.names import quote
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
+from fuzzyarm.language.model.controller import (
+    SOURCES,
+    TIMES,
+    Axes,
+    Drive,
+    GainModel,
+    Learn,
+    OptionKind,
+    Partner,
+    SignalLine,
+    Time,
+    Tune,
+    Use,
+    Zoom,
+)
 from fuzzyarm.language.parts import (
     Column,
     FixedText,
@@ -55,25 +74,6 @@ from fuzzyarm.language.signals import (
 )
 from fuzzyarm.language.statements import CONTROLLER
 from fuzzyarm.language.tokens import Cursor, name_text
-from fuzzyarm.model.controller import (
-    SOURCES,
-    TIMES,
-    Axes,
-    Drive,
-    GainModel,
-    Learn,
-    OptionKind,
-    Partner,
-    SignalLine,
-    Time,
-    Tune,
-    Use,
-    Zoom,
-)
-from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.names import quote
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word
 
 __all__ = [
     "CONTROLLER_STATEMENTS",

@@ -6,19 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from typing import TypedDict
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES
-from fuzzyarm.language.phrases import SETTINGS, SettingNode, ShapeNode
-from fuzzyarm.language.statements import (
-    BlockNode,
-    EvenTermsNode,
-    InferenceNode,
-    TermNode,
-    VariableNode,
-)
-from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.rulebase import POSITION, Defuzzifier, Shape, Term
-from fuzzyarm.model.shapes import first_above, first_sample_above, membership_function
-from fuzzyarm.text.diagnostic import (
+from fuzzyarm.base.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_INPUTS,
     MAX_MAGNITUDE,
@@ -30,9 +18,21 @@ from fuzzyarm.text.diagnostic import (
     Severity,
     Span,
 )
-from fuzzyarm.text.names import near_hint
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Word
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Word
+from fuzzyarm.language.model.rulebase import POSITION, Defuzzifier, Shape, Term
+from fuzzyarm.language.model.shapes import first_above, first_sample_above, membership_function
+from fuzzyarm.language.phrases import SETTINGS, SettingNode, ShapeNode
+from fuzzyarm.language.statements import (
+    BlockNode,
+    EvenTermsNode,
+    InferenceNode,
+    TermNode,
+    VariableNode,
+)
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES
 
 # --- The names in scope, and the findings ---
 
@@ -197,7 +197,7 @@ def _linear(node: ShapeNode, scope: Scope) -> Shape | None:
 
 
 def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
-    from fuzzyarm.expression.formulas import CONSTANTS, FormulaError, read_formula
+    from fuzzyarm.symbolic.formulas import CONSTANTS, FormulaError, read_formula
 
     try:
         formula = read_formula(node.formula)
@@ -266,7 +266,7 @@ def _degrees_of(shape: Shape) -> Callable[[float], float] | None:
     """Return a shape as a function; None for a formula that is not one of the position alone."""
     if shape.kind != "formula":
         return membership_function(shape)
-    from fuzzyarm.expression.formulas import FormulaError, read_formula
+    from fuzzyarm.symbolic.formulas import FormulaError, read_formula
 
     try:
         formula = read_formula(shape.formula)

@@ -5,10 +5,26 @@ from __future__ import annotations
 import itertools
 import math
 
+from fuzzyarm.base.diagnostic import (
+    MAX_LEVELS,
+    Severity,
+    Span,
+)
+from fuzzyarm.base.numbers import even_levels, number_text
 from fuzzyarm.language.declarations import (
     Draft,
     Scope,
     range_of,
+)
+from fuzzyarm.language.model.rulebase import (
+    Expectation,
+    GainTuning,
+    Lookup,
+    LookupAxis,
+    Outcome,
+    PeakTuning,
+    Property,
+    Tuning,
 )
 from fuzzyarm.language.statements import (
     ExpectNode,
@@ -20,22 +36,6 @@ from fuzzyarm.language.statements import (
 )
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.tune import TuneItem
-from fuzzyarm.model.rulebase import (
-    Expectation,
-    GainTuning,
-    Lookup,
-    LookupAxis,
-    Outcome,
-    PeakTuning,
-    Property,
-    Tuning,
-)
-from fuzzyarm.text.diagnostic import (
-    MAX_LEVELS,
-    Severity,
-    Span,
-)
-from fuzzyarm.text.numbers import even_levels, number_text
 
 # --- `expect` lines ---
 

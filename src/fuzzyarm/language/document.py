@@ -13,7 +13,17 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from fuzzyarm.expression.kinds import HEDGES
+from fuzzyarm.base.diagnostic import (
+    MAX_CHARACTERS,
+    MAX_DIAGNOSTICS,
+    MAX_LINE,
+    MAX_LINES,
+    Diagnostic,
+    Span,
+    split_lines,
+)
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.language.model.rulebase import Rule
 from fuzzyarm.language.phrases import aligned
 from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, text_of
 from fuzzyarm.language.statements import (
@@ -32,17 +42,7 @@ from fuzzyarm.language.tokens import (
     Trivia,
     tokenize_line,
 )
-from fuzzyarm.model.rulebase import Rule
-from fuzzyarm.text.diagnostic import (
-    MAX_CHARACTERS,
-    MAX_DIAGNOSTICS,
-    MAX_LINE,
-    MAX_LINES,
-    Diagnostic,
-    Span,
-    split_lines,
-)
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.symbolic.kinds import HEDGES
 
 
 class Statement(NamedTuple):

@@ -6,6 +6,11 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.controller import Time
 from fuzzyarm.language.parts import (
     FixedText,
     Flag,
@@ -22,11 +27,6 @@ from fuzzyarm.language.phrases import NameKind, Occurrence
 from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.signals import read_time, time_text
 from fuzzyarm.language.tokens import Cursor, name_text
-from fuzzyarm.model.claims import LoopClaim
-from fuzzyarm.model.controller import Time
-from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word
 
 __all__ = ["LOOP_CLAIM_ROW", "LoopClaimNode", "StateStretch", "claim_node"]
 

@@ -10,6 +10,15 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import TypeVar
 
+from fuzzyarm.base.diagnostic import (
+    MAX_DIAGNOSTICS,
+    MAX_RULES,
+    NOWHERE,
+    Diagnostic,
+    Related,
+    Severity,
+    Span,
+)
 from fuzzyarm.language.declarations import (
     Draft,
     Norms,
@@ -28,6 +37,19 @@ from fuzzyarm.language.demands import (
     elaborate_tuning,
 )
 from fuzzyarm.language.document import Document, ParseMemory
+from fuzzyarm.language.model.rulebase import (
+    Expectation,
+    Input,
+    Lookup,
+    Output,
+    Property,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Tuning,
+    last_conclusions,
+    propositions,
+)
 from fuzzyarm.language.phrases import NameKind
 from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.rule_meaning import elaborate_grid, elaborate_rule, report_too_many
@@ -48,28 +70,6 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.rulebase import (
-    Expectation,
-    Input,
-    Lookup,
-    Output,
-    Property,
-    Rule,
-    RuleBase,
-    RuleBlock,
-    Tuning,
-    last_conclusions,
-    propositions,
-)
-from fuzzyarm.text.diagnostic import (
-    MAX_DIAGNOSTICS,
-    MAX_RULES,
-    NOWHERE,
-    Diagnostic,
-    Related,
-    Severity,
-    Span,
-)
 
 UNNAMED = "unnamed"
 

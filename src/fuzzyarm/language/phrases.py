@@ -10,10 +10,7 @@ from collections.abc import Collection, Iterator, Sequence
 from enum import StrEnum
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.language.tokens import Cursor, Fault, name_text
-from fuzzyarm.model.rulebase import SAMPLINGS
-from fuzzyarm.text.diagnostic import (
+from fuzzyarm.base.diagnostic import (
     MAX_LINE,
     MAX_NESTING,
     NOWHERE,
@@ -21,9 +18,12 @@ from fuzzyarm.text.diagnostic import (
     Span,
     display_width,
 )
-from fuzzyarm.text.names import near_hint, quote
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word
+from fuzzyarm.base.names import near_hint, quote
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word
+from fuzzyarm.language.model.rulebase import SAMPLINGS
+from fuzzyarm.language.tokens import Cursor, Fault, name_text
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
 # --- What a text names ---
 
@@ -425,7 +425,7 @@ def _sum_text(parts: tuple[LinearPart, ...]) -> str:
 
 
 def _formula_mentions(text: str, span: Span) -> Iterator[Occurrence]:
-    from fuzzyarm.expression.formulas import FormulaError, read_formula
+    from fuzzyarm.symbolic.formulas import FormulaError, read_formula
 
     try:
         formula = read_formula(text)

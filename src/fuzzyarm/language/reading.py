@@ -7,7 +7,16 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from fuzzyarm.expression.records import emptied_with_kinds, failures
+from fuzzyarm.base.diagnostic import (
+    MAX_CHARACTERS,
+    MAX_DIAGNOSTICS,
+    Diagnostic,
+    RuleBaseError,
+    Span,
+)
+from fuzzyarm.base.keywords import demand_text
+from fuzzyarm.base.protected import note_source
+from fuzzyarm.base.shown import one_line
 from fuzzyarm.language.document import (
     Document,
     ParseMemory,
@@ -16,21 +25,12 @@ from fuzzyarm.language.document import (
     size_fault,
 )
 from fuzzyarm.language.meaning import UNNAMED, elaborate
+from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.statements import Broken, ControllerHeading, Heading
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import (
-    MAX_CHARACTERS,
-    MAX_DIAGNOSTICS,
-    Diagnostic,
-    RuleBaseError,
-    Span,
-)
-from fuzzyarm.text.keywords import demand_text
-from fuzzyarm.text.protected import note_source
-from fuzzyarm.text.shown import one_line
+from fuzzyarm.symbolic.records import emptied_with_kinds, failures
 
 if TYPE_CHECKING:
-    from fuzzyarm.model.controller import ControllerModel
+    from fuzzyarm.language.model.controller import ControllerModel
 
 # --- Reading ---
 

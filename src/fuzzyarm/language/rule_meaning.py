@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES
+from fuzzyarm.base.diagnostic import (
+    MAX_RULES,
+    Related,
+    Span,
+)
+from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.declarations import (
     Draft,
     Scope,
 )
-from fuzzyarm.language.phrases import ExpressionNode, HedgedNode, HedgeNode, PropositionNode
-from fuzzyarm.language.statements import (
-    GridNode,
-    RowNode,
-    RuleNode,
-)
-from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Expression,
@@ -24,12 +22,14 @@ from fuzzyarm.model.rulebase import (
     Or,
     Rule,
 )
-from fuzzyarm.text.diagnostic import (
-    MAX_RULES,
-    Related,
-    Span,
+from fuzzyarm.language.phrases import ExpressionNode, HedgedNode, HedgeNode, PropositionNode
+from fuzzyarm.language.statements import (
+    GridNode,
+    RowNode,
+    RuleNode,
 )
-from fuzzyarm.text.placed import Figure, Word
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.symbolic.kinds import HEDGES, SHAPES
 
 
 def elaborate_rule(node: RuleNode, scope: Scope) -> list[Rule]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.notations import ANY_CASE, CAPITALS, NAME, NUMBER, Advice, Slip, small
 from fuzzyarm.language.statements import STATEMENTS
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.symbolic.kinds import SHAPES
 
 _STARTERS = re.compile(rf"^(?:{'|'.join(STATEMENTS)})\b", ANY_CASE)
 _JOINS = re.compile(r"\b(?:IF|THEN|IS|AND|OR|NOT|WITH|If|Then|Is|And|Or|Not|With)\b")

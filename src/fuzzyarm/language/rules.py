@@ -8,6 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, Span
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.phrases import (
     ExpressionNode,
     Occurrence,
@@ -18,9 +21,6 @@ from fuzzyarm.language.phrases import (
     read_expression,
 )
 from fuzzyarm.language.tokens import Cursor, Fault, Trivia, name_text
-from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word
 
 __all__ = ["CellNode", "GridNode", "RowNode", "RuleNode"]
 

@@ -1,8 +1,8 @@
 """The parts that the lines of a controller are made of: times, numbers, sources, sums, options.
 
-Their nodes are the records of :mod:`fuzzyarm.model.controller`; here is how each is read from a
-cursor, how it is written, and which names it mentions. What a signal may come from, and the
-options of each source, is the table :data:`fuzzyarm.model.controller.SOURCES`.
+Their nodes are the records of :mod:`fuzzyarm.language.model.controller`; here is how each is read
+from a cursor, how it is written, and which names it mentions. What a signal may come from, and the
+options of each source, is the table :data:`fuzzyarm.language.model.controller.SOURCES`.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from fuzzyarm.expression.sources import Setting
-from fuzzyarm.language.phrases import NameKind, Occurrence
-from fuzzyarm.language.tokens import Cursor, Fault, name_text
-from fuzzyarm.model.controller import (
+from fuzzyarm.base.diagnostic import Diagnostic, Span
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word, span_of
+from fuzzyarm.language.model.controller import (
     SOURCES,
     TIMES,
     Amount,
@@ -24,9 +24,9 @@ from fuzzyarm.model.controller import (
     Source,
     Time,
 )
-from fuzzyarm.text.diagnostic import Diagnostic, Span
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word, span_of
+from fuzzyarm.language.phrases import NameKind, Occurrence
+from fuzzyarm.language.tokens import Cursor, Fault, name_text
+from fuzzyarm.symbolic.sources import Setting
 
 __all__ = [
     "amount_text",

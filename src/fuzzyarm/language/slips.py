@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
+from fuzzyarm.base.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
 from fuzzyarm.language import controller_slips, rulebase_slips
 from fuzzyarm.language.controller_slips import ENDINGS
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
@@ -18,7 +19,6 @@ from fuzzyarm.language.document import Document, parse_document
 from fuzzyarm.language.notations import ANY_CASE, Slip
 from fuzzyarm.language.rulebase_slips import ANYWHERE, LAST, ORDERS
 from fuzzyarm.language.statements import STATEMENTS
-from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
 
 _PIECES = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^'\\]|\\.)*'|#.*|[^\"'#]+|.")
 _FIRST = re.compile(r"\s*([^\W\d]\w*)?")

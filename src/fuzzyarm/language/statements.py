@@ -17,6 +17,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word
+from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
+from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.parts import (
     Break,
     Column,
@@ -57,11 +62,6 @@ from fuzzyarm.language.rules import (
 )
 from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Trivia, name_text
 from fuzzyarm.language.tune import TUNE_ROW, TuneNode
-from fuzzyarm.model.lookup_modes import LOOKUP_MODES
-from fuzzyarm.model.shapes import EVEN_SHAPES
-from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word
 
 __all__ = [
     "CONTROLLER",

@@ -3,7 +3,7 @@
 A :class:`Cursor` is asked for what may come next: a name, a number, one of these words. A
 statement is read by such questions (:mod:`fuzzyarm.language.statements`); where the tokens
 end, the same questions are what an editor can offer
-(:mod:`fuzzyarm.language.queries.completion`).
+(:mod:`fuzzyarm.language.edit.completion`).
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ import re
 from collections.abc import Collection, Sequence
 from typing import NamedTuple, NoReturn
 
-from fuzzyarm.expression.kinds import HEDGES
-from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
-from fuzzyarm.text.names import is_plain_name, near_hint, quote
-from fuzzyarm.text.placed import Figure, Word
+from fuzzyarm.base.diagnostic import Diagnostic, Span, split_lines
+from fuzzyarm.base.names import is_plain_name, near_hint, quote
+from fuzzyarm.base.placed import Figure, Word
+from fuzzyarm.symbolic.kinds import HEDGES
 
 # --- Tokens ---
 

@@ -8,6 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.parts import (
     Column,
     FixedText,
@@ -23,9 +26,6 @@ from fuzzyarm.language.parts import (
 from fuzzyarm.language.phrases import Occurrence, of_term, of_variable
 from fuzzyarm.language.rows import StatementRow
 from fuzzyarm.language.tokens import Cursor, Trivia, name_text
-from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.placed import Figure, Word
 
 __all__ = ["TUNE_ITEMS", "TUNE_ROW", "TuneItem", "TuneNode"]
 

@@ -6,9 +6,35 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
+from fuzzyarm.base.numbers import evenly, mirror
+from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.language.document import Document, Statement, print_document
 from fuzzyarm.language.meaning import UNNAMED
+from fuzzyarm.language.model.rulebase import (
+    And,
+    AnyRuleBase,
+    Defuzzifier,
+    Expectation,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Lookup,
+    LookupAxis,
+    Or,
+    Outcome,
+    Output,
+    Property,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+    Tuning,
+    Variable,
+    model_of,
+)
 from fuzzyarm.language.phrases import (
     ExpressionNode,
     HedgedNode,
@@ -40,32 +66,6 @@ from fuzzyarm.language.statements import (
 )
 from fuzzyarm.language.tokens import Trivia
 from fuzzyarm.language.tune import TuneItem, TuneNode
-from fuzzyarm.model.rulebase import (
-    And,
-    AnyRuleBase,
-    Defuzzifier,
-    Expectation,
-    Expression,
-    Hedge,
-    Hedged,
-    Is,
-    Lookup,
-    LookupAxis,
-    Or,
-    Outcome,
-    Output,
-    Property,
-    Rule,
-    RuleBase,
-    RuleBlock,
-    Shape,
-    Term,
-    Tuning,
-    Variable,
-    model_of,
-)
-from fuzzyarm.text.numbers import evenly, mirror
-from fuzzyarm.text.placed import Figure, Word
 
 # --- Finding the grids in a flat list of rules, without changing their order ---
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lazy import lazily
+from fuzzyarm.base.lazy import lazily
 
 # Of the same names as their modules, so that they have to stand here first.
 from fuzzyarm.learning.fit import Fit, FitError, fit

@@ -18,10 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.inference import infer
-from fuzzyarm.language.reading import decoded
-from fuzzyarm.text.diagnostic import (
+from fuzzyarm.base.diagnostic import (
     MAX_INPUTS,
     NOWHERE,
     Diagnostic,
@@ -29,12 +26,15 @@ from fuzzyarm.text.diagnostic import (
     Span,
     split_lines,
 )
-from fuzzyarm.text.names import near_hint
-from fuzzyarm.text.protected import note_source
-from fuzzyarm.text.shown import one_line
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.protected import note_source
+from fuzzyarm.base.shown import one_line
+from fuzzyarm.inference import infer
+from fuzzyarm.language.reading import decoded
 
 if TYPE_CHECKING:
-    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.language.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
 Array = NDArray[np.float64]
@@ -379,7 +379,7 @@ def _frame(name: str) -> Any:
     """Return the data frame in a Parquet file."""
     from importlib.util import find_spec
 
-    from fuzzyarm.extras import installing
+    from fuzzyarm.base.extras import installing
 
     if not (find_spec("pandas") and find_spec("pyarrow")):
         message = "a Parquet file needs pandas and pyarrow"

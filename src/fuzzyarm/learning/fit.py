@@ -17,9 +17,14 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.diagnostic import MAX_OUTPUTS
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.keywords import demand_alone, wrong_argument
+from fuzzyarm.base.names import printable
+from fuzzyarm.base.shown import one_line
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.language import parse
+from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import Samples, folds, read_samples
 from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Deadline
@@ -54,13 +59,8 @@ from fuzzyarm.learning.sugeno import (
     predicted,
 )
 from fuzzyarm.learning.wang_mendel import WordsError, wang_mendel
-from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.bounds import MOST_FITTED_DIGITS, MOST_RULES
 from fuzzyarm.requests.learn import FitRequest
-from fuzzyarm.text.diagnostic import MAX_OUTPUTS
-from fuzzyarm.text.keywords import demand_alone, wrong_argument
-from fuzzyarm.text.names import printable
-from fuzzyarm.text.shown import one_line
 from fuzzyarm.version import __version__
 
 STARTS = ("grid", "fcm", "subtractive")

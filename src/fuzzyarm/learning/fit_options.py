@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fuzzyarm.text.keywords import demand_arguments
+from fuzzyarm.base.keywords import demand_arguments
 
 
 @dataclass(frozen=True)

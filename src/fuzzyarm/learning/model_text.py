@@ -16,14 +16,8 @@ import numpy as np
 
 from fuzzyarm.language.check import check
 from fuzzyarm.language.document import Statement, parse_document, print_document
-from fuzzyarm.language.reading import format_text, parse
-from fuzzyarm.language.statements import GridNode, RuleNode, TermNode
-from fuzzyarm.language.tokens import Trivia
-from fuzzyarm.language.writer import write
-from fuzzyarm.learning.data import Samples
-from fuzzyarm.learning.sugeno import Array, Premises, consequents
-from fuzzyarm.model.arrangement import cores
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.arrangement import cores
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -37,6 +31,12 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.language.reading import format_text, parse
+from fuzzyarm.language.statements import GridNode, RuleNode, TermNode
+from fuzzyarm.language.tokens import Trivia
+from fuzzyarm.language.writer import write
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.sugeno import Array, Premises, consequents
 
 WORDS: dict[int, tuple[str, ...]] = {
     1: ("ANY",),

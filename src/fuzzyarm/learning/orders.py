@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from fuzzyarm.api import load_sheet
-from fuzzyarm.errors import UsageError
+from fuzzyarm.base import above
+from fuzzyarm.base.errors import UsageError
+from fuzzyarm.base.folders import READABLE
+from fuzzyarm.control.loop.reference import read_time
+from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import (
     Columns,
     Samples,
@@ -16,10 +19,7 @@ from fuzzyarm.learning.data import (
 )
 from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.wang_mendel import FEWEST_WORDS, MOST_WORDS
-from fuzzyarm.loop.reference import read_time
-from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.learn import FitRequest
-from fuzzyarm.text.folders import READABLE
 
 OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
 """Suffixes of what is sampled rather than read as samples."""
@@ -91,7 +91,7 @@ def is_model(path: str) -> bool:
 def _samples_of_model(request: FitRequest) -> Samples:
     if request.inputs:
         raise UsageError("--inputs is for samples: a surrogate has those of what it stands for")
-    model = load_sheet(request.data)
+    model = above.function("load_sheet")(request.data)
     if isinstance(model, RuleBase):
         return rulebase_samples(model, request.target, seed=request.seed, source=request.data)
     return table_samples(model, request.data)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from fuzzyarm.base.columns import in_columns
+from fuzzyarm.base.numbers import counted, percent
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.fit import OUTER, Fit, fidelity, linear_outputs, outputs_of, score
 from fuzzyarm.learning.fit_options import Options
-from fuzzyarm.text.columns import in_columns
-from fuzzyarm.text.numbers import counted, percent
 
 __all__ = ["broken_off", "faithful", "report_lines", "report_of", "tested"]
 

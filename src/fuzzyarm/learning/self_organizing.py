@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.on_plant import (
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.controllers.controller import CompiledController
+from fuzzyarm.control.controllers.on_plant import (
     LearnedTables,
     controller_on,
     driven_by,
@@ -18,11 +19,10 @@ from fuzzyarm.controller.on_plant import (
     site_of,
     text_law_of,
 )
-from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Course, Motion, Options
-from fuzzyarm.loop.loop import rms
-from fuzzyarm.loop.program import (
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.course import Course, Motion, Options
+from fuzzyarm.control.loop.loop import rms
+from fuzzyarm.control.loop.program import (
     LoopProgram,
     RunRecord,
     error_taps,
@@ -30,8 +30,8 @@ from fuzzyarm.loop.program import (
     shown_errors,
     shown_units,
 )
-from fuzzyarm.loop.run import require_timing
-from fuzzyarm.model.controller import Learn
+from fuzzyarm.control.loop.run import require_timing
+from fuzzyarm.language.model.controller import Learn
 from fuzzyarm.plant.plant import Plant, is_compiled
 from fuzzyarm.plant.setting import PLAIN, Conventions, RunArithmetic
 from fuzzyarm.table import LookupTable

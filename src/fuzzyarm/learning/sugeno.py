@@ -30,9 +30,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, gradient, schedule
-from fuzzyarm.expression.kinds import SHAPES, ShapeKind
-from fuzzyarm.expression.nodes import Node
+from fuzzyarm.symbolic.evaluation import Schedule, evaluate_arrays, gradient, schedule
+from fuzzyarm.symbolic.kinds import SHAPES, ShapeKind
+from fuzzyarm.symbolic.nodes import Node
 
 Array = NDArray[np.float64]
 

@@ -8,19 +8,19 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TypedDict, Unpack
 
-from fuzzyarm.controller.catalogue import CATALOGUE, Choice, Sources, TextEntry, text_controller
-from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.text import teaching
-from fuzzyarm.learning.self_organizing import (
-    Snapshot,
-    Trainee,
-    reference_words,
-    trained,
-    trajectory_words,
+from fuzzyarm.base.keywords import ArgumentError, demand_alone, demand_arguments
+from fuzzyarm.control.controllers.catalogue import (
+    CATALOGUE,
+    Choice,
+    Sources,
+    TextEntry,
+    text_controller,
 )
-from fuzzyarm.loop.along import FollowedPlant, Schedule, equipped, trajectory_motion, way_of
-from fuzzyarm.loop.course import Motion, Options
-from fuzzyarm.loop.experiments import (
+from fuzzyarm.control.controllers.controller import CompiledController
+from fuzzyarm.control.controllers.text import teaching
+from fuzzyarm.control.loop.along import FollowedPlant, Schedule, equipped, trajectory_motion, way_of
+from fuzzyarm.control.loop.course import Motion, Options
+from fuzzyarm.control.loop.experiments import (
     control_tables,
     follows,
     overrides,
@@ -30,13 +30,19 @@ from fuzzyarm.loop.experiments import (
     with_drives,
     with_plant,
 )
-from fuzzyarm.loop.words import connections, conventions_of
+from fuzzyarm.control.loop.words import connections, conventions_of
+from fuzzyarm.learning.self_organizing import (
+    Snapshot,
+    Trainee,
+    reference_words,
+    trained,
+    trajectory_words,
+)
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.fields import RequestError
 from fuzzyarm.requests.learn import LearnRequest
-from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_arguments
 
 
 class TrainKeywords(TypedDict, total=False):
@@ -49,7 +55,7 @@ class TrainKeywords(TypedDict, total=False):
     every : int
         Set points from one snapshot to the next; by default one snapshot for each pass.
     payload, schedule, conventions, options, connect
-        See :func:`fuzzyarm.loop.simulate`.
+        See :func:`fuzzyarm.control.loop.simulate`.
     """
 
     passes: int
@@ -74,7 +80,8 @@ def train(
         Of a text with a table that learns. A request alone says all that ``fuzzyarm learn`` does.
     plant : Trajectory or Motion, optional
         A trajectory of the arm, or set points of any plant, see
-        :func:`fuzzyarm.loop.along.trajectory_motion` and :func:`fuzzyarm.loop.run.plant_motion`.
+        :func:`fuzzyarm.control.loop.along.trajectory_motion` and
+        :func:`fuzzyarm.control.loop.run.plant_motion`.
     **keywords
         ``passes``, ``every``, ``payload``, ``schedule``, ``conventions``, ``options``,
         ``connect``; see :class:`~fuzzyarm.learning.training.TrainKeywords`.

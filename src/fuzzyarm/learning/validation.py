@@ -16,16 +16,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.sets import degrees
 from fuzzyarm.inference.trace import place_of
+from fuzzyarm.language.model.rulebase import AnyRuleBase, Input, RuleBase, model_of
 from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.model_text import output_names
-from fuzzyarm.model.rulebase import AnyRuleBase, Input, RuleBase, model_of
-from fuzzyarm.text.shown import Plotted, one_line
 
 Array = NDArray[np.float64]
 

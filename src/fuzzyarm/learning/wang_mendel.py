@@ -13,18 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.diagnostic import MAX_RULES
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.language.declarations import even_shapes
-from fuzzyarm.learning.data import Samples
-from fuzzyarm.learning.model_text import (
-    WritingStyle,
-    middle_of,
-    outer_range,
-    term_names,
-    weighted_output,
-)
-from fuzzyarm.learning.sugeno import Array
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Expression,
@@ -35,7 +27,15 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Term,
 )
-from fuzzyarm.text.diagnostic import MAX_RULES
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.model_text import (
+    WritingStyle,
+    middle_of,
+    outer_range,
+    term_names,
+    weighted_output,
+)
+from fuzzyarm.learning.sugeno import Array
 
 FEWEST_WORDS, MOST_WORDS = 2, 99
 

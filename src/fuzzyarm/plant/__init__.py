@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lazy import lazily
+from fuzzyarm.base.lazy import lazily
 from fuzzyarm.plant.arm import ESTIMATE, INEXACT, LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.following import trajectory_of, with_load

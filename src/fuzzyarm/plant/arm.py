@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.setting import ArmError, Pair, Pose, Reference, State, pose_of, stored
+from fuzzyarm.symbolic.kernels import kernel
 
 # --- The parameters of the two-link arm, with and without its load ---
 #

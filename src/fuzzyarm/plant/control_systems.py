@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from fuzzyarm.errors import demand_extra
+from fuzzyarm.base.errors import demand_extra
 from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -240,7 +240,7 @@ def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
         Of a plant, s. A controller has its own.
     **options
         Of a controller: ``gains`` and ``single``, see
-        :class:`~fuzzyarm.controller.text.ControllerRun`.
+        :class:`~fuzzyarm.control.controllers.text.ControllerRun`.
 
     Returns
     -------
@@ -330,7 +330,7 @@ def _labels(interface: Any, kind: str) -> list[str]:
 
 
 def _system_of_controller(run: Any, period: float) -> Any:
-    # `run` is a fuzzyarm.controller.text.ControllerRun, which stands above the plants.
+    # `run` is a fuzzyarm.control.controllers.text.ControllerRun, which stands above the plants.
     import control
 
     cache: dict[str, Any] = {}

@@ -1,7 +1,8 @@
 """How plants are drawn, to scale: a sample of a run as lines, areas, marks and words.
 
-A plant has a method ``draw(scene)`` that returns a :class:`fuzzyarm.picture.Drawing`; the shipped
-ones have the functions below. Animations, ``--watch`` and the designer draw what it returns.
+A plant has a method ``draw(scene)`` that returns a :class:`fuzzyarm.base.picture.Drawing`; the
+shipped ones have the functions below. Animations, ``--watch`` and the designer draw what it
+returns.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.picture import Drawing, Line, Mark, Part, Words, frame, rectangle
+from fuzzyarm.base.picture import Drawing, Line, Mark, Part, Words, frame, rectangle
 from fuzzyarm.plant.plant import Plant, PlantError, parameter
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ __all__ = ["DrawnRun", "PlantScene", "drawing_of", "is_drawn"]
 
 
 class DrawnRun(Protocol):
-    """What is drawn of a run, whole or so far: see :class:`fuzzyarm.loop.run.Run`."""
+    """What is drawn of a run, whole or so far: see :class:`fuzzyarm.control.loop.run.Run`."""
 
     @property
     def outputs(self) -> Mapping[str, NDArray[np.float64]]:
@@ -77,7 +78,7 @@ class PlantScene:
 
 # --- Any plant ---
 
-HINT = "draw(self, scene) returns a Drawing of fuzzyarm.picture; docs/plants.md has one"
+HINT = "draw(self, scene) returns a Drawing of fuzzyarm.base.picture; docs/plants.md has one"
 
 
 def is_drawn(plant: object) -> bool:

@@ -11,7 +11,6 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import (
     LOADED,
     PLANT_SIZE,
@@ -56,6 +55,7 @@ from fuzzyarm.plant.setting import (
     stored_single,
 )
 from fuzzyarm.plant.trajectory import TRAJECTORIES, Trajectory, through
+from fuzzyarm.symbolic.kernels import kernel
 
 JOINTS = ("joint1", "joint2")
 

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from fuzzyarm.errors import demand_extra
+from fuzzyarm.base.errors import demand_extra
 from fuzzyarm.plant.plant import Plant, PlantError, Port
 
 # --- Names that an environment itself does not give ---

@@ -2,7 +2,7 @@
 
 A plant in plain Python is asked for its rates with symbols in place of numbers. Where it answers
 with arithmetic and functions of :mod:`math`, the answer is an expression, and as a program of
-operations (:mod:`fuzzyarm.expression.programs`) it runs in the loop as machine code. What asks a
+operations (:mod:`fuzzyarm.symbolic.programs`) it runs in the loop as machine code. What asks a
 symbol for its value (``if x[0] > 0``), and what answers differently when it is asked again, is not
 traced and is called as Python; or compiled by numba, where that is installed and the equations are
 marked as kernels.
@@ -28,11 +28,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from fuzzyarm.expression import op
-from fuzzyarm.expression.evaluation import evaluate
-from fuzzyarm.expression.nodes import Node, as_node, symbol
-from fuzzyarm.expression.programs import program_of
-from fuzzyarm.kernels import copied, with_names
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.evaluation import evaluate
+from fuzzyarm.symbolic.kernels import copied, with_names
+from fuzzyarm.symbolic.nodes import Node, as_node, symbol
+from fuzzyarm.symbolic.programs import program_of
 
 __all__ = [
     "TRACED",

@@ -12,10 +12,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from fuzzyarm.errors import demand_extra
+from fuzzyarm.base.errors import demand_extra
+from fuzzyarm.base.protected import note_source
 from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, parameter
-from fuzzyarm.text.protected import note_source
 
 REAL = ("Real", "Float64", "Float32")
 """Types of variables that are ports; FMI 2 has one, FMI 3 two."""

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure_of, start_of
@@ -26,7 +27,6 @@ from fuzzyarm.plant.plant import (
 )
 from fuzzyarm.plant.setting import ArmError
 from fuzzyarm.plant.trajectory import Point, Trajectory, through
-from fuzzyarm.text.names import near_hint
 
 # --- Trajectories by name ---
 

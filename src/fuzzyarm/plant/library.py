@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.drawings import draw_beam, draw_cartpole, draw_motor, draw_room, draw_tanks
 from fuzzyarm.plant.plant import Parameter, Plant, Port, parameter
+from fuzzyarm.symbolic.kernels import kernel
 
 
 class Motor(Plant):

@@ -17,7 +17,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.protected import note_source
 from fuzzyarm.plant.adapters import (
     ControlPlant,
     EnvironmentPlant,
@@ -37,8 +39,6 @@ from fuzzyarm.plant.equations import (
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plain_python import HOME, Home, lacks, require_sound
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
-from fuzzyarm.text.names import near_hint
-from fuzzyarm.text.protected import note_source
 
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
 """Every shipped plant by its name."""

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.kernels import with_names
+from fuzzyarm.base.names import did_you_mean, nearest
 from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
     PARTS,
@@ -31,7 +31,7 @@ from fuzzyarm.plant.plant import (
     runge_kutta_4,
 )
 from fuzzyarm.plant.trajectory import Trajectory
-from fuzzyarm.text.names import did_you_mean, nearest
+from fuzzyarm.symbolic.kernels import with_names
 
 EXAMPLES = {
     "inputs": '{"power": Port("%", 0, 100)}',

@@ -12,8 +12,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import (
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.shown import one_line
+from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
+from fuzzyarm.plant.setting import RunArithmetic
+from fuzzyarm.symbolic.kernels import (
     address_of,
     call,
     has_machine_code,
@@ -21,13 +25,9 @@ from fuzzyarm.kernels import (
     is_kernel,
     kernel,
 )
-from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
-from fuzzyarm.plant.setting import RunArithmetic
-from fuzzyarm.text.names import near_hint
-from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
-    from fuzzyarm.picture import Drawing
+    from fuzzyarm.base.picture import Drawing
     from fuzzyarm.plant.trajectory import Trajectory
 
 
@@ -160,8 +160,8 @@ class Particulars:
 class Plant:
     """Base of all plants. One of your own needs `inputs`, `outputs`, `states`, `derivative`.
 
-    The equations may be a kernel (a function marked with :func:`fuzzyarm.kernels.kernel`, which
-    runs as machine code) or any plain Python.
+    The equations may be a kernel (a function marked with :func:`fuzzyarm.symbolic.kernels.kernel`,
+    which runs as machine code) or any plain Python.
 
     Attributes
     ----------
@@ -540,7 +540,7 @@ def runge_kutta_4(
 
 
 ARRAYS = "fffff"
-"""Of a kernel of a plant, see :func:`fuzzyarm.kernels.address_of`."""
+"""Of a kernel of a plant, see :func:`fuzzyarm.symbolic.kernels.address_of`."""
 
 
 @kernel
@@ -629,7 +629,7 @@ def dynamics_of(
         Whether one with an integrator of its own is to move by Runge-Kutta steps, as all others.
     address : callable, optional
         Who is asked for the address of a function with bindings; by default
-        :func:`fuzzyarm.kernels.address_of`.
+        :func:`fuzzyarm.symbolic.kernels.address_of`.
     """
     if address is None:
         address = _address_in(arithmetic)

@@ -8,8 +8,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import kernel
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.symbolic.kernels import kernel
 
 # --- How a run counts: precision, the constant for π, timing, the load, the maximum ---
 #

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.shown import one_line
 from fuzzyarm.plant.setting import (
     SET_POINT_PERIOD,
     STUDY_TIMING,
@@ -23,7 +24,6 @@ from fuzzyarm.plant.setting import (
     Pair,
     Timing,
 )
-from fuzzyarm.text.shown import one_line
 
 # --- Trajectories: quintic segments from rest to rest, holds, way points (section 4.1) ---
 

@@ -1,36 +1,26 @@
-"""What holds of a rule base at every point: bounds, slopes, symmetry, errors of a table.
+"""Proofs: of a rule base at every point, and of a controller in its loop.
 
-:func:`prove` gives a :class:`Verdict` on a statement; :class:`Prover` gives single bounds. A
-rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into
-pieces on which the output is a quotient of polynomials; everything else goes by boxes.
-:func:`sector` and :func:`slopes_at` set an output beside a linear law;
-:mod:`fuzzyarm.proof.controllers` does so with the drives of a controller.
+Read :mod:`.map.prover` first, then :mod:`.loop.problem` and :mod:`.loop.verification`. Every
+number that enters a verdict is rounded outward.
+
+map
+    A rule base or table: bounds, slopes, symmetry, sectors.
+loop
+    A controller with its plant: regions that no run leaves, tubes, certificates and their
+    checker.
 """
+
+from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lazy import lazily
-from fuzzyarm.proof.bounds import Bounds, UnprovableError
-from fuzzyarm.proof.prover import Prover
-from fuzzyarm.proof.sector import NoSectorError, Sector, sector, slopes_at
-from fuzzyarm.proof.tables import table_proof
-from fuzzyarm.proof.verdicts import Verdict, property_text, prove, prove_all, read_property
+from fuzzyarm.base.lazy import lazily
 
-__all__ = [
-    "Bounds",
-    "NoSectorError",
-    "Prover",
-    "Sector",
-    "UnprovableError",
-    "Verdict",
-    "property_text",
-    "prove",
-    "prove_all",
-    "read_property",
-    "sector",
-    "slopes_at",
-    "table_proof",
-]
+if TYPE_CHECKING:
+    from fuzzyarm.proof import loop as loop
+    from fuzzyarm.proof import map as map  # noqa: A004
+
+__all__ = ["loop", "map"]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazily(__name__, {}, __all__)
+    __getattr__, __dir__ = lazily(__name__, {}, (), __all__)

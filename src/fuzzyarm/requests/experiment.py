@@ -1,7 +1,7 @@
 """What is asked of a loop: the plant, what it follows, sensors and drives, how it is counted.
 
-Commands, the designer and Python have these fields in common; `fuzzyarm.loop.words` says what
-their words mean.
+Commands, the designer and Python have these fields in common; `fuzzyarm.control.loop.words` says
+what their words mean.
 """
 
 from __future__ import annotations

@@ -29,8 +29,8 @@ from typing import (
     get_type_hints,
 )
 
-from fuzzyarm.errors import WordError
-from fuzzyarm.text.names import near_hint, printable
+from fuzzyarm.base.errors import WordError
+from fuzzyarm.base.names import near_hint, printable
 
 __all__ = ["Request", "RequestError", "RequestField", "fields_of", "option", "read_fields"]
 

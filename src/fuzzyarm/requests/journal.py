@@ -16,8 +16,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.files import demand_writable, locked
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.files import demand_writable, locked
 
 __all__ = ["JournalError", "WorkJournal", "digests_of", "question_of"]
 

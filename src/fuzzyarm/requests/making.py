@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fuzzyarm.model.lookup_modes import LookupMode
+from fuzzyarm.language.model.lookup_modes import LookupMode
 from fuzzyarm.requests.fields import Limits, Request, option
 
 __all__ = ["CompileRequest", "ExportRequest"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lazy import lazily
+from fuzzyarm.base.lazy import lazily
 
 if TYPE_CHECKING:
     from fuzzyarm.table.axis import MODES, SUFFIXES, Axis, PlainTable, TableError, TableHeader

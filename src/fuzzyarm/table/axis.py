@@ -12,11 +12,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.model.lookup_modes import LOOKUP_MODES
-from fuzzyarm.text.folders import TABLES
-from fuzzyarm.text.shown import Drawn, Plotted, one_line
-from fuzzyarm.text.value_kinds import TABLE, OfKind
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.folders import TABLES
+from fuzzyarm.base.shown import Drawn, Plotted, one_line
+from fuzzyarm.base.value_kinds import TABLE, OfKind
+from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
 
 SUFFIXES = TABLES
 """The formats of files that are read back to an identical table."""

@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.model.rulebase import AnyRuleBase, Input, Output, RuleBase, model_of
+from fuzzyarm.base import above
+from fuzzyarm.base.diagnostic import MAX_LEVELS
+from fuzzyarm.base.keywords import wrong_argument
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import evenly, number_text
+from fuzzyarm.base.value_kinds import OfKind
+from fuzzyarm.language.model.rulebase import AnyRuleBase, Input, Output, RuleBase, model_of
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
-from fuzzyarm.text import above
-from fuzzyarm.text.diagnostic import MAX_LEVELS
-from fuzzyarm.text.keywords import wrong_argument
-from fuzzyarm.text.names import near_hint
-from fuzzyarm.text.numbers import evenly, number_text
-from fuzzyarm.text.value_kinds import OfKind
 from fuzzyarm.version import __version__
 
 if TYPE_CHECKING:

@@ -111,7 +111,7 @@ def _change(before: LookupTable, after: LookupTable, index: tuple[int, ...]) -> 
 
 
 def _header(before: LookupTable, after: LookupTable) -> tuple[tuple[str, str, str], ...]:
-    from fuzzyarm.text.numbers import short_bins, short_levels
+    from fuzzyarm.base.numbers import short_bins, short_levels
 
     rows: list[tuple[str, str, str]] = [
         ("output", before.output, after.output),

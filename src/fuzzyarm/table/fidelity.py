@@ -12,9 +12,12 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.keywords import demand_arguments
+from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.shown import one_line
 from fuzzyarm.inference.effort import points_within
 from fuzzyarm.inference.plan import part_for, plan
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
+from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
     DEFAULT_LEVELS,
@@ -26,9 +29,6 @@ from fuzzyarm.table.compiler import (
     needed_inputs,
 )
 from fuzzyarm.table.table import LookupTable
-from fuzzyarm.text.keywords import demand_arguments
-from fuzzyarm.text.numbers import outward_text
-from fuzzyarm.text.shown import one_line
 
 # --- How far a table is from the rule base that it stands for ---
 
@@ -497,7 +497,7 @@ class ReportKeywords(TypedDict, total=False):
         Called with a word on what is going on.
     proof : callable
         From a table and a mode to what the difference nowhere exceeds, or None:
-        :func:`fuzzyarm.proof.table_proof`.
+        :func:`fuzzyarm.proof.map.table_proof`.
     levels, rounding, mode, source, date
         As for :func:`fuzzyarm.table.compile_table`.
     """

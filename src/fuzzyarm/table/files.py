@@ -12,6 +12,13 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
+from fuzzyarm.base.files import write_atomically
+from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.keywords import demand_path
+from fuzzyarm.base.numbers import column_of_numbers, number_text
+from fuzzyarm.base.protected import note_source
+from fuzzyarm.base.value_kinds import TABLE, wrong_kind
 from fuzzyarm.language.tokens import Cursor, Token
 from fuzzyarm.table.axis import SUFFIXES, Axis, PlainTable, TableError, TableHeader
 from fuzzyarm.table.header import (
@@ -35,13 +42,6 @@ from fuzzyarm.table.text import (
     read_grids,
     write_lut,
 )
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
-from fuzzyarm.text.files import write_atomically
-from fuzzyarm.text.jsonable import jsonable
-from fuzzyarm.text.keywords import demand_path
-from fuzzyarm.text.numbers import column_of_numbers, number_text
-from fuzzyarm.text.protected import note_source
-from fuzzyarm.text.value_kinds import TABLE, wrong_kind
 
 if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable

@@ -6,8 +6,8 @@ import re
 from itertools import product
 from typing import TYPE_CHECKING
 
-from fuzzyarm.text.names import printable
-from fuzzyarm.text.numbers import column_of_numbers, number_text
+from fuzzyarm.base.names import printable
+from fuzzyarm.base.numbers import column_of_numbers, number_text
 
 if TYPE_CHECKING:
     from fuzzyarm.table.axis import PlainTable

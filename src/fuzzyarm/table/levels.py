@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
+from fuzzyarm.base.diagnostic import Diagnostic
 from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.table.axis import TableError
 from fuzzyarm.table.header import read_number_list
-from fuzzyarm.text.diagnostic import Diagnostic
 
 __all__ = ["read_levels"]
 

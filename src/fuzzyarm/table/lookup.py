@@ -1,7 +1,7 @@
 """Looking up a value in a table: what it means, and its readings.
 
 The meaning is written once, for one input and for the walk over several (:class:`PreparedTable`).
-Readings are a point, arrays, the numbers of a small machine (:mod:`fuzzyarm.export`), the
+Readings are a point, arrays, the numbers of a small machine (:mod:`fuzzyarm.exchange.export`), the
 kernels of a closed loop and those for large arrays.
 """
 
@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import has_machine_code, in_threads, kernel, processors, routine
+from fuzzyarm.symbolic.kernels import has_machine_code, in_threads, kernel, processors, routine
 from fuzzyarm.table.axis import Axis, TableError
 
 __all__ = [
@@ -487,7 +487,7 @@ ROOTS: tuple[tuple[Callable[..., None], str], ...] = (
     (gather, "fsf"),
     (blend_corners, "fsfiff"),
 )
-"""Kernels, and their arrays by the letters of :func:`fuzzyarm.kernels.address_of`."""
+"""Kernels, and their arrays by the letters of :func:`fuzzyarm.symbolic.kernels.address_of`."""
 
 
 @cache

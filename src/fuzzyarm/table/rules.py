@@ -8,8 +8,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.numbers import evenly
 from fuzzyarm.inference import infer
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,
@@ -27,7 +28,6 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
-from fuzzyarm.text.numbers import evenly
 
 SEVEN = ("NB", "NM", "NS", "ZE", "PS", "PM", "PB")
 """The usual names of seven sets around zero."""

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.table.axis import PlainTable, TableError, TableHeader, mode_named
 from fuzzyarm.table.lookup import AT_POINT, PreparedTable, look_up_arrays
-from fuzzyarm.text.names import near_hint
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,6 +12,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
+from fuzzyarm.base.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
+from fuzzyarm.base.names import did_you_mean, near_hint
+from fuzzyarm.base.numbers import column_of_numbers, number_text
 from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize_line
 from fuzzyarm.table.axis import Axis, PlainTable, TableHeader
 from fuzzyarm.table.header import (
@@ -22,9 +25,6 @@ from fuzzyarm.table.header import (
     resolve,
     spelled,
 )
-from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
-from fuzzyarm.text.names import did_you_mean, near_hint
-from fuzzyarm.text.numbers import column_of_numbers, number_text
 
 # --- The whole text ---
 

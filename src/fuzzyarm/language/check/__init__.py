@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from fuzzyarm.base.lazy import lazily
 from fuzzyarm.language.check.registry import CHECKS, Check, check, judged
-from fuzzyarm.lazy import lazily
 
 __all__ = ["CHECKS", "Check", "check", "judged"]
 

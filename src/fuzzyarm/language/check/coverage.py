@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from itertools import chain, islice, product
 from math import prod
 
-from fuzzyarm.expression.kinds import TNORMS
+from fuzzyarm.base.diagnostic import Diagnostic, Severity
 from fuzzyarm.language.check.search import (
     Cells,
     GapSearch,
@@ -22,8 +22,7 @@ from fuzzyarm.language.check.search import (
     smallest,
 )
 from fuzzyarm.language.check.subject import FAINT, Subject, plain_propositions, probe
-from fuzzyarm.language.statements import GridNode
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Expression,
     Hedged,
@@ -35,8 +34,9 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     propositions,
 )
-from fuzzyarm.model.shapes import apply_hedges, corners, truth
-from fuzzyarm.text.diagnostic import Diagnostic, Severity
+from fuzzyarm.language.model.shapes import apply_hedges, corners, truth
+from fuzzyarm.language.statements import GridNode
+from fuzzyarm.symbolic.kinds import TNORMS
 
 # --- Stretches of an input's range that no term covers ---
 

@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+from fuzzyarm.base.diagnostic import Diagnostic, Severity, Span
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.check.coverage import coverage_gaps, missing_rules, points_without_rule
 from fuzzyarm.language.check.rules import (
     broken_symmetries,
@@ -27,9 +29,7 @@ from fuzzyarm.language.check.terms import (
     unused_names,
 )
 from fuzzyarm.language.document import Document
-from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.language.model.rulebase import RuleBase
 
 
 class Check(NamedTuple):

@@ -10,10 +10,9 @@ from collections.abc import Hashable, Iterator, Mapping
 from math import isfinite
 from typing import NamedTuple
 
+from fuzzyarm.base.diagnostic import Diagnostic, Related
 from fuzzyarm.language.check.subject import Subject, plain_propositions
-from fuzzyarm.language.phrases import JunctionNode, PropositionNode
-from fuzzyarm.language.statements import CellNode, GridNode
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     Consequent,
     Expression,
     Hedged,
@@ -21,7 +20,8 @@ from fuzzyarm.model.rulebase import (
     Or,
     Rule,
 )
-from fuzzyarm.text.diagnostic import Diagnostic, Related
+from fuzzyarm.language.phrases import JunctionNode, PropositionNode
+from fuzzyarm.language.statements import CellNode, GridNode
 
 # --- Rules with the same antecedent: contradictory, or repeated ---
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.model.rulebase import Hedge
+from fuzzyarm.language.model.rulebase import Hedge
 
 Literal = tuple[str, tuple[Hedge, ...]]
 """A term with its hedges."""

@@ -7,11 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 
-from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.check.search import Literal, VariableStretch
 from fuzzyarm.language.document import Document
-from fuzzyarm.language.statements import GridNode
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     And,
     Input,
     Is,
@@ -21,7 +19,9 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     propositions,
 )
-from fuzzyarm.model.shapes import centre, membership_function, polyline, probe_points
+from fuzzyarm.language.model.shapes import centre, membership_function, polyline, probe_points
+from fuzzyarm.language.statements import GridNode
+from fuzzyarm.symbolic.kinds import SHAPES
 
 FAINT = 1e-6
 """A membership below this covers nothing."""

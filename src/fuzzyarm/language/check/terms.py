@@ -8,18 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.base.diagnostic import Diagnostic, Severity, Span
 from fuzzyarm.language.check.subject import Subject, plain_propositions
-from fuzzyarm.language.statements import EvenTermsNode
-from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.arrangement import (
+from fuzzyarm.language.model.arrangement import (
     cores,
     crossing,
     mirror_faults,
     mirror_pairs,
     partition_faults,
 )
-from fuzzyarm.model.rulebase import (
+from fuzzyarm.language.model.rulebase import (
     POSITION,
     Input,
     Output,
@@ -30,8 +28,10 @@ from fuzzyarm.model.rulebase import (
     Variable,
     propositions,
 )
-from fuzzyarm.model.shapes import bends, centre, corner_points, membership_function
-from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
+from fuzzyarm.language.model.shapes import bends, centre, corner_points, membership_function
+from fuzzyarm.language.statements import EvenTermsNode
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.symbolic.kinds import SHAPES
 
 # --- Outputs whose defuzzifier cannot work on their terms ---
 
@@ -126,7 +126,7 @@ def _names_in(term: Term) -> set[str]:
     """Return the names in a formula; none for another shape, and for one that cannot be read."""
     if term.shape.kind != "formula":
         return set()
-    from fuzzyarm.expression.formulas import FormulaError, read_formula
+    from fuzzyarm.symbolic.formulas import FormulaError, read_formula
 
     try:
         return set(read_formula(term.shape.formula).names)
@@ -151,7 +151,7 @@ def formula_degrees(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _degrees_of(term: Term, variable: Variable) -> Iterator[Diagnostic]:
-    from fuzzyarm.expression.formulas import read_formula
+    from fuzzyarm.symbolic.formulas import read_formula
 
     degree = read_formula(term.shape.formula).function((POSITION,))
     step = (variable.high - variable.low) / (_POSITIONS - 1)

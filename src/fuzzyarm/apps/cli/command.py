@@ -1,0 +1,578 @@
+"""What every command shares: its record, arguments, words like ``e=1.3``, and what it prints."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import re
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
+
+from fuzzyarm.base import errors
+from fuzzyarm.base.diagnostic import Diagnostic, render_all, split_lines
+from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.names import printable
+from fuzzyarm.base.protected import ForeignFileError, SourceFileError
+from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+
+EXIT_USAGE = 2
+"""Exit status where the words of a command are wrong."""
+
+DIVERGED = 3
+"""Exit status where a run diverged: the figures are those until then."""
+
+EXIT_INTERRUPTED = 130
+"""Exit status after Ctrl-C, whatever was kept."""
+
+# --- The record of a command ---
+
+
+class Argument(NamedTuple):
+    """One argument: its names and options as `add_argument` takes them, and where it stands.
+
+    `group` is a title on the help page; arguments of a group with the same word in `either`
+    exclude each other.
+    """
+
+    names: tuple[str, ...]
+    options: dict[str, Any]
+    group: str = ""
+    either: str = ""
+
+
+class Command(NamedTuple):
+    """One command: the word behind ``fuzzyarm``, its help page, what it does, its arguments.
+
+    `run` takes the parsed arguments and returns the exit status. The line on the page of all
+    commands stands in `main.COMMANDS`, so that no module of a command is needed for it.
+    `rewrites` tells whether the arguments ask it to write over what it reads.
+    """
+
+    name: str
+    description: str | None
+    run: Callable[[argparse.Namespace], int]
+    arguments: Sequence[Argument]
+    rewrites: Callable[[argparse.Namespace], bool] = lambda _arguments: False
+
+    def parser(self) -> argparse.ArgumentParser:
+        """Return the parser of its words."""
+        parser = _Parser(
+            prog=f"fuzzyarm {self.name}",
+            description=self.description,
+            # argparse makes a formatter for each argument that is added: a given width saves
+            # it the question how wide the terminal is, and the imports for that.
+            formatter_class=partial(argparse.RawDescriptionHelpFormatter, width=80),
+        )
+        self.add_to(parser)
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        return parser
+
+    def add_to(self, parser: argparse.ArgumentParser) -> list[argparse.Action]:
+        """Add the arguments to a parser, each in its group; return what became of them."""
+        # A list of numbers with a sign, such as the way point -30,45, is not an option.
+        parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
+        groups: dict[tuple[str, str], Any] = {("", ""): parser}
+        actions: list[argparse.Action] = []
+        for argument in self.arguments:
+            if (argument.group, "") not in groups:
+                groups[argument.group, ""] = parser.add_argument_group(argument.group)
+            home = groups[argument.group, ""]
+            if argument.either:
+                if (argument.group, argument.either) not in groups:
+                    groups[argument.group, argument.either] = home.add_mutually_exclusive_group()
+                home = groups[argument.group, argument.either]
+            actions.append(home.add_argument(*argument.names, **argument.options))
+        return actions
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the words of a command in a sentence, without the list of all."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print a mistake in the words, and where all options are named; exit with status 2."""
+        head, _, words = message.partition("unrecognized arguments: ")
+        if words and not head:
+            message = self._unknown(words.split())
+        message = _in_own_words(message)
+        more = f"`{self.prog} --help` names all arguments and options"
+        self.exit(EXIT_USAGE, f"{self.prog}: error: {message}\n{more}\n")
+
+    def _unknown(self, words: Sequence[str]) -> str:
+        """Say of words that no argument takes which option may be meant."""
+        option = next((word for word in words if word.startswith("-")), None)
+        if option is None:
+            return f"too many arguments: {' '.join(words)}"
+        from fuzzyarm.base.names import nearest
+
+        name = option.partition("=")[0]
+        near = len(name) > 2 and nearest(name, self._option_string_actions)
+        return f"no option {name}" + (f" (did you mean {near}?)" if near else "")
+
+
+_OWN_WORDS = (
+    (r"invalid int value: ('.*')", r"must be a whole number, not \1"),
+    (r"invalid float value: ('.*')", r"must be a number, not \1"),
+)
+"""What argparse says of a value, and what a request says of one (`fuzzyarm.requests.fields`)."""
+
+
+def _in_own_words(message: str) -> str:
+    """Return what argparse says of an argument as a request says it of a field."""
+    match = re.match(r"(?s)argument (\S+): (.*)", message)
+    if match is None:
+        return message
+    name, why = match[1].rpartition("/")[2], match[2]
+    if why.startswith(name):  # a request has said it
+        return why
+    for pattern, words in _OWN_WORDS:
+        if re.fullmatch(pattern, why, re.DOTALL):
+            return f"{name} {re.sub(pattern, words, why, flags=re.DOTALL)}"
+    if choice := re.fullmatch(r"invalid choice: (.*) \(choose from (.*)\)", why, re.DOTALL):
+        from fuzzyarm.requests.fields import unknown_choice
+
+        choices = [word.strip(_QUOTES) for word in choice[2].split(", ")]
+        from ast import literal_eval
+
+        return str(unknown_choice(name, literal_eval(choice[1]), choices))
+    return message
+
+
+_QUOTES = "'\""
+
+
+def command(
+    name: str,
+    description: str | None,
+    run: Callable[[argparse.Namespace], int],
+    *arguments: Argument,
+    rewrites: Callable[[argparse.Namespace], bool] | None = None,
+) -> Command:
+    """Return the record of a command."""
+    made = Command(name, description, run, arguments)
+    return made if rewrites is None else made._replace(rewrites=rewrites)
+
+
+def always(_arguments: argparse.Namespace) -> bool:
+    """Whether a command writes over what it reads: it is made for that."""
+    return True
+
+
+def argument(words: str, text: str | None = None, *, either: str = "", **options: Any) -> Argument:
+    """Return an argument whose `words` are as on the help page, and `text` its line there.
+
+    The spellings of an option or the name of a positional argument stand first, then what
+    its values are called: ``-o --out FILE``, ``--angles A1 A2``, ``file FILE``.
+    """
+    first, *others = words.split()
+    names = [first, *(word for word in others if word.startswith("-"))]
+    values = others[len(names) - 1 :]
+    if len(values) > 1:
+        options |= {"nargs": len(values), "metavar": tuple(values)}
+    elif values:
+        options["metavar"] = values[0]
+    return Argument(tuple(names), {**options, "help": text}, either=either)
+
+
+def flag(words: str, text: str | None = None, *, either: str = "") -> Argument:
+    """Return an option without a value."""
+    return argument(words, text, either=either, action="store_true")
+
+
+def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
+    """Return the arguments under a title of the help page."""
+    return tuple(argument._replace(group=title) for argument in arguments)
+
+
+# --- Arguments of several commands ---
+
+MODEL = argument("file FILE", "a rule base or a table")
+MODE = argument("--mode", "how to look a table up", choices=LOOKUP_MODES)
+JSON = flag("--json", "print the result as JSON")
+FORCE = flag("--force", "replace files that fuzzyarm did not write")
+
+
+def json_of(what: str) -> Argument:
+    """Return ``--json`` with what it prints."""
+    return flag("--json", f"print {what} as JSON")
+
+
+def out(metavar: str, what: str, *, required: bool = True) -> Argument:
+    """Return ``-o``."""
+    return argument(f"-o --out {metavar}", what, required=required)
+
+
+def at(what: str) -> Argument:
+    """Return ``--at``, a point in the words of `read_assignments`."""
+    return argument("--at NAME=VALUE,...", what)
+
+
+WordError = errors.WordError
+UsageError = errors.UsageError
+
+# --- Files ---
+
+
+def require_suffix(path: str, suffixes: Iterable[str]) -> str:
+    """Return the suffix of `path` in small letters; WordError if it is none of those known."""
+    name = os.path.basename(path)
+    suffix = os.path.splitext(name)[1].lower()
+    if suffix not in suffixes:
+        raise UsageError(
+            f"cannot tell the format of '{name}'", hint=f"known: {', '.join(suffixes)}"
+        )
+    return suffix
+
+
+class Saved(NamedTuple):
+    """Where a result of long work was written, empty for nowhere, and what failed meanwhile."""
+
+    path: str
+    fault: str = ""
+
+
+def saved(path: str, write: Callable[[str], object]) -> Saved:
+    """Write the result of long work; where that fails, into a folder for temporary files."""
+    try:
+        write(path)
+    except (OSError, SourceFileError, ForeignFileError) as error:
+        from tempfile import mkdtemp
+
+        what = errors.sentence_of(error)
+        try:
+            other = os.path.join(mkdtemp(prefix="fuzzyarm-"), os.path.basename(path))
+            write(other)
+        except OSError:
+            return Saved("", f"{what}; the report has the result")
+        return Saved(other, f"{what}; {other} has the result")
+    return Saved(path)
+
+
+def attempted(work: Callable[[], object]) -> list[str]:
+    """Do what is not worth losing a report for, as a figure; return what failed."""
+    try:
+        work()
+    except Exception as error:
+        return [errors.sentence_of(error)]
+    return []
+
+
+def demand_places(*paths: str | None) -> None:
+    """Tell before long work what cannot be written after it."""
+    from fuzzyarm.base.files import demand_writable
+
+    for path in filter(None, paths):
+        demand_folder_of(path)
+        demand_writable(path)
+
+
+def demand_figure(path: str | None) -> None:
+    """Tell before long work that a figure cannot be written after it."""
+    if path is not None:
+        from fuzzyarm.base.figure_files import require_figure_suffix
+
+        require_figure_suffix(path)
+        demand_places(path)
+
+
+def demand_folder_of(path: str) -> None:
+    """Refuse a path into a folder that is not there."""
+    folder = os.path.dirname(path)
+    if folder and not os.path.isdir(folder):
+        raise WordError(f"no such folder: '{folder}'")
+
+
+# --- What is printed ---
+
+
+def say(*lines: str, to_errors: bool = False) -> None:
+    """Print lines that may have anybody's names in them."""
+    text = "\n".join(map(printable, lines))
+    if not to_errors:
+        print(text)
+        return
+    with suppress(OSError):  # nobody can be told
+        print(text, file=sys.stderr)
+
+
+def write_text(text: str) -> None:
+    """Write the text of a file to the standard output: UTF-8, but clean on a terminal."""
+    if sys.stdout.isatty():
+        say(*split_lines(text))
+        return
+    sys.stdout.flush()
+    sys.stdout.buffer.write(text.encode())
+
+
+def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
+    """Print data as JSON to the standard output; what is not a finite number is null."""
+    import json
+
+    ascii_only |= "utf" not in (sys.stdout.encoding or "utf-8").lower()
+    text = json.dumps(jsonable(data), indent=indent, ensure_ascii=ascii_only, allow_nan=False)
+    lines = text.split("\n")
+    # JSON itself escapes control characters, but not those that turn the direction of writing.
+    print("\n".join(x if x.isprintable() else _UNPRINTABLE.sub(_escaped, x) for x in lines))
+
+
+_UNPRINTABLE = re.compile(r"[^\x20-\x7e]")
+
+
+def _escaped(character: re.Match[str]) -> str:
+    import json
+
+    letter = character.group()
+    return letter if letter.isprintable() else json.dumps(letter)[1:-1]
+
+
+def print_error(message: object) -> None:
+    """Print one line about what is wrong."""
+    say(f"fuzzyarm: {message}", to_errors=True)
+
+
+def print_os_error(error: OSError, path: str | None = None) -> None:
+    """Print why a file could not be read or written."""
+    path = path or error.filename
+    folder = os.path.dirname(path) if isinstance(path, str) else ""
+    if isinstance(error, FileNotFoundError) and folder and not os.path.isdir(folder):
+        print_error(f"no such folder: '{folder}'")
+        return
+    near = _nearest_file(str(path)) if isinstance(error, FileNotFoundError) and path else ""
+    print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}{near}")
+
+
+def _nearest_file(path: str) -> str:
+    """Return the question whether a file that is there was meant; empty where none is like it."""
+    from fuzzyarm.base.names import did_you_mean, nearest
+
+    folder, name = os.path.split(path)
+    with suppress(OSError):
+        found = nearest(name, sorted(os.listdir(folder or ".")))
+        if found:
+            return f" ({did_you_mean(os.path.join(folder, found))})"
+    return ""
+
+
+def print_findings(findings: Sequence[Diagnostic], text: str, stream: TextIO) -> None:
+    """Print diagnostics with their source lines, in colours on a terminal."""
+    colour = stream.isatty() and "NO_COLOR" not in os.environ
+    with suppress(OSError) if stream is sys.stderr else nullcontext():
+        print(render_all(findings, text, colour=colour), file=stream)
+
+
+def finding_data(finding: Diagnostic) -> dict[str, Any]:
+    """Return a diagnostic as JSON data."""
+    return {
+        "name": finding.name,
+        "severity": str(finding.severity),
+        "message": finding.message,
+        "hint": finding.hint,
+        "path": finding.path,
+        "line": finding.line,
+        "column": finding.column,
+        "end_line": finding.span.end_line,
+        "end_column": finding.span.end_column,
+        "related": [
+            {"message": r.message, "line": r.span.line, "column": r.span.column}
+            for r in finding.related
+        ],
+    }
+
+
+# --- Long work: on a terminal, a line on the standard error that goes away again ---
+
+
+def _display() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(24),
+        TimeElapsedColumn(),
+    )
+    return Progress(*columns, console=Console(stderr=True), transient=True)
+
+
+@contextmanager
+def _long_work() -> Iterator[Progress]:
+    """Give a display; what it shows need not be said."""
+    _shown.set()
+    with _display() as display:
+        yield display
+
+
+_QUIET = os.environ.get("FUZZYARM_PROGRESS") == "0"
+
+SOON = math.inf if _QUIET else 1.5
+"""Seconds after which a command says what it does, where no bar shows it."""
+
+TOLD_EVERY = math.inf if _QUIET else 10.0
+"""Seconds between two lines of progress, where no bar shows it."""
+
+_doing: list[str] = []
+"""What is being done, the innermost last."""
+
+_shown, _hushed = threading.Event(), threading.Event()
+"""Whether it has been said, or is shown by a bar; whether no more is to be said."""
+
+
+def hush() -> None:
+    """Say no more of what this command does: its screen or its server shows it."""
+    _hushed.set()
+
+
+@contextmanager
+def announced(words: str, *, shown: bool = True) -> Iterator[None]:
+    """Say in one line on the standard error what is being done, where it takes a while.
+
+    Within another one it takes over what is said there, or says it itself, if that was said.
+    """
+    if not shown or math.isinf(SOON):
+        yield
+        return
+    _doing.append(words)
+    timer = None
+    if len(_doing) == 1:
+        _hushed.clear()
+    if len(_doing) == 1 or (_shown.is_set() and not sys.stderr.isatty()):
+        _shown.clear()
+        timer = threading.Timer(SOON, _say_what_is_done)
+        timer.daemon = True
+        timer.start()
+    try:
+        yield
+    finally:
+        _doing.pop()
+        if timer is not None:
+            timer.cancel()
+
+
+def _say_what_is_done() -> None:
+    if _doing and not (_shown.is_set() or _hushed.is_set()):
+        _shown.set()
+        print_progress(_doing[-1])
+
+
+def print_progress(words: str) -> None:
+    """Print one line about what is being done, without the outcome."""
+    stream = sys.stderr
+    with suppress(OSError):
+        print(printable(f"fuzzyarm: {words}"), file=getattr(stream, "stream", stream), flush=True)
+
+
+@contextmanager
+def busy(message: str) -> Iterator[Callable[[str], None]]:
+    """Show `message` while something runs; give what changes it, now and then off a terminal."""
+    if not sys.stderr.isatty():
+        with announced(message):
+            yield _told_now_and_then()
+        return
+    with _long_work() as display:
+        task = display.add_task(message, total=None)
+        yield lambda words: display.update(task, description=words)
+
+
+@contextmanager
+def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Callable[[int], None]]:
+    """Show a bar, and elsewhere than on a terminal a line now and then; give what moves it on."""
+    if not shown:
+        yield lambda _count: None
+        return
+    if not sys.stderr.isatty():
+        tell, done = _told_now_and_then(), 0
+
+        def advance(count: int) -> None:
+            nonlocal done
+            done += count
+            tell(f"{title}, {100 * done // max(total, 1)} %")
+
+        with announced(title):
+            yield advance
+        return
+    with _long_work() as display:
+        task = display.add_task(title, total=total)
+        yield lambda count: display.advance(task, count)
+
+
+@contextmanager
+def steps_bar(title: str, total: int, done: int = 0) -> Iterator[Callable[[int], None]]:
+    """Show how many of equal steps are done, their rate and the time left; give what hears it."""
+    pace = Pace(total)
+
+    def state(now: int) -> str:
+        counted_steps = f"{now} of {total} {title}"
+        rate = pace.rate(now)
+        if rate is None:
+            return counted_steps
+        return f"{counted_steps}, {rate:.3g} {title}/s, {duration_words(pace.left(now))} left"
+
+    if not sys.stderr.isatty():
+        tell = _told_now_and_then()
+        yield lambda now: tell(state(now)) if now < total else None
+        return
+    with _long_work() as display:
+        task = display.add_task(state(done), total=total, completed=done)
+        yield lambda now: display.update(task, completed=now, description=state(now))
+
+
+class Pace:
+    """How fast equal steps go by, and how long the others take.
+
+    Parameters
+    ----------
+    total : int
+        How many there are.
+    seconds : float, optional
+        After which they end in any case.
+    """
+
+    def __init__(self, total: int, seconds: float = math.inf) -> None:
+        self.total, self.until = total, time.monotonic() + seconds
+        self.first: tuple[int, float] | None = None
+
+    def rate(self, done: int) -> float | None:
+        """Return steps in a second; None at first, with what had to be loaded."""
+        now = time.monotonic()
+        if self.first is None:
+            self.first = done, now
+        count, begin = self.first
+        return (done - count) / max(now - begin, 1e-9) if done > count else None
+
+    def left(self, done: int) -> float:
+        """Return how many seconds the other steps take; infinite where nobody knows."""
+        rate = self.rate(done)
+        left = math.inf if rate is None else (self.total - done) / rate
+        return max(0.0, min(left, self.until - time.monotonic()))
+
+
+def duration_words(seconds: float) -> str:
+    """Return a time as one says it."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+def _told_now_and_then() -> Callable[[str], None]:
+    """Return what says words on the standard error, once in `TOLD_EVERY` seconds."""
+    last = time.monotonic()
+
+    def tell(words: str) -> None:
+        nonlocal last
+        if time.monotonic() - last >= TOLD_EVERY:
+            last = time.monotonic()
+            print_progress(words)
+
+    return tell

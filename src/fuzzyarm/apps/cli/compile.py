@@ -1,0 +1,435 @@
+"""Compile a rule base to a lookup table or to source text, or a controller to a program.
+
+The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
+and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
+beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML, or with --format
+iec61131-10 as the XML of that standard), .scl (SCL for the TIA Portal), or a module: .py for
+MicroPython, .mjs or .js for JavaScript, .rs for Rust.
+FILE may be a table already; it is then rewritten in the other format.
+
+The levels, bins and rounding are those of the file's `lookup` settings; an input without
+any gets 13 even levels. Prints how far the table is from direct inference, at worst and on
+average, for each way of looking it up; "proved" holds between the points too.
+With --tolerance T the smallest even grid is searched whose linear interpolation differs nowhere
+by more than T; the file's lookup settings are then not used.
+
+Source text infers the rules themselves; of a file with `lookup` settings it looks tables up, by
+--mode, with --q 15 or --q 7 in whole numbers. --direct and --table say which, and an option of
+a table (--levels, --mode, --q …) means one. All outputs go into one file unless --output names one.
+
+With --for arduino or platformio OUT is a folder that opens in that program: a library whose
+tables stay in flash, a sketch, a self-test, and a README with the bytes and cycles that a board
+takes, measured where avr-gcc and simavr are installed.
+
+A controller becomes a state with `init` and `step` in C, or a function block. Its rules are
+inferred, or with --table looked up in tables that are made as above. With .fmu all three become
+a co-simulation unit (FMI), built with the C compiler that is there.
+
+  fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
+  fuzzyarm compile rulebases/stfc.frb -o stfc.h
+  fuzzyarm compile rulebases/tipper.frb --for arduino -o tipper
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.apps.cli.arguments import request_command
+from fuzzyarm.apps.cli.command import (
+    FORCE,
+    UsageError,
+    WordError,
+    busy,
+    print_json,
+    require_suffix,
+    say,
+)
+from fuzzyarm.apps.show.compiled import controller_lines, export_lines, report_lines, table_words
+from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.exchange.files import controller_if_any, load_sheet
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.making import SOURCE, ExportRequest
+
+if TYPE_CHECKING:
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.exchange.compiled import Making
+    from fuzzyarm.exchange.export import Exported, ExportedController
+    from fuzzyarm.exchange.export.routine import Routine
+    from fuzzyarm.language.model.rulebase import RuleBase
+    from fuzzyarm.table import CompileReport, LookupTable
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """Where a command writes, and how it says it."""
+
+    out: str = option("-o --out OUT", "the file to write")
+    json: bool = option("--json", "print the report as JSON", False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportWords(ExportRequest, _Output):
+    """All that ``fuzzyarm compile`` takes."""
+
+    report: str | None = option(
+        "--report DIR", "of a .c: what it is made of, proofs, self-test, coverage", None,
+        group=SOURCE,
+    )  # fmt: skip
+
+
+_UNIT = ".fmu"
+
+# Options that make no sense for some inputs or outputs, by their names.
+_SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
+_RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
+_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
+_CONTROLLERS_ONLY = ("certificate", "trust")
+_UNITS_ONLY = ("fmi", "platforms")
+_MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
+
+
+def _run(request: ExportWords) -> int:
+    from fuzzyarm.table import SUFFIXES
+    from fuzzyarm.table.files import LATEX
+
+    tables = (*SUFFIXES, LATEX)
+    request = request.replaced(out=str(Path(request.out)))  # ./x.lut is x.lut
+    if request.place is not None:
+        _write_for_board(request)
+        return 0
+    _forbid(request, ("board",), "without --for nothing is made for a board")
+    if request.report is not None:
+        _demand_report(request.out, request.report)
+    suffix = require_suffix(request.out, (*tables, *EXPORTS))
+    if suffix != ".xml":
+        _forbid(request, ("format",), f"{Path(request.out).name} is not an .xml")
+    if suffix != _UNIT:
+        _forbid(request, _UNITS_ONLY, f"{Path(request.out).name} is not an FMU")
+    elif request.precision not in (None, "float64"):
+        raise UsageError("an FMU computes in double precision: --precision float64")
+    exports = suffix not in tables
+    controller = controller_if_any(request.file) if exports else None
+    if controller is not None:
+        _export_controller(controller, suffix, request)
+        return 0
+    if not exports:
+        _forbid(request, _SOURCE_ONLY, f"{Path(request.out).name} is a table")
+    _forbid(request, _CONTROLLERS_ONLY, f"{request.file} is not exported as a controller")
+    _compile_sheet(request, exports=exports)
+    return 0
+
+
+def _demand_report(out: str, folder: str) -> None:
+    """Refuse a report of what is not C, or into a folder of somebody else's."""
+    from fuzzyarm.base.whole_folders import demand_own
+
+    if Path(out).suffix.lower() != ".c":
+        raise UsageError("--report is for C", hint="-o x.c: its coverage is counted by gcov")
+    if Path(folder) in (Path(out), Path(out).with_suffix(".h")):
+        raise UsageError("--report names a folder, and -o a file: they cannot be one")
+    demand_own(folder)
+
+
+def _report(
+    request: ExportWords, how: Making, exported: Exported | ExportedController
+) -> dict[str, Any] | None:
+    """Return the report that was asked for, not yet written."""
+    if request.report is None:
+        return None
+    from fuzzyarm.apps.dossier import report_of
+
+    return report_of(request.file, how, exported)
+
+
+def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
+    """Write a report beside what it is about."""
+    if folder is not None and report is not None:
+        from fuzzyarm.apps.dossier import write_report
+
+        write_report(folder, report)
+
+
+def _report_line(folder: str | None, report: dict[str, Any] | None) -> list[str]:
+    """Return what is said of a report, if there is one."""
+    if report is None:
+        return []
+    rows, coverage = report["self_test"]["rows"], report["coverage"]
+    passed = sum(row["passed"] for row in rows)
+    statements, branches = ("{} of {}".format(*coverage[key]) for key in ("statements", "branches"))
+    return [
+        f"{folder}: report.html, report.json; {passed} of {len(rows)} points pass,"
+        f" {statements} statements and {branches} branches reached"
+    ]
+
+
+def _write_for_board(request: ExportWords) -> None:
+    """Write a folder for Arduino or PlatformIO."""
+    from fuzzyarm.apps.cli.boards import write_for_board
+    from fuzzyarm.exchange.compiled import making_of
+
+    _forbid(
+        request,
+        ("ends", "fmi", "platforms", "certificate", "format", "report"),
+        f"--for {request.place} makes a folder for a board",
+    )
+    if request.table and request.direct:
+        raise UsageError("--table and --direct exclude each other")
+    with _of_file(request.file):
+        write_for_board(request, request.out, making_of(request), as_json=request.json)
+
+
+def _compile_sheet(request: ExportWords, *, exports: bool) -> None:
+    """Compile a rule base or a table."""
+    from fuzzyarm.language.model.rulebase import RuleBase
+
+    model = load_sheet(request.file)
+    if not isinstance(model, RuleBase):
+        _forbid(request, _RULES_ONLY, f"{request.file} is a table already")
+        if request.output not in (None, model.output):
+            has = f"it has {model.output}"
+            raise WordError(f"the table has no output '{request.output}': {has}")
+        if exports:
+            _export(model, request)
+        else:
+            _rewrite(model, request)
+    elif request.direct:
+        if request.table:
+            raise UsageError("--table and --direct exclude each other")
+        _forbid(request, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
+        _export(model, request)
+    elif exports:
+        _forbid(request, ("ends",), "make the two tables first; each becomes source text")
+        _export(model, request)
+    elif request.ends:
+        _compile_ends(model, request)
+    else:
+        report = _compile(model, request.output, request)
+        _write(report.table, request)
+        if request.json:
+            print_json(_report_data(report, request.out), 2)
+        else:
+            say(*report_lines(report, request.out))
+
+
+def _compile_ends(model: RuleBase, request: ExportWords) -> None:
+    """Write a table of each end of an interval type-2 output, with the end in its name."""
+    from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
+    from fuzzyarm.table.compiler import choose_output
+
+    output = choose_output(model, request.output)
+    if output.defuzzifier.record.of != "ends":
+        raise WordError(f"--ends are those of karnik-mendel, and '{output.name}' is one number")
+    out, data = Path(request.out), []
+    for end in ("left", "right"):
+        way = replace(output.defuzzifier, method=DEFUZZIFIERS.plain(end))
+        one = replace(output, defuzzifier=way)
+        outputs = tuple(one if variable is output else variable for variable in model.outputs)
+        request = request.replaced(out=str(out.with_name(f"{out.stem}-{end}{out.suffix}")))
+        report = _compile(replace(model, outputs=outputs), output.name, request)
+        _write(report.table, request)
+        if request.json:
+            data.append(_report_data(report, request.out))
+        else:
+            say(f"{request.out}: the {end} end", *report_lines(report, request.out))
+    if request.json:
+        print_json(data, 2)
+
+
+def _forbid(request: ExportWords, names: tuple[str, ...], why: str) -> None:
+    if option := request.given(names):
+        raise UsageError(f"{option.spelling} does not apply: {why}")
+
+
+def _compile(model: RuleBase, output: str | None, request: ExportWords) -> CompileReport:
+    from fuzzyarm.exchange.compiled import compiled, making_of
+
+    how = making_of(request)
+    with busy("compiling") as progress:
+        return compiled(model, output, how, progress)
+
+
+def _rewrite(table: LookupTable, request: ExportWords) -> None:
+    """Write a table in another format."""
+    if request.mode is not None:
+        table = replace(table, mode=request.mode)
+    _write(table, request)
+    if request.json:
+        print_json({**_table_data(table, request.out), "mode": table.default_mode}, 2)
+    else:
+        say(table_words(table, request.out))
+
+
+def _write(table: LookupTable, request: ExportWords) -> None:
+    from fuzzyarm.table.files import write_table
+
+    write_table(table, request.out)
+
+
+def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
+    """Write source text and say how accurate and how large it is."""
+    from fuzzyarm.base.files import write_atomically
+    from fuzzyarm.exchange.compiled import making_of, source_of
+
+    if request.precision is not None and request.q is not None:
+        raise UsageError("--precision does not apply with --q: whole numbers have no precision")
+    how = making_of(request)
+    with busy("compiling") as progress, _of_file(request.file):
+        exported, reports = source_of(model, request.out, how, progress)
+    report = _report(request, how, exported)
+    for where, text in exported.files:
+        write_atomically(where, text)
+    _write_report(request.report, report)
+    if request.json:
+        tables = [_report_data(table, request.out) for table in reports]
+        print_json(report or {**_export_data(exported), "tables": tables}, 2)
+        return
+    lines = [line for table in reports for line in report_lines(table, request.out)]
+    say(*lines, *export_lines(exported), *_report_line(request.report, report))
+
+
+@contextmanager
+def _of_file(path: str) -> Iterator[None]:
+    """Say of what cannot be exported in which file it stands."""
+    from fuzzyarm.exchange.export.numbers import ExportError
+
+    try:
+        yield
+    except ExportError as error:
+        raise error.in_file(path) from error
+
+
+def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
+    """Check a certificate; return what it proves, for the head of a program."""
+    from fuzzyarm.proof.loop import check_certificate
+    from fuzzyarm.proof.loop.claims import claimed_plant
+    from fuzzyarm.proof.loop.verdicts import proof_words
+
+    verdict = check_certificate(path, controller, trust=trust)
+    if not verdict.proved or verdict.certificate is None:
+        raise WordError(f"{path}: {verdict.reason}")
+    plant = claimed_plant(verdict.certificate.claim, trust=trust)
+    return proof_words(verdict, controller, plant)
+
+
+def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:
+    """Write a controller as a program and say what it is."""
+    from fuzzyarm.exchange.compiled import making_of, program_of
+
+    if request.table and request.direct:
+        raise UsageError("--table and --direct exclude each other")
+    if not request.table:
+        _forbid(request, _MADE_TABLES_ONLY, "without --table no table is made of rules")
+    _forbid(request, ("output",), "a controller is exported as a whole")
+    how = making_of(request)
+    if request.certificate is not None:
+        if request.table or request.q:
+            raise WordError("the certificate is of the rules, not of a table or of whole numbers")
+        proved = _certified(request.certificate, controller, trust=request.trust)
+        how = replace(how, proofs=(proved,))
+    with busy("exporting") as progress, _of_file(request.file):
+        exported, reports = program_of(controller, request.out, how, progress)
+    report = _report(request, how, exported)
+    exported.write()
+    _write_report(request.report, report)
+    if request.json:
+        tables = [_report_data(table, request.out) for table in reports]
+        print_json(report or {**_controller_data(exported), "tables": tables}, 2)
+        return
+    lines = [line for table in reports for line in report_lines(table, request.out)]
+    say(*lines, *controller_lines(exported), *_report_line(request.report, report))
+
+
+# --- What --json says of tables and of source text ---
+
+
+def _table_data(table: LookupTable, out: str) -> dict[str, Any]:
+    return {
+        "file": out,
+        "output": table.output,
+        "index": list(table.names),
+        "shape": list(table.shape),
+        "cells": int(table.values.size),
+    }
+
+
+def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
+    return {
+        **_table_data(report.table, out),
+        "default_levels": report.default_levels,
+        "tolerance": report.tolerance,
+        "mode": report.table.default_mode,
+        "errors": [
+            {
+                "mode": fidelity.mode,
+                "worst": fidelity.worst if fidelity.proved is None else fidelity.proved,
+                "proved": fidelity.proved is not None,
+                "sampled": fidelity.worst,
+                "rms": fidelity.rms,
+                "at": dict(fidelity.at),
+                "points": list(fidelity.points),
+            }
+            for fidelity in report.fidelities
+        ],
+    }
+
+
+def _export_data(exported: Exported) -> dict[str, Any]:
+    from fuzzyarm.exchange.export.numbers import C_TYPES
+
+    return {
+        "files": [str(path) for path, _ in exported.files],
+        "functions": [
+            {
+                "call": call,
+                "output": routine.output.name,
+                "arguments": [argument.name for argument in routine.arguments],
+                "type": C_TYPES[routine.kind],
+                "worst": routine.accuracy.worst,
+                "points": routine.accuracy.points,
+                "against": routine.accuracy.against,
+                "proved": _proved(routine),
+                "operations": dict(routine.cost().operations),
+                "stack": routine.cost().stack,
+            }
+            for call, routine in zip(exported.calls, exported.routines, strict=True)
+        ],
+    }
+
+
+def _proved(routine: Routine) -> float | None:
+    """Return the proved worst error against the rules."""
+    from fuzzyarm.exchange.export.table import TableRoutine
+
+    return routine.worst_proved() if isinstance(routine, TableRoutine) else None
+
+
+def _controller_data(exported: ExportedController) -> dict[str, Any]:
+    from fuzzyarm.exchange.export.controllers import port_name
+
+    program = exported.program
+    steps, trial_run = program.steps, program.tried
+    ports = {
+        word: [port_name(steps, port) for port in steps.of_sort(sort)]
+        for sort, word in (
+            ("reference", "references"), ("measured", "measured"), ("drive", "drives"),
+        )
+    }  # fmt: skip
+    return {
+        "files": [str(path) for path, _ in exported.files],
+        "controller": program.text.model.name,
+        "period": program.text.model.period,
+        **ports,
+        "gains": list(dict.fromkeys(gain.name for gain in steps.of_sort("gain"))),
+        "calls": list(exported.calls),
+        "precision": program.precision,
+        "worst": trial_run.worst,
+        "largest": trial_run.largest,
+        "periods": len(trial_run.vectors.expected),
+    }
+
+
+COMMANDS = (request_command("compile", __doc__, _run, ExportWords, FORCE),)

@@ -1,0 +1,498 @@
+"""Convert a rule base between .frb, .fll, .fcl and .fis, by suffix; or what a script makes.
+
+    fuzzyarm convert tipper.fis tipper.frb
+    fuzzyarm convert robot.fcl robot.fll --from jfuzzylogic
+
+Everything that does not come across is said, with its position in the file. Where numbers
+change a little (another sampling of the defuzzifier, another manner outside a range, fuzzylite's
+threshold of 1e-6), the file is written with a warning, and refused with --strict; what would
+change numbers beyond that is an error, and nothing is written, unless --lossy. Where anything is
+warned about, what was written is read back and compared at 100 points: the warning has the greatest
+difference, and beyond 1 % of the range of an output it is an error. From .frb to .frb
+the text is formatted and its comments stay; other files have no place for them.
+
+    fuzzyarm convert learned.lut learned.frb
+
+A table becomes the rules whose terms come nearest; what they cannot express is said.
+
+    fuzzyarm convert light.fis move.fis tree.frb --connect "light/out -> move/level"
+
+Several files become one rule base, as a `fistree` of MATLAB chains them: --connect leads an output
+of one to an input of another, or joins two inputs. Files are called by their names without suffix.
+
+    fuzzyarm convert project.py -o rules/
+
+A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run, in a process of its
+own and after a question (--run answers it), and each fuzzy system that it makes becomes a .frb,
+named after the variable. What it needs and is not there (modules, windows, answers) has a stand-in;
+what it has made by its end, or by the end of its time, is taken. --call NAME calls a function or a
+class of it that builds a system. Numbers are compared at 100 points with those of the library's
+own object: they are the same to 1e-9 of the range, or the greatest difference is said.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzyarm.apps.cli.command import (
+    FORCE,
+    WordError,
+    argument,
+    busy,
+    command,
+    finding_data,
+    flag,
+    group,
+    json_of,
+    print_error,
+    print_findings,
+    print_json,
+    say,
+)
+from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic
+from fuzzyarm.base.files import same_file, write_atomically
+from fuzzyarm.base.numbers import counted
+from fuzzyarm.base.protected import ForeignFileError
+from fuzzyarm.exchange.formats import MEANINGS, PRODUCERS, Exported, Imported, read, suffix_of
+from fuzzyarm.exchange.live.conversion import converted, findings_of, written
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.reading import read_text, text_to_show
+from fuzzyarm.table import SUFFIXES
+
+if TYPE_CHECKING:
+    from fuzzyarm.exchange.live import System
+
+SCRIPT = ".py"
+"""The suffix of what is run."""
+
+SECONDS = 60.0
+"""Time for a script, unless told otherwise."""
+
+_FIELDS = ("name", "severity", "message", "hint", "line", "column")
+"""What --json tells of a finding."""
+
+_READ_AS = sorted({program for programs in MEANINGS.values() for program in programs})
+_WRITTEN_FOR = sorted({program for programs in PRODUCERS.values() for program in programs})
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    # The last of all names is the file to write, which argparse cannot know.
+    names = [*arguments.source, *filter(None, [arguments.target])]
+    *sources, last = names if len(names) > 1 else [*names, None]
+    arguments.source, arguments.target = sources[0], last
+    if Path(arguments.source).suffix.lower() == SCRIPT and len(sources) < 2:
+        return _convert_script(arguments)
+    if arguments.target is None:
+        COMMANDS[0].parser().error("the file to write, OUT, is missing")
+    target = suffix_of(arguments.target)
+    if any(same_file(source, arguments.target) for source in sources):
+        print_error(f"{arguments.target}: the file to read and the file to write are the same")
+        return 1
+    if arguments.connect or len(sources) > 1:
+        return _convert_tree(arguments, sources, target)
+    return _convert_one(arguments, target)
+
+
+def _convert_one(arguments: argparse.Namespace, target: str) -> int:
+    """Write one file as another."""
+    if Path(arguments.source).suffix.lower() in SUFFIXES:
+        return _convert_table(arguments, target)
+    imported = read(
+        arguments.source,
+        producer=arguments.producer,
+        block=arguments.block,
+        lossy=arguments.lossy,
+        strict=arguments.strict,
+    )
+    exported = None
+    if imported.rulebase is not None:
+        exported = _exported(arguments, imported.rulebase, target)
+    diagnostics = findings_of(imported, exported, arguments.source)
+    text = None if exported is None else exported.text
+    if text is not None:
+        write_atomically(arguments.target, text)
+    _report(arguments, imported, diagnostics, written=text is not None)
+    return 0 if text is not None else 1
+
+
+def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
+    """Write a rule base; a text of the language keeps its comments, or they are counted."""
+    is_own = Path(arguments.source).suffix.lower() == ".frb"
+    return converted(
+        rulebase,
+        arguments.source,
+        target,
+        read_text(arguments.source) if is_own else "",
+        producer=arguments.consumer,
+        lossy=arguments.lossy,
+        strict=arguments.strict,
+    )
+
+
+def _convert_tree(arguments: argparse.Namespace, sources: Sequence[str], target: str) -> int:
+    """Chain several rule bases to one, and write it."""
+    from fuzzyarm.exchange.formats.trees import tree
+
+    usage = COMMANDS[0].parser().error
+    if len(sources) < 2:
+        usage("--connect takes two files or more, and the file to write")
+    if not arguments.connect:
+        usage('several files become one by connections: --connect "A/OUT -> B/IN"')
+    stems = [Path(source).stem for source in sources]
+    for stem in stems:
+        if stems.count(stem) > 1:
+            usage(f"two files are called '{stem}', and connections could mean either")
+    rulebases: dict[str, RuleBase] = {}
+    diagnostics: list[Diagnostic] = []
+    for source, stem in zip(sources, stems, strict=True):
+        imported = read(
+            source,
+            producer=arguments.producer,
+            lossy=arguments.lossy,
+            strict=arguments.strict,
+        )
+        diagnostics += imported.diagnostics
+        if imported.rulebase is None:
+            _report_of_tree(arguments, sources, diagnostics, written=False)
+            return 1
+        rulebases[stem] = imported.rulebase
+    name = Path(arguments.target).stem
+    joint = tree(rulebases, arguments.connect, name, lossy=arguments.lossy, strict=arguments.strict)
+    exported = None
+    if joint.rulebase is not None:
+        exported = written(
+            joint.rulebase,
+            target,
+            producer=arguments.consumer,
+            lossy=arguments.lossy,
+            strict=arguments.strict,
+        )
+    diagnostics += findings_of(joint, exported, arguments.target)
+    text = None if exported is None else exported.text
+    if text is not None:
+        write_atomically(arguments.target, text)
+    _report_of_tree(arguments, sources, diagnostics, written=text is not None)
+    return int(text is None)
+
+
+def _report_of_tree(
+    arguments: argparse.Namespace,
+    sources: Sequence[str],
+    diagnostics: Sequence[Diagnostic],
+    *,
+    written: bool,
+) -> None:
+    """Say what was found in each file, then in how they are connected."""
+    # Rules of a tree stand nowhere in the files: what is said of several of them is said once.
+    diagnostics = list(
+        dict.fromkeys(replace(d, path=d.path or arguments.target) for d in diagnostics)
+    )
+    if arguments.json:
+        data = _as_json(arguments, Imported(None, (), "tree"), diagnostics, written=written)
+        print_json({**data, "sources": list(sources)}, 2)
+    else:
+        for source in (*sources, arguments.target):
+            findings = [finding for finding in diagnostics if finding.path == source]
+            reported = [finding for finding in findings if finding.is_error or not arguments.quiet]
+            _say_findings(reported, source, to_errors=not written)
+    if not written:
+        print_error(f"{arguments.target}: not written")
+    elif not (arguments.quiet or arguments.json):
+        say(f"{arguments.target}: written, {_summary(diagnostics)}")
+
+
+def _convert_table(arguments: argparse.Namespace, target: str) -> int:
+    """Write the nearest rules to a table and say what they leave out."""
+    from fuzzyarm.table import read_table
+    from fuzzyarm.table.rules import TERMS, rules_of_table
+
+    table = read_table(arguments.source)
+    name = Path(arguments.target).stem
+    fitted = rules_of_table(table, name, terms=arguments.terms or TERMS)
+    exported = written(
+        fitted.rulebase,
+        target,
+        producer=arguments.consumer,
+        lossy=arguments.lossy,
+        strict=arguments.strict,
+    )
+    # A table has no order of conditions or descriptions to lose: only what changes numbers counts.
+    diagnostics = [
+        replace(d, path=arguments.source)
+        for d in exported.diagnostics
+        if d.is_error or d.severity == "warning"
+    ]
+    is_written = exported.text is not None
+    if exported.text is not None:
+        write_atomically(arguments.target, exported.text)
+    imported = Imported(fitted.rulebase, (), "table")
+    rules = len(fitted.rulebase.rules)
+    if arguments.json:
+        data = _as_json(arguments, imported, diagnostics, written=is_written)
+        residual = {"worst": fitted.worst, "rms": fitted.rms}
+        print_json({**data, "rules": rules, "residual": residual})
+        if not is_written:
+            print_error(f"{arguments.target}: not written")
+        return int(not is_written)
+    _report(arguments, imported, diagnostics, written=is_written)
+    if is_written and not arguments.quiet:
+        say(
+            f"what {rules} rules cannot express of {table.output}: {fitted.worst:.3g} at worst, "
+            f"{fitted.rms:.3g} rms over {table.values.size} cells"
+        )
+    return int(not is_written)
+
+
+# --- What a script makes ---
+
+
+def _convert_script(arguments: argparse.Namespace) -> int:
+    """Run a script and write a rule base for each fuzzy system that it makes."""
+    from fuzzyarm.exchange.live import ScriptError, read_script
+
+    source = arguments.source
+    if arguments.target is not None and suffix_of(arguments.target) != ".frb":
+        hint = "then convert the .frb"
+        raise WordError("what a script makes is written as .frb only", hint=hint)
+    with Path(source).open("rb"):  # before a question about a file that is not there
+        pass
+    if not _may_run(arguments):
+        return 1
+    try:
+        with busy(f"running {source}"):
+            systems, diagnostics = read_script(
+                source,
+                seconds=arguments.seconds,
+                python=arguments.python,
+                call=arguments.call,
+                points=arguments.points,
+                lossy=arguments.lossy,
+                strict=arguments.strict,
+            )
+    except ScriptError as error:
+        if arguments.json:
+            findings = [{key: finding_data(d)[key] for key in _FIELDS} for d in error.diagnostics]
+            print_json({"source": source, "systems": [], "diagnostics": findings}, 2)
+        else:
+            _say_findings(error.diagnostics, source, to_errors=True)
+        raise
+    targets = _targets(arguments, systems)
+    successes = [
+        _write_system(arguments, source_system, to)
+        for source_system, to in zip(systems, targets, strict=True)
+    ]
+    if arguments.json:
+        _print_systems(arguments, systems, targets, successes, diagnostics)
+        for target, is_written in zip(targets, successes, strict=True):
+            if not is_written:
+                print_error(f"{target}: not written")
+        return int(not all(successes))
+    _say_findings(diagnostics, source)
+    for system, target, is_written in zip(systems, targets, successes, strict=True):
+        _say_system(arguments, system, target, written=is_written)
+    return int(not all(successes))
+
+
+def _may_run(arguments: argparse.Namespace) -> bool:
+    """Say that a script will be run, and ask whether it may be."""
+    if arguments.run:
+        return True
+    source = arguments.source
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        print_error(f"{source} is a script, and converting means running it")
+        say("  hint: --run allows that", to_errors=True)
+        return False
+    say(
+        f"{source} is a script: converting runs it as python does, with all your permissions.",
+        to_errors=True,
+    )
+    print("Run it? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() in ("y", "yes"):
+        return True
+    print_error(f"{source}: not run")
+    return False
+
+
+def _targets(arguments: argparse.Namespace, systems: Sequence[System]) -> list[Path]:
+    """Return where each system goes: into the folder of -o by its name, a single one to OUT."""
+    if arguments.target is not None:
+        if len(systems) > 1:
+            names = ", ".join(system.name for system in systems)
+            hint = "-o DIR writes a file for each"
+            raise WordError(f"{arguments.source} makes {len(systems)}: {names}", hint=hint)
+        return [Path(arguments.target)]
+    folder = Path(arguments.out or ".")
+    folder.mkdir(parents=True, exist_ok=True)
+    return [folder / f"{system.name}.frb" for system in systems]
+
+
+def _write_system(arguments: argparse.Namespace, system: System, target: Path) -> bool:
+    """Write a system; not over another text, unless its file was named or --force is given."""
+    if system.rulebase is None:
+        return False
+    try:
+        write_atomically(target, system.text)
+    except ForeignFileError as error:  # the other systems of the script have files of their own
+        print_error(error)
+        return False
+    return True
+
+
+def _say_findings(findings: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
+    stream = sys.stderr if to_errors else sys.stdout
+    for diagnostic in findings:
+        if diagnostic.span != NOWHERE:
+            print_findings([diagnostic], text_to_show(source), stream)
+            continue
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
+        path = diagnostic.path or source
+        say(
+            f"{path}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}",
+            *hint,
+            to_errors=to_errors,
+        )
+
+
+def _say_system(
+    arguments: argparse.Namespace, system: System, target: Path, *, written: bool
+) -> None:
+    diagnostics = [d for d in system.diagnostics if d.is_error or not arguments.quiet]
+    what = f"{arguments.source}: {system.name}"
+    for diagnostic in diagnostics:
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
+        line = f"{what}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}"
+        say(line, *hint, to_errors=not written)
+    if not written:
+        print_error(f"{target}: not written")
+    elif not arguments.quiet:
+        assert system.rulebase is not None
+        rules = counted(len(system.rulebase.rules), "rule")
+        lines = system.text.count("\n")
+        say(f"{target}: written, {rules} of {system.library} in {lines} lines")
+
+
+def _print_systems(
+    arguments: argparse.Namespace,
+    systems: Sequence[System],
+    targets: Sequence[Path],
+    written: Sequence[bool],
+    diagnostics: Sequence[Diagnostic],
+) -> None:
+    print_json(
+        {
+            "source": arguments.source,
+            "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in diagnostics],
+            "systems": [
+                {
+                    "name": system.name,
+                    "producer": system.library,
+                    "target": str(target),
+                    "written": is_written,
+                    "diagnostics": [
+                        {key: finding_data(d)[key] for key in _FIELDS} for d in system.diagnostics
+                    ],
+                }
+                for system, target, is_written in zip(systems, targets, written, strict=True)
+            ],
+        },
+        2,
+    )
+
+
+def _report(
+    arguments: argparse.Namespace, imported: Imported, findings: list[Diagnostic], *, written: bool
+) -> None:
+    if arguments.json:
+        print_json(_as_json(arguments, imported, findings, written=written), 2)
+        if not written:
+            print_error(f"{arguments.target}: not written")
+        return
+    stream = sys.stdout if written else sys.stderr
+    text = text_to_show(arguments.source) if findings else ""
+    for diagnostic in findings:
+        if arguments.quiet and not diagnostic.is_error:
+            continue
+        if diagnostic.span != NOWHERE:
+            print_findings([diagnostic], text, stream)
+            continue
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
+        label = f"{diagnostic.severity}[{diagnostic.name}]"
+        say(f"{diagnostic.path}: {label}: {diagnostic.message}", *hint, to_errors=not written)
+    if not written:
+        print_error(f"{arguments.target}: not written")
+    elif not arguments.quiet:
+        # Of a table the residual tells what was lost.
+        summary = "" if imported.producer == "table" and not findings else f", {_summary(findings)}"
+        say(f"{arguments.target}: written{summary}")
+
+
+def _summary(findings: Sequence[Diagnostic]) -> str:
+    warnings = sum(d.severity == "warning" for d in findings)
+    if warnings:
+        return f"{warnings} warning(s)"
+    left_out = any(d.name.startswith("dropped-") for d in findings)
+    return "numbers unchanged" if left_out else "nothing lost"
+
+
+def _as_json(
+    arguments: argparse.Namespace,
+    imported: Imported,
+    findings: Sequence[Diagnostic],
+    *,
+    written: bool,
+) -> dict[str, object]:
+    return {
+        "source": arguments.source,
+        "target": arguments.target,
+        "producer": imported.producer,
+        "written": written,
+        "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in findings],
+    }
+
+
+COMMANDS = (
+    command(
+        "convert",
+        __doc__,
+        _run,
+        argument(
+            "source IN",
+            ".frb, .fll, .fcl, .fis or .fml; a table; or a script, .py; several to connect",
+            nargs="+",
+        ),
+        argument("target OUT", ".frb, .fll, .fcl, .fis or .fml", nargs="?"),
+        argument(
+            "--connect CONNECTION",
+            "from an output to an input, as in 'a/out -> b/in'; as often as needed",
+            action="append",
+        ),
+        flag("--lossy", "go on where numbers will differ", either="mode"),
+        flag("--strict", "refuse small differences too", either="mode"),
+        argument("--from", "the program IN was written for", dest="producer", choices=_READ_AS),
+        argument("--for", "the program OUT is written for", dest="consumer", choices=_WRITTEN_FOR),
+        argument("--block NAME", "which function block of an .fcl to take"),
+        argument("--terms N", "number of terms of the output, where IN is a table", type=int),
+        flag("--quiet -q", "print errors only"),
+        FORCE,
+        json_of("what was found"),
+        *group(
+            "scripts",
+            argument("-o --out DIR", "where the rule bases go; here by default"),
+            flag("--run", "run the script without asking"),
+            argument(
+                "--seconds S",
+                f"time for the script (default: {SECONDS:g})",
+                type=float,
+                default=SECONDS,
+            ),
+            argument("--python PATH", "run it by another Python, 3.11 or newer"),
+            argument("--call NAME", "call a function or class of it that builds a system"),
+            flag("--points", "keep scikit-fuzzy's straight lines between points"),
+        ),
+    ),
+)

@@ -1,0 +1,119 @@
+"""A rule base as text and as a picture, in a browser.
+
+The text stays what counts: a corner that is dragged and a cell that is chosen are edits of the
+text, and what is typed is drawn at once. With a folder its files are offered; nothing outside it
+is read or written. The page is served to this machine only, under an address with a token, which
+is the first line of the output. Ctrl-C ends it.
+
+With --export one page is written that needs neither a server nor a network: the rule base with
+its text, terms, rules, surface and inference, to be mailed or linked.
+
+The view Run runs a controller on a shipped plant, or on one that --plant names; the page has no
+other Python executed.
+
+  fuzzyarm designer rulebases/pd7.frb
+  fuzzyarm designer rulebases/pd7.frb --export pd7.html
+  fuzzyarm designer servo.frb --plant mine.py:Crane
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+from pathlib import Path
+
+from fuzzyarm.apps.cli.command import (
+    FORCE,
+    WordError,
+    argument,
+    command,
+    flag,
+    hush,
+    require_suffix,
+    say,
+)
+from fuzzyarm.base.errors import FuzzyarmError
+
+
+class DesignerError(FuzzyarmError, OSError):
+    """The designer cannot be opened."""
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    path = Path(arguments.file)
+    if not path.exists() and (path.suffix or arguments.export is not None):
+        raise DesignerError(
+            f"there is no file {arguments.file}",
+            hint="`fuzzyarm designer FOLDER` makes new files, in a new folder too",
+        )
+    if arguments.export is not None:
+        _export(path, arguments)
+        return 0
+    from fuzzyarm.apps.designer.folder import SUFFIXES
+    from fuzzyarm.apps.designer.server import serve
+
+    if path.exists() and not path.is_dir() and path.suffix.lower() not in SUFFIXES:
+        raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")
+
+    hush()
+
+    def announce(address: str) -> None:
+        print(address, flush=True)
+        if not arguments.no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    def farewell(names: list[str]) -> None:
+        say(
+            f"not saved: {', '.join(names)}. A page that is still open keeps its text, and sends it"
+            " when the designer runs again.",
+            to_errors=True,
+        )
+
+    with contextlib.suppress(KeyboardInterrupt):
+        serve(path, arguments.port, announce, arguments.plant, farewell)
+    return 0
+
+
+def _export(path: Path, arguments: argparse.Namespace) -> None:
+    from fuzzyarm.apps.designer.mailed_page import page_of
+    from fuzzyarm.base.files import write_atomically
+
+    require_suffix(arguments.export, (".html", ".htm"))
+    if path.is_dir():
+        raise WordError(f"{arguments.file} is a folder: a page is made of one file")
+    page = page_of(path)
+    write_atomically(arguments.export, page)
+    say(f"{arguments.export}: {len(page.encode()):,} bytes, needs neither a server nor a network")
+
+
+def _port(text: str) -> int:
+    if not text.isdigit() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a port, 0 to 65535")
+    return int(text)
+
+
+COMMANDS = (
+    command(
+        "designer",
+        __doc__,
+        _run,
+        argument("file FILE", "a .frb or .lut file, or a folder of them; it may be empty, or new"),
+        argument(
+            "--port N",
+            "where to serve; 0: any free port (default: the same for a folder, where it is free)",
+            type=_port,
+        ),
+        flag("--no-browser", "only print the address"),
+        argument(
+            "--plant PLANT",
+            "let the page run this plant: FILE.py or FILE.py:CLASS; as often as needed",
+            action="append",
+            default=[],
+        ),
+        argument("--export PAGE", "write one page that needs no server (.html)"),
+        FORCE,
+        rewrites=lambda arguments: arguments.export is None,
+    ),
+)

@@ -1,0 +1,94 @@
+"""Learn a rule base from samples, and get a text that a person can read.
+
+DATA is a .csv or .parquet file with a row for each sample; its last column is the target
+unless --target names another. A target of words is learned as classes. A table (.lut) or a
+rule base is learned as well: the result is its surrogate, with its fidelity.
+
+The model is Takagi and Sugeno's: LOW and HIGH of the inputs that matter, a linear conclusion
+for each combination. Cross-validation decides how many terms there are, how far conclusions
+are shrunk towards linear regression, and whether moving the terms pays; with --series its
+parts are blocks of time. Up to 1000 samples a second one around all of it judges what came of
+it. --words N gives the rules of Wang and Mendel instead. What is written is scored as written.
+Ctrl-C keeps the best so far (exit status 130), and so does the end of --time.
+
+Examples
+--------
+  fuzzyarm fit data.csv -o model.frb
+  fuzzyarm fit series.csv --series --rules 8 --test later.csv -o model.frb
+  fuzzyarm fit data.csv --words 3..9 -o words.frb
+  fuzzyarm fit rulebases/thesis-6.1.lut -o surrogate.frb
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzzyarm.apps.cli.arguments import request_command, with_choice
+from fuzzyarm.apps.cli.command import (
+    EXIT_INTERRUPTED,
+    FORCE,
+    attempted,
+    busy,
+    demand_places,
+    print_error,
+    print_json,
+    require_suffix,
+    saved,
+    say,
+)
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.learn import FitRequest
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command prints and writes of a model."""
+
+    out: str = option("-o --out FILE.frb", "where to write the rule base")
+    json: bool = option("--json", "print the report as JSON", False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitWords(FitRequest, _Output):
+    """All that ``fuzzyarm fit`` takes."""
+
+
+def _run(request: FitWords) -> int:
+    require_suffix(request.out, (".frb",))
+    demand_places(request.out)
+    from fuzzyarm.base.files import write_atomically
+    from fuzzyarm.learning.fit import fit
+    from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of
+    from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
+
+    request = request.replaced(name=request.name or Path(request.out).stem)
+    options = fit_options_of(request)
+    samples = samples_of(request)
+    test = test_samples_of(request, samples)
+    for note in samples.notes:
+        say(f"note: {note}", to_errors=True)
+    with busy(f"fitting {request.data}") as tell:
+        model = fit(samples, options, tell)
+    file, fault = saved(request.out, lambda path: write_atomically(path, model.text))
+    faults = [fault] if fault else []
+    report = report_of(file, samples, model)
+    if test is not None:
+        faults += attempted(lambda: report.update(test=tested(samples, model, test)))
+    if is_model(request.data):
+        faults += attempted(lambda: report.update(fidelity=faithful(samples, model)))
+    if request.json:
+        print_json(report)
+    else:
+        say(*report_lines(samples, model, report, options))
+    for sentence in faults:
+        print_error(sentence)
+    if model.limits:
+        print_error(broken_off(model.limits))
+        # The end of --time was asked for: the status is that of a whole run.
+        if "time" not in model.limits:
+            return EXIT_INTERRUPTED
+    return 1 if faults else 0
+
+
+COMMANDS = (request_command("fit", with_choice(__doc__), _run, FitWords, FORCE),)

@@ -1,0 +1,195 @@
+"""Prove or refute every `prove` line of rule bases, or bound one number.
+
+A verdict is *proved* (a bound that holds at every point, real numbers included), *refuted*
+(with a point or a pair of points that shows it, ready to paste as `expect`) or *undecided*
+(with the bounds that were reached, and why it stopped). Exit status 0 if all is proved, 1 if
+anything is refuted, 4 if anything stays undecided.
+
+With --range, --slope or --table it bounds one number of one output instead: the value, its
+slope along each input, or how far a lookup table is from the rules (linear, nearest or bins
+of the table that `compile` makes, or a file).
+
+--sector says between which multiples of its inputs an output lies, as the circle criterion asks
+for: along each input, and along what a linear law would give. Of a controller it proves the same
+of each drive, with its range, its limits and its linear gains; --plot draws it.
+
+--claim proves a controller in its loop, as a `prove` line of its file would say it; --stable with
+--plant is short for `stable on PLANT`. A proof is written with --certificate; --check asks of such
+a file whether it proves what it says, without searching. --for bounds all ports of the plant for a
+time, from all starts of --from; with --claim it is the end of the claim. --plot draws the region or
+the tube, with runs in it.
+
+  fuzzyarm prove rulebases/pd7.frb --table linear
+  fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
+  fuzzyarm prove rulebases/servo.frb --plant motor --stable --certificate servo.json
+  fuzzyarm prove --check servo.json
+  fuzzyarm prove rulebases/servo.frb --plant motor --at position=1 --for 0.5s --plot tube.png
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.apps.cli.arguments import request_command
+from fuzzyarm.apps.cli.command import (
+    FORCE,
+    UsageError,
+    demand_figure,
+    demand_places,
+    print_json,
+    say,
+)
+from fuzzyarm.apps.cli.prove_loops import check, loop_data, print_loops, prove_loops
+from fuzzyarm.apps.cli.prove_sectors import (
+    EXIT_REFUTED,
+    EXIT_UNDECIDED,
+    ProveWords,
+    exit_status,
+    print_drives,
+    print_sectors,
+    progress,
+)
+from fuzzyarm.exchange.files import controller_if_any
+
+if TYPE_CHECKING:
+    from fuzzyarm.proof.map import Bounds, Verdict
+
+
+def _run(request: ProveWords) -> int:
+    from fuzzyarm.proof.loop.orders import bounds_one, require_sensible, wants_loop
+
+    require_sensible(request)
+    demand_figure(request.plot)
+    demand_places(request.certificate)
+    if request.check is not None:
+        return check(request)
+    if request.sector:
+        if request.certificate is not None:
+            raise UsageError("--certificate goes with a claim about a loop")
+        return print_sectors(request)
+    if wants_loop(request):
+        return prove_loops(request)
+    if bounds_one(request):
+        _require_use(request, of=False)
+        return _single(request)
+    return _files(request)
+
+
+def _require_use(request: ProveWords, *, of: bool) -> None:
+    """Refuse what is written of loops where none `of` them is judged."""
+    if request.plot is not None and not of:
+        raise UsageError("--plot goes with --sector, or with a claim about a loop")
+    if request.certificate is not None and not of:
+        raise UsageError("--certificate goes with a claim about a loop")
+
+
+# ── the lines of files ───────────────────────────────────────────────────────────────
+
+
+def _files(request: ProveWords) -> int:
+    from fuzzyarm.exchange.files import load_rules
+    from fuzzyarm.proof.loop.orders import rules_of
+
+    statuses: set[int] = set()
+    data: list[dict[str, Any]] = []
+    for path in request.files:
+        controller = controller_if_any(path)
+        claims = controller.model.claims if controller else ()
+        _require_use(request, of=bool(claims))
+        rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
+        if controller is None and not rulebases[0].properties and not request.json:
+            say(f"{path}: no `prove` lines", to_errors=True)
+        file = {"file": path} if len(request.files) > 1 else {}
+        with progress() as tell:
+            for verdict in rules_of(request, rulebases, tell):
+                statuses.add(exit_status(verdict.verdict))
+                data.append(file | _data(verdict))
+                if not request.json:
+                    tell("", 0, 0.0)
+                    say(*_lines(path, verdict))
+        if controller is not None:
+            for loop, status in print_loops(request, path, controller, claims):
+                statuses.add(status)
+                data.append(file | loop_data(loop))
+            data += [file | drive for drive in print_drives(request, path, controller)]
+    if request.json:
+        print_json(data, 2)
+    return next((status for status in (EXIT_REFUTED, EXIT_UNDECIDED) if status in statuses), 0)
+
+
+def _data(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "property": verdict.statement,
+        "verdict": verdict.verdict,
+        "bound": verdict.bound,
+        "evidence": list(verdict.evidence),
+        "pieces": verdict.pieces,
+        "seconds": round(verdict.seconds, 6),
+        "way": verdict.way,
+        "reason": verdict.reason,
+        "line": verdict.line,
+    }
+
+
+def _lines(path: str, verdict: Verdict) -> list[str]:
+    from fuzzyarm.apps.show.proofs import WAYS
+
+    head, *rest = str(verdict).splitlines()
+    where = f"{path}:{verdict.line}" if verdict.line else path
+    work = f"{verdict.pieces:,} pieces, " if verdict.pieces else ""
+    way = f", {WAYS[verdict.way]}" if verdict.way else ""
+    return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
+
+
+# ── one number ───────────────────────────────────────────────────────────────────────
+
+
+def _single(request: ProveWords) -> int:
+    from fuzzyarm.apps.show.proofs import bound_lines
+    from fuzzyarm.exchange.files import load_rules
+    from fuzzyarm.proof.loop.orders import bounds_of, only_output
+
+    rulebase = load_rules(request.files[0], "prove")
+    name = only_output(rulebase, request.output)
+    with progress() as tell:
+        results = bounds_of(request, rulebase, tell)
+    if request.json:
+        _print_single(results)
+    else:
+        for key, bounds in results.items():
+            say(*bound_lines(name, key, bounds))
+    return 0 if all(bounds.complete for bounds in results.values()) else EXIT_UNDECIDED
+
+
+def _print_single(bounds_by_key: dict[str, Bounds]) -> None:
+    data = {key: _single_data(key, bounds) for key, bounds in bounds_by_key.items()}
+    for key in ("worst", "range"):
+        if key in data:
+            print_json(data[key], 2)
+            return
+    low = min(bounds.low for bounds in bounds_by_key.values())
+    high = max(bounds.high for bounds in bounds_by_key.values())
+    print_json({"low": low, "high": high, "inputs": data}, 2)
+
+
+def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
+    facts: dict[str, Any] = {"pieces": bounds.pieces, "way": bounds.way}
+    if key == "worst":
+        from fuzzyarm.apps.show.proofs import place_of_worst
+
+        return {
+            "worst": max(bounds.high, -bounds.low),
+            "reached": max(bounds.reached_high, -bounds.reached_low),
+            "at": place_of_worst(bounds),
+            **facts,
+        }
+    return {
+        "low": bounds.low,
+        "high": bounds.high,
+        "at_low": bounds.at_low,
+        "at_high": bounds.at_high,
+        **facts,
+    }
+
+
+COMMANDS = (request_command("prove", __doc__, _run, ProveWords, FORCE),)

@@ -1,0 +1,200 @@
+"""Controllers in their loops: what ``fuzzyarm prove`` says of claims and of certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.apps.cli.command import UsageError, WordError, print_json, say
+from fuzzyarm.apps.cli.prove_sectors import EXIT_UNDECIDED, ProveWords, exit_status, progress
+from fuzzyarm.exchange.files import controller_if_any
+
+if TYPE_CHECKING:
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.language.model.claims import LoopClaim
+    from fuzzyarm.proof.loop import LoopVerdict, Tube
+
+
+def prove_loops(request: ProveWords) -> int:
+    """Do what ``--stable``, ``--claim`` or ``--for`` says."""
+    from fuzzyarm.proof.loop.orders import claim_of, loop_of
+
+    path = request.files[0]
+    controller = loop_of(request, controller_if_any(path))
+    if not request.stable and request.claim is None:
+        return _bound(request, path, controller)
+    ((verdict, status),) = print_loops(request, path, controller, [claim_of(request)])
+    if request.json:
+        print_json(loop_data(verdict), 2)
+    return status
+
+
+# ── a tube ───────────────────────────────────────────────────────────────────────────
+
+
+def _bound(request: ProveWords, path: str, controller: ControllerText) -> int:
+    """Bound all ports of the plant for a time; what is left open is said."""
+    from fuzzyarm.proof.loop.orders import tube_of
+
+    if request.certificate is not None:
+        raise UsageError("--certificate goes with a claim about a loop", hint="--claim, --stable")
+    with progress() as tell:
+        way, left_open, statement = tube_of(request, controller, tell)
+        tell("", 0, 0.0)
+    if request.json:
+        data = {"property": statement, "complete": way.complete, "open": list(left_open)}
+        print_json({**data, "tube": tube_data(way), "seconds": round(way.seconds, 6)}, 2)
+    else:
+        lines = [*(way.lines() if way.complete else ()), *left_open]
+        lines.append(f"{way.boxes} box{'es' * (way.boxes != 1)}, {way.seconds:.2f} s")
+        say(f"{path}: {statement}", *(f"  {line}" for line in lines))
+    if request.plot is not None and way.complete:
+        _draw_tube(way, statement, request.plot)
+        if not request.json:
+            say(f"{request.plot}: drawn from {path}")
+    return 0 if way.complete and not way.open else EXIT_UNDECIDED
+
+
+def tube_data(way: Tube | None) -> dict[str, Any] | None:
+    """Return a tube as JSON has it: of each port the bounds in all periods."""
+    if way is None or not way.complete:
+        return None
+    return {
+        "duration": way.duration,
+        "boxes": way.boxes,
+        "arrival": way.arrival,
+        "ends": way.ends.tolist(),
+        "ports": {
+            port: {"low": way.low[:, k].tolist(), "high": way.high[:, k].tolist()}
+            for k, port in enumerate(way.ports)
+        },
+    }
+
+
+# ── claims ───────────────────────────────────────────────────────────────────────────
+
+
+def print_loops(
+    request: ProveWords, path: str, controller: ControllerText, claims: Sequence[LoopClaim]
+) -> Iterator[tuple[LoopVerdict, int]]:
+    """Judge claims about the loop of a controller, and print verdicts; yield them with a status."""
+    if not claims:
+        return
+    for option, out in (("--certificate", request.certificate), ("--plot", request.plot)):
+        if out is not None and len(claims) > 1:
+            from fuzzyarm.proof.loop.claims import claim_text
+
+            raise UsageError(
+                f"{option} takes one claim, and {path} has {len(claims)}",
+                hint=f'--claim "{claim_text(claims[0])}"',
+            )
+    from fuzzyarm.proof.loop.orders import loops_of
+
+    with progress() as tell:
+        for verdict in loops_of(request, controller, tuple(claims), tell):
+            # Wipes the line of progress before something is printed.
+            tell("", 0, 0.0)
+            if not request.json:
+                say(*_lines(path, verdict))
+            status = exit_status(verdict.verdict)
+            if request.certificate is not None and verdict.proved:
+                status = _certify(controller, verdict, request, tell)
+            if request.plot is not None and (verdict.proved or verdict.tube is not None):
+                _draw(controller, verdict, request.plot)
+                if not request.json:
+                    say(f"{request.plot}: drawn from {path}")
+            yield verdict, status
+
+
+def _certify(
+    controller: ControllerText,
+    verdict: LoopVerdict,
+    request: ProveWords,
+    tell: Callable[[str, int, float], None],
+) -> int:
+    """Write the certificate of what is proved, and say so; return the exit status."""
+    from fuzzyarm.proof.loop import LoopProofError
+    from fuzzyarm.proof.loop.orders import certify
+
+    out = request.certificate or ""
+    try:
+        seal = certify(request, controller, verdict, out, tell)
+    except LoopProofError as error:
+        tell("", 0, 0.0)
+        say(f"{out}: not written: {error}", to_errors=True)
+        return EXIT_UNDECIDED
+    tell("", 0, 0.0)
+    if not request.json:
+        say(f"{out}: the certificate, {seal[:16]}")
+    return 0
+
+
+def _draw_tube(way: Tube, statement: str, path: str, claim: LoopClaim | None = None) -> None:
+    from fuzzyarm.apps.show.figures.panels import chart_figure
+    from fuzzyarm.apps.show.tube import tube_chart
+    from fuzzyarm.base.figure_files import save_figure
+
+    save_figure(chart_figure(tube_chart(way, statement, claim)), path)
+
+
+def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
+    if verdict.tube is not None:
+        _draw_tube(verdict.tube, str(verdict).splitlines()[0], path, verdict.claim)
+        return
+    from fuzzyarm.apps.show.figures.panels import chart_figure
+    from fuzzyarm.apps.show.region import region_chart
+    from fuzzyarm.base.figure_files import save_figure
+
+    save_figure(chart_figure(region_chart(controller, verdict)), path)
+
+
+def check(request: ProveWords) -> int:
+    """Do what ``--check`` says."""
+    path = request.check or ""
+    from fuzzyarm.proof.loop import CertificateError
+    from fuzzyarm.proof.loop.orders import check_of
+
+    controller = None
+    if request.files:
+        controller = controller_if_any(request.files[0])
+        if controller is None:
+            raise WordError(f"{request.files[0]} is not a controller")
+    try:
+        verdict = check_of(request, controller)
+    except CertificateError as error:
+        raise WordError(str(error)) from error
+    if request.json:
+        print_json(loop_data(verdict), 2)
+    else:
+        say(*_lines(path, verdict))
+    return exit_status(verdict.verdict)
+
+
+def _lines(path: str, verdict: LoopVerdict) -> list[str]:
+    head, *rest = str(verdict).splitlines()
+    where = f"{path}:{verdict.line}" if verdict.line else path
+    count = verdict.pieces
+    tries = f"{count} attempt{'s' * (count != 1)}, " if count else ""
+    return [f"{where}: {head}", *rest, f"  {tries}{verdict.seconds:.2f} s"]
+
+
+def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
+    """Return a verdict on a loop as JSON has it."""
+    certificate = verdict.certificate
+    return {
+        "property": verdict.statement,
+        "verdict": verdict.verdict,
+        "region": {name: list(ends) for name, ends in verdict.region.items()},
+        "start_region": dict(verdict.start_region),
+        "rest": dict(verdict.rest),
+        "fall": verdict.fall,
+        "continuous": verdict.continuous,
+        "uncertain": list(verdict.uncertain),
+        "certificate": None if certificate is None else certificate.seal,
+        "tube": tube_data(verdict.tube),
+        "evidence": list(verdict.evidence),
+        "pieces": verdict.pieces,
+        "seconds": round(verdict.seconds, 6),
+        "reason": verdict.reason,
+        "line": verdict.line,
+    }

@@ -1,0 +1,340 @@
+"""Draw a model, ``fuzzyarm show`` and ``fuzzyarm plot``, or compare two, ``fuzzyarm diff``."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.apps.cli.command import (
+    FORCE,
+    UsageError,
+    WordError,
+    argument,
+    at,
+    command,
+    demand_figure,
+    flag,
+    json_of,
+    out,
+    print_json,
+    say,
+)
+from fuzzyarm.base.assignments import read_assignments, read_point
+from fuzzyarm.base.names import typed
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.exchange.files import load_sheet
+from fuzzyarm.language.model.rulebase import RuleBase
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from rich.console import RenderableType
+
+    from fuzzyarm.apps.show.controller_diff import ControllerDiff
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.table import LookupTable
+    from fuzzyarm.table.diff import TableDiff
+
+    Model = RuleBase | LookupTable | ControllerText
+
+
+_SHOW = """Draw a rule base, a table or a controller in the terminal.
+
+A rule base: its variables with their terms as small plots, the rules as grids, how they are
+evaluated. A table: its axes, its origin and its values as a heat grid. With --at the
+inference (or the cell) at one point is shown as well. A controller: its gains, its lines with
+what flows from one to the next, and the rule bases and tables that it looks up.
+
+  fuzzyarm show rulebases/pd7.frb --at e=1.3,ce=-2
+  fuzzyarm show rulebases/servo.frb
+"""
+
+
+def _load(path: str, *, sheet: bool = False) -> Model:
+    """Return what is in a file; with `sheet` the rule base that stands in it with a controller."""
+    from fuzzyarm.exchange.files import load
+
+    return load_sheet(path) if sheet else load(path)
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    models = [_load(path, sheet=arguments.at is not None) for path in arguments.files]
+    if arguments.json:
+        data = [_model_data(model) for model in models]
+        # One file is an object, several are an array.
+        print_json(data[0] if len(data) == 1 else data, 2, ascii_only=False)
+        return 0
+    from fuzzyarm.apps.show.drawing import make_console
+
+    console = make_console()
+    drawings = [_drawing(model, arguments) for model in models]
+    for k, drawing in enumerate(drawings):
+        if k:
+            console.print()
+        console.print(drawing)
+    return 0
+
+
+def _drawing(model: Model, arguments: argparse.Namespace) -> RenderableType:
+    from fuzzyarm.table import LookupTable
+
+    words = None if arguments.at is None else [arguments.at]
+    if isinstance(model, LookupTable):
+        from fuzzyarm.apps.show.table import table_view
+
+        point = None
+        if words is not None:
+            values = read_point(words, model.names)
+            point = [values[name] for name in model.names]
+        return table_view(model, all_levels=arguments.all, at=point)
+    if not isinstance(model, RuleBase):
+        from fuzzyarm.apps.show.controller import controller_view
+
+        return controller_view(model)
+    from fuzzyarm.apps.show.rulebase import rulebase_view
+
+    if words is None:
+        return rulebase_view(model)
+    from rich.console import Group
+    from rich.text import Text
+
+    from fuzzyarm.apps.show.trace import trace_view
+    from fuzzyarm.inference.trace import explain
+
+    values = read_point(words, [variable.name for variable in model.inputs])
+    return Group(rulebase_view(model), Text(), trace_view(explain(model, values)))
+
+
+def _model_data(model: Model) -> dict[str, Any]:
+    from fuzzyarm.table import LookupTable
+
+    if isinstance(model, RuleBase):
+        return {"kind": "rulebase", **_without_spans(asdict(model))}
+    if isinstance(model, LookupTable):
+        from fuzzyarm.table.files import header_data
+
+        return {"kind": "table", **header_data(model), "values": model.values.tolist()}
+    from fuzzyarm.apps.show.diagram import block_diagram
+
+    diagram = asdict(block_diagram(model))
+    for block in diagram["blocks"]:
+        block["line"] = block["span"].line
+    model_data = _without_spans(asdict(model.model))
+    return {"kind": "controller", **model_data, "diagram": _without_spans(diagram)}
+
+
+def _without_spans(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _without_spans(value) for key, value in data.items() if key != "span"}
+    if isinstance(data, (list, tuple)):
+        return [_without_spans(value) for value in data]
+    if isinstance(data, float) and math.isinf(data):
+        return number_text(data)  # null would not say which way a shoulder or a step goes
+    return data
+
+
+_PLOT = """Draw a rule base, a table or a controller as a figure: .png, .svg or .pdf.
+
+A rule base gives the memberships of every variable and the control surface of every output:
+a line over one input, a surface and its map over two, a slice over two of more with the
+others at the middle of their ranges or where --at says. Points at which `prove` lines of the
+file fail are marked. A table gives its cells. A controller gives its block diagram (that alone
+with --what diagram) above the surfaces of its rule bases and tables.
+
+A rule base or a controller that remembers nothing has a describing function (its gain under a
+sinusoidal error); a rule base of error and rate, or a controller on a plant, a phase portrait.
+
+  fuzzyarm plot rulebases/thermostat.frb -o thermostat.svg --at presence=1
+  fuzzyarm plot rulebases/tanks.frb -o tanks.png
+  fuzzyarm plot rulebases/servo.frb -o servo.png --what phase --plant motor
+"""
+
+
+def _plot(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.base.figure_files import save_figure
+
+    demand_figure(arguments.out)
+    if arguments.what in LOOP_FIGURES:
+        figure = _loop_figure(arguments)
+    elif arguments.plant is not None:
+        raise UsageError("--plant goes with --what phase")
+    else:
+        rules = arguments.what in ("terms", "surface")
+        needs_sheet = arguments.at is not None or arguments.output is not None
+        figure = _figure(_load(arguments.file, sheet=rules or needs_sheet), arguments)
+    save_figure(figure, arguments.out)
+    say(f"{arguments.out}: drawn from {arguments.file}")
+    return 0
+
+
+LOOP_FIGURES = ("describing-function", "phase")
+"""What is drawn of a rule base or a controller in a loop."""
+
+
+def _loop_figure(arguments: argparse.Namespace) -> Figure:
+    from fuzzyarm.apps.show.figures.analysis import describing_figure, portrait_figure
+    from fuzzyarm.control.loop import phase_portrait
+    from fuzzyarm.exchange.files import load
+    from fuzzyarm.table import LookupTable
+
+    model = load(arguments.file)
+    if isinstance(model, LookupTable) or arguments.at is not None or arguments.output is not None:
+        raise WordError(
+            f"--what {arguments.what} takes a rule base or a controller, without --at and --output"
+        )
+    if arguments.what == "describing-function":
+        if arguments.plant is not None:
+            raise UsageError("--plant goes with --what phase")
+        return describing_figure(model)
+    from fuzzyarm.plant import find_plant
+
+    plant = find_plant(arguments.plant) if arguments.plant is not None else None
+    return portrait_figure(phase_portrait(model, plant))
+
+
+def _figure(model: Model, arguments: argparse.Namespace) -> Figure:
+    from fuzzyarm.apps.cli.command import busy
+    from fuzzyarm.apps.show.figures.whole import model_figure
+    from fuzzyarm.control.controllers.text import ControllerText
+
+    words = [] if arguments.at is None else [arguments.at]
+    names: Sequence[str] = ()
+    if isinstance(model, RuleBase):
+        names = [variable.name for variable in model.inputs]
+    elif not isinstance(model, ControllerText):
+        if arguments.what not in ("all", "diagram") or arguments.output is not None:
+            raise WordError("--what and --output are for rule bases, not for tables")
+        names = model.names
+    if arguments.what == "diagram" and not isinstance(model, ControllerText):
+        raise WordError(f"--what diagram is for controllers, which {arguments.file} is not")
+    point = read_assignments(words, names)
+    with busy("drawing"):
+        return model_figure(model, arguments.what, arguments.output, point)
+
+
+_DIFF = """Compare two tables cell by cell, two rule bases rule by rule, or two controllers.
+
+Tables are compared by the names of their inputs: one with rows and columns swapped is
+turned round first, and that is said. Rule bases are compared by meaning: the order of rules,
+comments, layout and whether conclusions share a rule do not count. Controllers are compared gain
+by gain and line by line, with the rule bases and tables that they look up. The exit status is 0
+whether or not they differ; with --json the answer has a field `same`.
+"""
+
+
+def _diff(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.apps.show.controller_diff import compare_controllers, controller_diff_view
+    from fuzzyarm.apps.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
+    from fuzzyarm.apps.show.drawing import make_console
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.table import LookupTable
+    from fuzzyarm.table.diff import compare_tables
+
+    before, after = _load(arguments.before), _load(arguments.after)
+    data: dict[str, Any]
+    if isinstance(before, RuleBase) and isinstance(after, RuleBase):
+        rules = compare_rulebases(before, after)
+        data, view = {"same": rules.same, **asdict(rules)}, rulebase_diff_view(rules)
+    elif isinstance(before, LookupTable) and isinstance(after, LookupTable):
+        cells = compare_tables(before, after)
+        data, view = _diff_data(cells), table_diff_view(cells)
+    elif isinstance(before, ControllerText) and isinstance(after, ControllerText):
+        diff = compare_controllers(before, after)
+        data, view = _controller_diff_data(diff), controller_diff_view(diff)
+    else:
+        raise _unlike(arguments, before, after)
+    if arguments.json:
+        print_json(data, 2)
+    else:
+        make_console().print(view)
+    return 0
+
+
+def _unlike(arguments: argparse.Namespace, before: Model, after: Model) -> WordError:
+    """Return why two files cannot be compared, and what could be."""
+    from fuzzyarm.control.controllers.text import ControllerText, sheet_files
+
+    hint = "compile the rule base"
+    for path, model in ((arguments.before, before), (arguments.after, after)):
+        if isinstance(model, ControllerText):
+            files = " or ".join(typed(str(file)) for file in sheet_files(model))
+            hint = f"{path} looks up {files or 'no other file'}"
+    message = f"a {_kind_of(before)} and a {_kind_of(after)} cannot be compared"
+    return WordError(message, hint=hint)
+
+
+def _kind_of(model: Model) -> str:
+    from fuzzyarm.table import LookupTable
+
+    if isinstance(model, RuleBase):
+        return "rule base"
+    return "table" if isinstance(model, LookupTable) else "controller"
+
+
+def _controller_diff_data(diff: ControllerDiff) -> dict[str, Any]:
+    return {
+        "same": diff.same,
+        "settings": [asdict(setting) for setting in diff.settings],
+        "gains": [asdict(gain) for gain in diff.gains],
+        "lines": [asdict(line) for line in diff.lines],
+        "order": list(diff.order),
+        "rulebases": {name: asdict(rules) for name, rules in diff.rulebases},
+        "tables": {name: _diff_data(cells) for name, cells in diff.tables},
+    }
+
+
+def _diff_data(diff: TableDiff) -> dict[str, Any]:
+    return {
+        "same": diff.same,
+        "comparable": diff.comparable,
+        "transposed": diff.transposed,
+        "header": [{"what": w, "before": a, "after": b} for w, a, b in diff.header],
+        "cells": [
+            {
+                "inputs": dict(zip(diff.before.names, change.levels, strict=True)),
+                "before": change.before,
+                "after": change.after,
+            }
+            for change in diff.changes
+        ],
+    }
+
+
+COMMANDS = (
+    command(
+        "show",
+        _SHOW,
+        _show,
+        argument("files FILE", "rule bases, tables and controllers", nargs="+"),
+        at("also the inference at one point"),
+        flag("--all", "every level of a large table"),
+        json_of("the model"),
+    ),
+    command(
+        "plot",
+        _PLOT,
+        _plot,
+        argument("file FILE", "a rule base, a table or a controller"),
+        out("FIG", "the figure to write"),
+        FORCE,
+        argument(
+            "--what",
+            "part to draw, or what it does in a loop",
+            choices=("all", "diagram", "terms", "surface", *LOOP_FIGURES),
+            default="all",
+        ),
+        argument("--output NAME", "the surface of this output only"),
+        argument("--plant PLANT", "plant for the phase portrait of a controller"),
+        at("inputs to hold fixed or to mark"),
+    ),
+    command(
+        "diff",
+        _DIFF,
+        _diff,
+        argument("before A", "a table, a rule base or a controller"),
+        argument("after B", "another of the same kind"),
+        json_of("the differences"),
+    ),
+)

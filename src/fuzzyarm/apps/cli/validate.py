@@ -1,0 +1,214 @@
+"""Judge a rule base by samples: how good, where, and which rules these samples have tested.
+
+DATA is a .csv or .parquet file with a column for each input of MODEL and, for errors, one
+that is called like its output (or --target). Of a controller it is the rule base it uses.
+Without a target, as in the record of a run, the rules are judged alone.
+
+Printed are the error beside that of always giving the mean, the error by region (where a
+term of an input holds most), calibration, and how often and how strongly each rule fires:
+often is the share of samples at which its firing strength is at least 0.01. Rules that never
+fire are named. --plot FIG draws residuals, calibration and the rules.
+
+  fuzzyarm validate model.frb later.csv --plot residuals.png
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import TYPE_CHECKING
+
+from fuzzyarm.apps.cli.command import (
+    FORCE,
+    WordError,
+    argument,
+    command,
+    demand_figure,
+    flag,
+    json_of,
+    print_json,
+    say,
+)
+from fuzzyarm.base.columns import in_columns
+from fuzzyarm.base.numbers import counted, percent
+from fuzzyarm.exchange.files import load_used_rules
+
+if TYPE_CHECKING:
+    from fuzzyarm.language.model.rulebase import RuleBase
+    from fuzzyarm.learning.data import Samples
+    from fuzzyarm.learning.validation import Region, RuleUse, Validation
+
+_FEW = 20
+"""Rules that are listed, unless --all."""
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    demand_figure(arguments.plot)
+    rulebase = load_used_rules(arguments.model, "validate")
+    samples = _samples(rulebase, arguments)
+    for note in samples.notes:
+        say(f"note: {note}", to_errors=True)
+    from fuzzyarm.learning.validation import validate
+
+    validation = validate(rulebase, samples)
+    if arguments.plot:
+        from fuzzyarm.apps.show.figures import save_figure, validation_figure
+
+        title = f"{rulebase.name}: {counted(validation.samples, 'sample')}"
+        save_figure(validation_figure(validation, samples.target, title), arguments.plot)
+    if arguments.json:
+        print_json(validation.to_dict(), ascii_only=False)
+    else:
+        say(*_lines(validation, samples, every=arguments.all))
+    return 0
+
+
+def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
+    """Return the samples with the columns that the rule base has."""
+    from fuzzyarm.learning.data import Columns, column_names, read_samples
+
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    outputs = [output.name for output in rulebase.outputs]
+    names = column_names(arguments.data)
+    target = arguments.target
+    if target is not None and target not in names:
+        raise WordError(f"{arguments.data} has no column '{target}'")
+    if target is None:
+        target = next((name for name in outputs if name in names), None)
+    # The last column that is not an input, as `fit` takes it.
+    if target is None and len(outputs) > 1:  # outputs that are classes: their column has words
+        target = next((name for name in reversed(names) if name not in inputs), None)
+    if target is None:
+        say(
+            f"note: no column is called {' or '.join(outputs)}: rules are judged without errors",
+            to_errors=True,
+        )
+    columns = Columns(target or outputs[0], inputs, target_needed=target is not None)
+    samples = read_samples(arguments.data, columns)
+    if samples.classes:
+        return samples.in_classes(tuple(outputs))
+    if target is not None and target not in outputs:
+        if len(outputs) > 1:
+            listed = ", ".join(outputs)
+            raise WordError(f"'{target}' is not an output", hint=f"there are: {listed}")
+        return samples.renamed(outputs[0])
+    return samples
+
+
+# --- What is printed ---
+
+
+def _lines(validation: Validation, samples: Samples, *, every: bool) -> list[str]:
+    lines = [*_summary(validation, samples), ""]
+    if validation.calibration:
+        lines += ["calibration: means of samples with predictions next to each other"]
+        heads = ("samples", "predicted", "observed")
+        means = [
+            (str(bin_.samples), f"{bin_.predicted:.4g}", f"{bin_.observed:.4g}")
+            for bin_ in validation.calibration
+        ]
+        lines += in_columns([heads, *means], ">", indent="  ")
+        lines.append("")
+    if validation.confusion:
+        lines.append("answers: a row for each true class, a column for each predicted one")
+        rows = zip(validation.classes, validation.confusion, strict=True)
+        counts = [(name, *map(str, row)) for name, row in rows]
+        lines += in_columns([("", *validation.classes), *counts], ">", indent="  ")
+        lines.append("")
+    lines += [*_regions(validation.regions), "", *_rules(validation, every=every)]
+    return lines
+
+
+def _summary(validation: Validation, samples: Samples) -> list[str]:
+    lines = [counted(validation.samples, "sample")]
+    if validation.silent:
+        lines[0] += f", no rule fires at {validation.silent} of them: they count in no error"
+    if validation.outside:
+        lines.append(f"{counted(validation.outside, 'sample')} beyond the range of an input")
+    if validation.classes and not math.isnan(validation.error):
+        lines.append(f"wrong answers {percent(validation.error)}")
+    elif validation.calibration:
+        share = f"{percent(validation.explained, 4)} of the variance explained"
+        if math.isnan(validation.explained):
+            share = f"'{samples.target}' is constant, with no variance to explain"
+        spread = float(samples.values.std())
+        lines.append(
+            f"RMS error {validation.error:.4g}; always giving the mean {spread:.4g}; {share}"
+        )
+        lines.append(
+            f"bias {validation.bias:.3g}, "
+            f"worst {validation.worst:.4g} at sample {validation.worst_sample}"
+        )
+        sign, size = "+-"[validation.intercept < 0.0], abs(validation.intercept)
+        lines.append(f"observed = {validation.slope:.4g} × predicted {sign} {size:.4g}")
+    return lines
+
+
+def _regions(regions: tuple[Region, ...]) -> list[str]:
+    rows = [
+        (
+            region.input,
+            region.term,
+            str(region.samples),
+            _figure(region.error),
+            _figure(region.bias),
+        )
+        for region in regions
+    ]
+    header = ("input", "region", "samples", "error", "bias")
+    table = in_columns([header, *rows], "<<>", indent="  ")
+    return ["error by region: where a term holds most", *table]
+
+
+def _rules(validation: Validation, *, every: bool) -> list[str]:
+    firing = [rule for rule in validation.rules if not rule.never_fires]
+    rules = sorted(firing, key=lambda rule: (-rule.mean, rule.number))
+    uses = rules if every else rules[:_FEW]
+    table = in_columns([_RULE, *map(_row, uses)], ">>>>>>.", indent="  ")
+    lines = ["rules by how much they fire", *table]
+    if len(uses) < len(rules):
+        lines.append(f"  and {len(rules) - len(uses)} more: --all lists them")
+    never = validation.never_fired
+    if not never:
+        return [*lines, "every rule fires at some sample"]
+    lines.append(f"{counted(len(never), 'rule')} never {'fires' if len(never) == 1 else 'fire'}:")
+    listed = never if every else never[:_FEW]
+    lines += [f"  {rule.place}: {rule.text}" for rule in listed]
+    if len(listed) < len(never):
+        lines.append(f"  and {len(never) - len(listed)} more")
+    return lines
+
+
+_RULE = ("line", "often", "mean", "strongest", "leads", "error", "rule")
+
+
+def _row(rule: RuleUse) -> tuple[str, ...]:
+    return (
+        rule.place.removeprefix("line "),
+        percent(rule.often),
+        f"{rule.mean:.3f}",
+        f"{rule.strongest:.3f}",
+        str(rule.leads),
+        _figure(rule.error),
+        rule.text,
+    )
+
+
+def _figure(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.3g}"
+
+
+COMMANDS = (
+    command(
+        "validate",
+        __doc__,
+        _run,
+        argument("model MODEL", "a rule base, or a controller that uses one"),
+        argument("data DATA", "samples: .csv or .parquet"),
+        argument("--target NAME", "the column that the output is judged by"),
+        argument("--plot FIG", "draw residuals, calibration and rules: .png, .svg or .pdf"),
+        FORCE,
+        flag("--all", "list every rule"),
+        json_of("the judgement"),
+    ),
+)

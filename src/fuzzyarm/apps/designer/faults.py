@@ -1,0 +1,38 @@
+"""What a page hears where something fails: a mistake in words, or a fault of the program.
+
+A mistake (`FuzzyarmError`, `OSError`) is a sentence for the person at the page. Anything else is an
+internal error: the page says so, and the trace is in the log ``fuzzyarm.apps.designer``, which
+goes to the standard error of ``fuzzyarm designer``.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from fuzzyarm.apps.designer.names import in_words
+from fuzzyarm.apps.designer.threads import IN_A_PAGE
+from fuzzyarm.base.errors import FuzzyarmError
+
+__all__ = ["LOG", "TextRefusedError", "error_of", "internal_words"]
+
+LOG = logging.getLogger("fuzzyarm.apps.designer")
+
+
+class TextRefusedError(FuzzyarmError, ValueError):
+    """A text with which a page cannot do what was asked: run it, draw it, tune it."""
+
+
+def error_of(error: Exception, doing: str) -> dict[str, Any]:
+    """Return what an answer says of an error: ``error``, and ``internal`` where it is a fault."""
+    if isinstance(error, FuzzyarmError | OSError):
+        return {"error": in_words(error)}
+    return {"error": internal_words(error, doing), "internal": True}
+
+
+def internal_words(error: BaseException, doing: str) -> str:
+    """Write the trace of a fault into the log; return a sentence for the page."""
+    if IN_A_PAGE and isinstance(error, ModuleNotFoundError):  # no fault: a page has few packages
+        return f"{error.name} is needed here, and this page does not have it; a computer has"
+    LOG.error("internal error: %s", doing, exc_info=error)
+    return f"internal error: {error!r}; the log of the designer has its trace"

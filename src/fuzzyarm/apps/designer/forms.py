@@ -1,0 +1,211 @@
+"""The forms of a page: which fields of a request each of them has.
+
+All else of a form follows from the request: what a field is called, its help, unit, choices,
+default, and the sentence about a value that does not fit. The page draws every form alike
+(``page/form.js``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, cast
+
+from fuzzyarm.apps.designer.grounds import FieldError, at_field, form_of, signal_of
+from fuzzyarm.apps.designer.messages import FormField
+from fuzzyarm.apps.designer.records import MessageError
+from fuzzyarm.apps.designer.requests import FormValues
+from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.requests.experiment import AROUND as FOLDED
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.fields import AnyRequest
+from fuzzyarm.requests.learn import FitRequest, LearnRequest
+from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.requests.prove import ProveRequest
+from fuzzyarm.requests.runs import SweepRequest
+from fuzzyarm.requests.schema import form_fields
+from fuzzyarm.requests.tune import TuneRequest
+
+__all__ = [
+    "FIT",
+    "FORMS",
+    "LEARN",
+    "PICTURES",
+    "PROVE",
+    "PROVE_LOOP",
+    "RUN",
+    "SWEEP",
+    "TUNE",
+    "RequestForm",
+    "export_form",
+    "judged",
+]
+
+SIGNALS = ("reference", "disturb")
+"""Fields whose words may name a file."""
+
+
+@dataclass(frozen=True)
+class RequestForm(Generic[AnyRequest]):
+    """What a page offers of a request.
+
+    Attributes
+    ----------
+    kind : type
+        Of the request.
+    first : tuple of str
+        The fields that are seen at once, in their order.
+    more : tuple of str
+        Those that are folded away below the group that most of them have on the help page.
+    open : str
+        The field that is what is open; a page does not fill it in.
+    title : str
+        Above those that are folded away.
+    """
+
+    kind: type[AnyRequest]
+    first: tuple[str, ...]
+    more: tuple[str, ...] = ()
+    open: str = ""
+    title: str = FOLDED
+
+    def fields(self, **defaults: Any) -> list[FormField]:
+        """Return the fields for the page, some with another default than the command has."""
+        fields = []
+        for field in form_fields(self.kind, *self.first, *self.more):
+            name = field["name"]
+            folded = {"group": self.title if name in self.more else ""}
+            changed = {"default": defaults[name]} if name in defaults else {}
+            fields.append(field | folded | changed)
+        return cast(list[FormField], fields)
+
+    def request(self, values: FormValues, folder: Path, **others: Any) -> AnyRequest:
+        """Return the request that a page has filled in.
+
+        Parameters
+        ----------
+        values : mapping
+            By field; what the form does not have is left out, an empty value says nothing.
+        folder : Path
+            Where files of signals must stand.
+        **others
+            Values of fields that the page does not fill in.
+
+        Raises
+        ------
+        FieldError
+            If a field does not take its value.
+        """
+        fields = {name: values[name] for name in (*self.first, *self.more) if name in values}
+        for name in SIGNALS:
+            if name in fields:
+                value: Any = fields[name] or ()
+                words = value.split() if isinstance(value, str) else value
+                with at_field(name):
+                    fields[name] = tuple(signal_of(folder, word) for word in words)
+        return form_of(self.kind, **fields, **others)
+
+
+AROUND = (
+    "connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb",
+    "interpolate",
+)  # fmt: skip
+
+RUN = RequestForm(
+    ExperimentRequest,
+    ("plant", "trajectory", "payload", "reference", "duration"),
+    (*AROUND, "seed"),
+)
+LEARN = RequestForm(
+    LearnRequest,
+    ("controller", "plant", "trajectory", "payload", "reference", "duration", "begin", "passes",
+     "rate", "delay", "freeze"),
+)  # fmt: skip
+TUNE = RequestForm(
+    TuneRequest,
+    ("plant", "reference", "duration", "trajectory", "payload", "data", "test", "target", "cost",
+     "scenarios", "vary", "over", "evals", "time", "unseen", "seed", "digits", "method", "linear",
+     "tune"),
+    AROUND,
+    open="file",
+)  # fmt: skip
+SWEEP = RequestForm(
+    SweepRequest,
+    ("plant", "reference", "duration", "trajectory", "payload", "sweep", "random", "metric",
+     "map", "seed"),
+    AROUND,
+    open="controller",
+)  # fmt: skip
+FIT = RequestForm(
+    FitRequest,
+    ("data", "target", "inputs", "test", "series", "name", "rules", "words", "time"),
+    ("start", "terms", "shrink", "move", "merge", "digits", "outside", "folds", "nested", "seed"),
+    title="the model, and the search",
+)  # fmt: skip
+
+PROVE = RequestForm(
+    ProveRequest,
+    ("range", "slope", "sector", "table", "output", "along", "tolerance", "budget", "exact"),
+)
+PROVE_LOOP = RequestForm(
+    ProveRequest,
+    ("claim", "plant", "stable", "duration", "from", "with", "at", "sector", "continuous",
+     "budget"),
+    ("connect", "quantise", "sensor_delay"),
+    title="connections and sensors",
+)  # fmt: skip
+"""Of a rule base, and of a controller in its loop."""
+
+WRITTEN_TABLES = (".lut", ".csv", ".tex")
+PICTURES = (".png", ".svg")
+
+
+def export_form(suffix: str, kind: str) -> RequestForm[ExportRequest]:
+    """Return the form of an export."""
+    makings = () if kind == "table" else ("direct", "table", "levels")
+    output = ("output",) if kind == "rules" else ()
+    if suffix == ".fmu":
+        whole = ("q",) if kind == "controller" else ()
+        return RequestForm(ExportRequest, (*makings, *output, "mode", *whole, "fmi"))
+    if suffix in EXPORTS:
+        return RequestForm(ExportRequest, (*makings, *output, "mode", "q", "precision", "name"))
+    if suffix in WRITTEN_TABLES and kind != "table":
+        return RequestForm(ExportRequest, ("output", "levels", "mode", "tolerance", "round"))
+    return RequestForm(ExportRequest, output if suffix in PICTURES else ())
+
+
+FORMS: Mapping[str, RequestForm[Any]] = {
+    "run": RUN,
+    "learn": LEARN,
+    "tune": TUNE,
+    "sweep": SWEEP,
+    "fit": FIT,
+    "prove": PROVE,
+    "prove-loop": PROVE_LOOP,
+}
+"""By the work that they ask for."""
+
+
+def judged(form: str, values: FormValues, folder: Path) -> dict[str, Any]:
+    """Return what is wrong with a form and in which field; nothing where it could begin.
+
+    Parameters
+    ----------
+    form : str
+        One of `FORMS`.
+    values : mapping
+        What has been filled in.
+    folder : Path
+        Of the file that is open.
+    """
+    if form not in FORMS:
+        raise MessageError("is not a form", "form")
+    try:
+        form_record = FORMS[form]
+        form_record.request(
+            values, folder, **({form_record.open: "x.frb"} if form_record.open else {})
+        )
+    except FieldError as error:
+        return {"field": error.field, "message": str(error)}
+    return {}

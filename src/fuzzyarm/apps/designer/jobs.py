@@ -1,0 +1,220 @@
+"""Long work that a page watches: it runs beside the answering of questions, and can be stopped.
+
+A piece of work is a function of the text as it was, of what the page asked for, and of a
+`WindowJob`. It runs in a thread of its own, which may wait for the user as long as it likes:
+questions are answered by other threads. Its news wait until the window has been sent them, so
+that a slow window slows the work and not the server.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from urllib.parse import quote
+
+from fuzzyarm.apps.designer.faults import internal_words
+from fuzzyarm.apps.designer.names import in_words
+from fuzzyarm.apps.designer.records import read_record
+from fuzzyarm.apps.designer.threads import Mailbox, run_to_its_end, wait_for
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.base.errors import FuzzyarmError
+
+if TYPE_CHECKING:
+    from fuzzyarm.apps.designer.stage import Plants
+
+Word = TypeVar("Word")
+
+Tell = Callable[[dict[str, Any]], Awaitable[None]]
+
+TELL_EVERY = 0.1
+"""Seconds between two words of how far long work is."""
+
+LOOK_EVERY = 0.25
+"""Seconds after which work that waits for a word notices that it has been stopped."""
+
+
+MOST_KEPT, LARGEST_KEPT = 64, 200_000_000
+"""Files for download, and their bytes, beyond which the oldest are dropped."""
+
+
+class StoppedError(FuzzyarmError, RuntimeError):
+    """The page wants no more of this work."""
+
+
+class Folder(Protocol):
+    """The files that a page may name."""
+
+    def beside(self, name: str, suffix: str) -> Path:
+        """Return where a file of the folder stands that may be written."""
+
+    def listed(self, *suffixes: str) -> list[str]:
+        """Return the names of the folder's files of some kinds."""
+
+    def session(self, name: str) -> Session:
+        """Return a file of the folder as it is now."""
+
+
+class Downloads:
+    """Files that a page may load, each under a key of its own; the oldest go."""
+
+    def __init__(self) -> None:
+        self._files: OrderedDict[str, tuple[str, bytes]] = OrderedDict()
+
+    def offer(self, name: str, content: bytes) -> str:
+        """Keep a file; return its address below the page."""
+        key = secrets.token_urlsafe(12)
+        self._files[key] = name, content
+        while len(self._files) > MOST_KEPT or sum(map(_size, self._files.values())) > LARGEST_KEPT:
+            self._files.popitem(last=False)
+        return f"download/{key}/{quote(name)}"
+
+    def find(self, key: str) -> tuple[str, bytes] | None:
+        """Return the name and the content of a file that is kept."""
+        return self._files.get(key)
+
+
+def _size(download: tuple[str, bytes]) -> int:
+    return len(download[1])
+
+
+class Work(Protocol):
+    """What runs as a job."""
+
+    def __call__(self, session: Session, request: Any, job: WindowJob) -> None:
+        """Do it; `request` is a record of `fuzzyarm.apps.designer.requests.WORKS`."""
+
+
+class WindowJob:
+    """A piece of work of one window.
+
+    Parameters
+    ----------
+    number : int
+        The page's number of the job, which all its messages carry.
+    tell : callable
+        Sends a message to the window.
+    folder : Folder
+        Whose files it may read and write.
+    downloads : Downloads, optional
+        Where it puts what the page is to load.
+    plants : callable, optional
+        Returns what may be run; the shipped plants by default.
+    """
+
+    def __init__(
+        self,
+        number: int,
+        tell: Tell,
+        folder: Folder,
+        downloads: Downloads | None = None,
+        plants: Callable[[], Plants] | None = None,
+    ) -> None:
+        self.number = number
+        self.folder = folder
+        self._plants = plants
+        self._downloads = downloads or Downloads()
+        self._tell = tell
+        self._loop = asyncio.get_running_loop()
+        self._messages: Mailbox[dict[str, Any]] = Mailbox()
+        self.stopped = False
+        self._paced = 0.0  # when the last paced word was told
+
+    @cached_property
+    def plants(self) -> Plants:
+        """What may be run; it brings the loop and all plants, which few works need."""
+        if self._plants is not None:
+            return self._plants()
+        from fuzzyarm.apps.designer.stage import Plants
+
+        return Plants()
+
+    # --- From the server ---
+
+    async def refuse(self, error: FuzzyarmError) -> None:
+        """Tell that it does not begin."""
+        await self._send({"end": "failed", "message": str(error), "field": ""})
+
+    async def run(self, work: Work, session: Session, request: Any) -> None:
+        """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
+        await self._send(await run_to_its_end(lambda: self._end(work, session, request)))
+
+    def _end(self, work: Work, session: Session, request: Any) -> dict[str, Any]:
+        try:
+            work(session, request, self)
+        except StoppedError:
+            return {"end": "stopped"}
+        except (FuzzyarmError, OSError) as error:
+            field = getattr(error, "field", "")  # of the page, in which the mistake stands
+            return {"end": "failed", "message": in_words(error), "field": field}
+        except BaseException as error:  # also SystemExit: the window must hear that it has ended
+            words = internal_words(error, f"the work {getattr(work, '__name__', work)!r}")
+            return {"end": "failed", "message": words, "internal": True}
+        return {"end": "done"}
+
+    def hear(self, message: dict[str, Any]) -> None:
+        """Take what the user does."""
+        self._messages.put(message)
+
+    def stop(self) -> None:
+        """Have the work end at its next word."""
+        self.stopped = True
+
+    # --- From the work ---
+
+    def tell(self, news: dict[str, Any]) -> None:
+        """Tell the window, and wait until it has been sent."""
+        self.check()
+        wait_for(self._send(news), self._loop)
+        self.check()  # it may have been stopped while a slow window was waited for
+
+    def heard(self, kind: type[Word], wait: float = 0.0) -> list[Word]:
+        """Return what the page has said since the last look, the oldest first.
+
+        Parameters
+        ----------
+        kind : type
+            The record of a word, one of `fuzzyarm.apps.designer.requests.WORDS`.
+        wait : float, optional
+            How long to wait for a message, s.
+        """
+        words: list[Word] = []
+        # It waits for the first word only.
+        while (message := self._messages.take(0.0 if words else wait)) is not None:
+            words.append(read_record(kind, message))
+        return words
+
+    def word(self, kind: type[Word]) -> Word:
+        """Wait for what the page says next; as `heard`."""
+        while True:
+            self.check()
+            message = self._messages.take(LOOK_EVERY)
+            if message is not None:
+                return read_record(kind, message)
+
+    def check(self) -> None:
+        """Raise `StoppedError` if the page wants no more."""
+        if self.stopped:
+            raise StoppedError("stopped")
+
+    def progress(self, words: str) -> None:
+        """Tell what is going on."""
+        self.tell({"doing": words})
+
+    def paced_progress(self, words: str) -> None:
+        """Tell what is going on where the last such word is a while ago."""
+        if time.monotonic() - self._paced >= TELL_EVERY:
+            self._paced = time.monotonic()
+            self.progress(words)
+
+    def offer(self, name: str, content: bytes) -> str:
+        """Keep a file for the page to load; return its address."""
+        return self._downloads.offer(name, content)
+
+    async def _send(self, news: dict[str, Any]) -> None:
+        await self._tell({"is": "job", "id": self.number, **news})

@@ -1,0 +1,277 @@
+"""The server of the designer: one folder, on this machine only, for those who know the token.
+
+Every address begins with the token, so that whatever the page asks for carries it; without it
+the answer is 403. The names in `Host` and `Origin` are checked, against pages of other sites
+that reach this machine through the browser. The content policy lets nothing be loaded from
+elsewhere and runs no text. What is said over the socket is answered in
+`fuzzyarm.apps.designer.open_files`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import secrets
+import socket
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+import anyio
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from fuzzyarm.apps.designer.assets import asset, index_page
+from fuzzyarm.apps.designer.faults import LOG, internal_words
+from fuzzyarm.apps.designer.folder import IMPORTS, LARGEST_IMPORT, Workspace
+from fuzzyarm.apps.designer.guard import AccessGuard, token_for
+from fuzzyarm.apps.designer.open_files import OpenFiles, Window
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.files import confined, real_path
+from fuzzyarm.base.shipped_files import shipped_folder
+
+if TYPE_CHECKING:
+    from fuzzyarm.apps.designer.stage import Plants
+
+LARGEST_MESSAGE = 32 * 1024 * 1024
+OWN_PORTS = range(20_000, 30_000)
+"""Of folders: below those that systems give to connections."""
+
+LOOK_EVERY = 0.4
+"""Seconds between two looks at the open files."""
+
+
+class ServerPortError(FuzzyarmError, OSError):
+    """A port that is taken, or that may not be used."""
+
+
+class Designer(OpenFiles):
+    """The open files of a folder, served.
+
+    Parameters
+    ----------
+    workspace : Workspace
+        The files.
+    token : str
+        What an address has to begin with.
+    plants : Plants, optional
+        What may be run; the shipped ones by default.
+    farewell : callable, optional
+        Takes the names of the files with unsaved changes, if there are any when it ends.
+    """
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        token: str,
+        plants: Plants | None = None,
+        farewell: Callable[[list[str]], None] | None = None,
+    ) -> None:
+        super().__init__(workspace, plants)
+        self._farewell = farewell
+        self.token = token
+        self._logged_faults: set[tuple[str, str]] = set()  # of what is done again and again
+
+    def app(self) -> ASGIApp:
+        """Return the application."""
+        routes = [
+            Route("/{token}/", self._index),
+            Route("/{token}/page/{name:path}", self._asset),
+            Route("/{token}/download/{key}/{name:path}", self._download),
+            WebSocketRoute("/{token}/socket", self._socket),
+        ]
+        return AccessGuard(Starlette(routes=routes, lifespan=self._lifespan), self.token)
+
+    @contextlib.asynccontextmanager
+    async def _lifespan(self, _app: Starlette) -> Any:
+        task = asyncio.create_task(self._watch())
+        with confined(self.workspace.folder, shipped_folder()):
+            yield
+        task.cancel()
+        for window in self.windows:
+            window.stop()
+        unsaved = self.workspace.unsaved()
+        if unsaved and self._farewell is not None:
+            self._farewell(unsaved)
+
+    # --- Pages ---
+
+    async def _index(self, _request: Request) -> Response:
+        nonce = secrets.token_urlsafe(16)
+        policy = (
+            "default-src 'none'; script-src 'self'; connect-src 'self'; img-src 'self' data:;"
+            f" style-src 'self' 'nonce-{nonce}'; base-uri 'none'; form-action 'none';"
+            " frame-ancestors 'none'"
+        )
+        folder = self.workspace
+        page = index_page(
+            {
+                "files": folder.files(),
+                "first": await asyncio.to_thread(folder.first),
+                "only": folder.only is not None,
+                "largest": LARGEST_IMPORT,
+                "imports": IMPORTS,
+            },
+            nonce,
+        )
+        headers = {"Content-Security-Policy": policy}
+        return Response(page, media_type="text/html; charset=utf-8", headers=headers)
+
+    async def _asset(self, request: Request) -> Response:
+        asset_file = asset(request.path_params["name"])
+        if asset_file is None:
+            return PlainTextResponse("not found", 404)
+        content, kind = asset_file
+        return Response(content, media_type=kind)
+
+    async def _download(self, request: Request) -> Response:
+        """Answer with an exported file, which a browser saves and never shows."""
+        download = self.downloads.find(request.path_params["key"])
+        if download is None:
+            return PlainTextResponse("not found", 404)
+        name, content = download
+        plain = "".join(c if c.isascii() and c not in '"\\%' else "_" for c in name)
+        text = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
+        headers = {"Content-Disposition": text, "Content-Security-Policy": "default-src 'none'"}
+        return Response(content, media_type="application/octet-stream", headers=headers)
+
+    # --- The socket ---
+
+    async def _socket(self, socket: WebSocket) -> None:
+        await socket.accept()
+
+        async def send(text: str) -> None:  # a window that has gone hears nothing
+            with contextlib.suppress(WebSocketDisconnect, RuntimeError, anyio.ClosedResourceError):
+                await socket.send_text(text)
+
+        window = Window(send)
+        self.windows.append(window)
+        try:
+            while (event := await socket.receive())["type"] == "websocket.receive":
+                await self.hear(window, event.get("text"))
+        finally:
+            window.stop()
+            self.windows.remove(window)
+            for name in window.files.copy():
+                await self._leave(window, name)
+
+    # --- The folder ---
+
+    async def _watch(self) -> None:
+        """Look at the open files now and then, and which there are."""
+        stamp, names = self.workspace.stamp(), self.workspace.files()
+        while True:
+            await asyncio.sleep(LOOK_EVERY)
+            # Whatever fails may succeed at the next look; without one no window would hear more.
+            with self._logged("looking at the folder"):
+                now = self.workspace.stamp()
+                if now != stamp:
+                    before, names = names, self.workspace.files()
+                    stamp = now
+                    if names != before:
+                        await self._tell_names(names, list(self.windows))
+            for name in {name for window in self.windows for name in window.files}:
+                with self._logged(f"looking at {name}"):
+                    await self._look_at(name)
+
+    @contextlib.contextmanager
+    def _logged(self, doing: str) -> Iterator[None]:
+        """Go on whatever fails; a fault of the program is in the log, once."""
+        try:
+            yield
+        except (FuzzyarmError, OSError):
+            LOG.debug("failed: %s", doing, exc_info=True)
+        except Exception as error:
+            if (doing, repr(error)) not in self._logged_faults:
+                self._logged_faults.add((doing, repr(error)))
+                internal_words(error, doing)
+
+    async def _look_at(self, name: str) -> None:
+        """Tell the windows on a file what another program has written."""
+        shared = self.workspace.opened(name)
+        before = shared.version if shared else 0
+        if shared and shared.look():
+            reread = shared.version != before
+            await self._changed(name, shared, before, disk=True, reread=reread)
+
+
+def _bound(listening: socket.socket, port: int | None, token: str) -> None:
+    """Bind to a port; by default to the one of the token, so that open pages find back."""
+    usual_port = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(
+        OWN_PORTS
+    )
+    try:
+        listening.bind(("127.0.0.1", usual_port if port is None else port))
+    except OSError as error:
+        if port is not None:
+            raise ServerPortError(f"port {port} cannot be used: {error.strerror}") from None
+        listening.bind(("127.0.0.1", 0))
+
+
+def serve(
+    path: Path,
+    port: int | None,
+    announce: Callable[[str], None],
+    plants: Sequence[str] = (),
+    farewell: Callable[[list[str]], None] | None = None,
+) -> None:
+    """Serve a folder or a file until it is interrupted.
+
+    Parameters
+    ----------
+    path : Path
+        The folder or the file.
+    port : int or None
+        Where; 0 for any that is free, None for the folder's own or, where that is taken, any.
+    announce : callable
+        Takes the address with its token, when it can be opened.
+    plants : sequence of str, optional
+        What a page may run beside the shipped plants; Python files are executed.
+    farewell : callable, optional
+        Takes the names of the files with unsaved changes, if there are any when it ends.
+
+    Raises
+    ------
+    ServerPortError
+        If the port is taken.
+    PlantError
+        If a plant cannot be made.
+    """
+    import uvicorn
+
+    workspace = Workspace(path)
+    plant_catalogue = None
+    if plants:
+        from fuzzyarm.apps.designer.stage import Plants
+
+        plant_catalogue = Plants(tuple(plants))
+    token = token_for(real_path(path))
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        _bound(listening, port, token)
+        address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
+        config = uvicorn.Config(
+            Designer(workspace, token, plant_catalogue, farewell).app(),
+            log_level="error",
+            ws="websockets-sansio",
+            ws_max_size=LARGEST_MESSAGE,
+            proxy_headers=False,  # nobody stands between
+            server_header=False,
+            timeout_graceful_shutdown=1,
+        )
+        server = uvicorn.Server(config)
+
+        async def main() -> None:
+            serving = asyncio.create_task(server.serve(sockets=[listening]))
+            while not server.started and not serving.done():
+                await asyncio.sleep(0.01)
+            announce(address)
+            await serving
+
+        asyncio.run(main())

@@ -1,0 +1,448 @@
+"""Tuning, watched and stopped by the user: the search of ``fuzzyarm tune`` on the open text.
+
+The search runs in a process of its own, so that key strokes are answered meanwhile, and it gives
+way to the server. A page says ``enough``, which keeps the best so far, and ``take``: the change
+becomes an edit of the text.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from fuzzyarm.apps.designer.faults import TextRefusedError, internal_words
+from fuzzyarm.apps.designer.forms import TUNE
+from fuzzyarm.apps.designer.grounds import (
+    FieldError,
+    GroundsError,
+    at_field,
+    plant_named,
+    plants_for,
+    request_on,
+    seconds_of,
+)
+from fuzzyarm.apps.designer.jobs import TELL_EVERY, WindowJob
+from fuzzyarm.apps.designer.requests import BareMessage, TuneWord, TuneWork
+from fuzzyarm.apps.lsp.session import Session
+from fuzzyarm.apps.show.search import cost_panel
+from fuzzyarm.base.diagnostic import RuleBaseError
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.files import confined
+from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.picture import Dots, panel_data
+from fuzzyarm.base.shipped_files import shipped_folder
+from fuzzyarm.language import parse
+from fuzzyarm.requests.tune import TuneRequest
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.language.model.rulebase import RuleBase
+    from fuzzyarm.learning.data import Samples
+    from fuzzyarm.learning.tuning.design import Design
+    from fuzzyarm.learning.tuning.result import Tuned
+    from fuzzyarm.learning.tuning.scenarios import Stage
+    from fuzzyarm.learning.tuning.search import Found
+    from fuzzyarm.learning.tuning.tune import TuneKeywords
+
+MOST_EVALS = 100_000
+MOST_SCENARIOS = 1_000
+SAMPLES = (".csv", ".parquet")
+MOST_DOTS = 2_000
+"""Of trials in the picture of a long search."""
+
+NAMES = {"search": "best so far", "linear": "linear PD"}
+"""What the lines of the phases are."""
+
+POLITE = 5
+"""By how much the search gives way to the server."""
+
+
+def subject_of(path: str, text: str) -> ControllerText | RuleBase:
+    """Return what is tuned in a text."""
+    if not path.lower().endswith(".frb"):
+        raise TextRefusedError("a table is not tuned; open a controller or a rule base")
+    parsed = parse(text, path)
+    if parsed.controller is not None:
+        from fuzzyarm.control.controllers.text import read_controller
+
+        return read_controller(path, source=text)
+    if parsed.rulebase is None:
+        raise RuleBaseError(parsed.diagnostics)
+    return parsed.rulebase
+
+
+# --- What may be asked ---
+
+
+def tunable(session: Session, request: BareMessage, job: WindowJob) -> None:
+    """Tell whether the text can be tuned, what may move in it, and on what."""
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.learning.tuning import TuneError
+    from fuzzyarm.learning.tuning.design import Design, says_what_moves
+
+    try:
+        subject = subject_of(session.path, session.text)
+    except RuleBaseError:
+        raise TextRefusedError("the text has mistakes: fix those listed below it first") from None
+    loop = isinstance(subject, ControllerText)
+    try:
+        parameters, why = [parameter.name for parameter in Design(subject).parameters], ""
+    except TuneError as error:
+        parameters, why = [], str(error)
+    plants = plants_for(subject.model, job.plants) if isinstance(subject, ControllerText) else []
+    job.tell({
+        "loop": loop,
+        "says": says_what_moves(subject),
+        "parameters": parameters,
+        "why": why,
+        "plants": plants,
+        "samples": [] if loop else job.folder.listed(*SAMPLES),
+        "cost": "rms" if loop else "rmse",
+        "form": TUNE.fields(),
+    })  # fmt: skip
+
+
+class PageOrder(NamedTuple):
+    """What is to be tuned, and how; plain data for the process that searches."""
+
+    path: str
+    text: str
+    request: TuneRequest
+    plants: tuple[str, ...]
+    """Plants that were named on the command line."""
+
+
+def order_of(session: Session, work: TuneWork, job: WindowJob) -> PageOrder:
+    """Read what a page asks for; GroundsError if something is out of range, or would run a file."""
+    from fuzzyarm.learning.tuning.cost import read_cost
+    from fuzzyarm.learning.tuning.orders import longest
+    from fuzzyarm.learning.tuning.tune import read_tuning
+
+    request = TUNE.request(work.form, Path(session.path).parent, file=session.path)
+    request = request.replaced(**_samples_of(request, job))
+    with at_field("cost"):
+        if ".py" in (request.cost or ""):
+            raise GroundsError("functions of files are a cost on the command line alone")
+        if request.cost and request.data is None:
+            read_cost(request.cost)
+    with at_field("tune"):
+        read_tuning(request.tune)
+    with at_field("duration"):
+        if request.duration is not None:
+            seconds_of(request.duration)
+    if request.evals > MOST_EVALS:
+        raise FieldError(
+            f"evals must be at most {MOST_EVALS} here, not {request.evals}", field="evals"
+        )
+    most = max(request.unseen, request.scenarios or 0)
+    if most > MOST_SCENARIOS:
+        raise GroundsError(f"there must be at most {MOST_SCENARIOS} scenarios here, not {most}")
+    with at_field("time"):
+        longest(request)
+    return PageOrder(session.path, session.text, request, job.plants.files)
+
+
+def _samples_of(request: TuneRequest, job: WindowJob) -> dict[str, str]:
+    """Return the files of samples as they stand in the folder."""
+    files = {}
+    for name, file in (("data", request.data), ("test", request.test)):
+        if file is None:
+            continue
+        if file not in job.folder.listed(*SAMPLES):
+            raise GroundsError(f"'{file}' is not a file of samples in this folder")
+        files[name] = str(job.folder.beside(file, Path(file).suffix.lower()))
+    return files
+
+
+# --- Here: what a page hears ---
+
+
+def tune(session: Session, request: TuneWork, job: WindowJob) -> None:
+    """Search and report until the page stops."""
+    order = order_of(session, request, job)
+    prepared(order)  # what does not fit is said at once
+    report = _searched(order, job)
+    files = report.pop("files")
+    job.tell({"report": report})
+    while True:
+        word = job.word(TuneWord)
+        if word.take:
+            _take(files, session, job, replace=word.replace)
+
+
+def _searched(order: PageOrder, job: WindowJob) -> dict[str, Any]:
+    """Run the search in a process of its own, and pass on what it says."""
+    from multiprocessing import get_context
+
+    context = get_context("spawn")  # a fork would copy locks of threads that it does not copy
+    here, there = context.Pipe()
+    process = context.Process(target=search, args=(there, order), name="fuzzyarm-tune")
+    process.start()
+    there.close()
+    searches: list[dict[str, Any]] = []
+    try:
+        return _heard(here, job, searches)
+    except (EOFError, OSError):
+        if searches:
+            return _with_fault(searches[-1], "its process has ended unexpectedly")
+        raise TextRefusedError("the search has ended unexpectedly") from None
+    finally:
+        here.close()  # at which it ends itself, wherever it is
+        process.join(2.0)
+        if process.is_alive():
+            process.kill()
+
+
+def _heard(here: Connection, job: WindowJob, searches: list[dict[str, Any]]) -> dict[str, Any]:
+    """Pass on what the search says; return its report, and keep what comes before that."""
+    while True:
+        if any(word.enough for word in job.heard(TuneWord)):
+            here.send("enough")
+        if not here.poll(TELL_EVERY):
+            job.check()
+            continue
+        message: dict[str, Any] = here.recv()
+        if "done" in message:
+            return message["done"]  # type: ignore[no-any-return]
+        if "kept" in message:
+            searches.append(message["kept"])
+        elif "failed" in message and searches:
+            return _with_fault(searches[-1], message["failed"])
+        elif "failed" in message:
+            raise _failure(message["failed"], message.get("field", ""))
+        else:
+            job.tell(message)
+
+
+def _with_fault(report: dict[str, Any], words: str) -> dict[str, Any]:
+    return {**report, "faults": [*report["faults"], words]}
+
+
+def _failure(message: str, field: str) -> FuzzyarmError:
+    return FieldError(message, field=field) if field else TextRefusedError(message)
+
+
+def _take(files: list[dict[str, str]], session: Session, job: WindowJob, *, replace: bool) -> None:
+    """Write rule bases of other files beside the text, and tell the text that has the numbers."""
+    from fuzzyarm.learning.tuning.text import with_files
+
+    first_file, *others = files
+    stem = Path(session.path).stem
+    names = {sheet["name"]: f"{stem}-{sheet['name']}.frb" for sheet in others if sheet["changed"]}
+    try:
+        there = [name for name in names.values() if job.folder.beside(name, ".frb").exists()]
+        if there and not replace:
+            job.tell({"exists": there})
+            return
+        from fuzzyarm.base.files import write_atomically
+
+        for sheet in others:
+            if sheet["name"] in names:
+                write_atomically(job.folder.beside(names[sheet["name"]], ".frb"), sheet["new"])
+    except (FuzzyarmError, OSError) as error:
+        job.check()
+        job.tell({"untaken": str(error)})
+        return
+    new = with_files(first_file["new"], names) if names else first_file["new"]
+    job.tell({"taken": {"old": session.text, "new": new, "written": list(names.values())}})
+
+
+# --- There: the process that searches ---
+
+
+def search(pipe: Connection, order: PageOrder) -> None:
+    """Tune, and say through a pipe how it goes; ends with the pipe."""
+    from fuzzyarm.control.loop.blocks import deaf
+
+    deaf()
+    if hasattr(os, "nice"):
+        os.nice(POLITE)
+    enough = threading.Event()
+    threading.Thread(target=_listen, args=(pipe, enough), daemon=True).start()
+    try:
+        with confined(Path(order.path).parent, shipped_folder()):
+            pipe.send({"done": _tuned(pipe, order, enough)})
+    except (FuzzyarmError, OSError) as error:
+        from fuzzyarm.control.loop.many import SweepError
+
+        # Whether a name varies is known when the first runs are drawn.
+        field = "vary" if isinstance(error, SweepError) else ""
+        with contextlib.suppress(OSError):
+            pipe.send({"failed": str(error), "field": field})
+    except Exception as error:
+        with contextlib.suppress(OSError):
+            pipe.send({"failed": internal_words(error, "a search of tuning")})
+
+
+def _listen(pipe: Connection, enough: threading.Event) -> None:
+    """Hear the server; without it nobody waits for the rest."""
+    try:
+        while pipe.recv() == "enough":
+            enough.set()
+    except (EOFError, OSError):
+        os._exit(0)
+
+
+def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]:
+    """Return what is tuned, and the keywords of `fuzzyarm.learning.tuning.tune`."""
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.control.loop.words import conventions_of
+    from fuzzyarm.learning.tuning.orders import Order
+    from fuzzyarm.learning.tuning.tune import keywords_of
+
+    subject = subject_of(order.path, order.text)
+    request, stage = order.request, None
+    samples: dict[str, Samples] = {}
+    if isinstance(subject, ControllerText):
+        stage = _stage(order, subject)
+    else:
+        samples = _samples(request, subject)
+    conventions = conventions_of(request)
+    return subject, keywords_of(
+        request, Order(order.path, subject, stage, samples, conventions, None)
+    )
+
+
+def _stage(order: PageOrder, text: ControllerText) -> Stage:
+    """Return where a controller runs, in the words of the page."""
+    from fuzzyarm.apps.designer.stage import Plants
+    from fuzzyarm.control.loop.words import driven
+    from fuzzyarm.learning.tuning.orders import stage_of_request
+
+    request = order.request
+    plant = plant_named(request.plant or "", text.model, Plants(order.plants))
+    request = request_on(plant, request, ranges="vary")
+    return stage_of_request(request, text, driven(request, plant))
+
+
+def _samples(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
+    """Return the samples for a rule base alone, its only output being what is to be met."""
+    from fuzzyarm.learning.tuning.orders import samples_of
+
+    if request.data is None:
+        raise TextRefusedError(
+            f"'{rulebase.name}' is a rule base alone: nothing says what is good",
+            hint="put samples into the folder, or tune the controller that uses it",
+        )
+    return samples_of(request, rulebase)
+
+
+def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[str, Any]:
+    from fuzzyarm.learning.tuning import tune as tune_it
+    from fuzzyarm.learning.tuning.design import Design
+    from fuzzyarm.learning.tuning.tune import read_tuning
+
+    subject, keywords = prepared(order)
+    moving = order.request.tune
+    teller = Teller(pipe, Design(subject, read_tuning(moving) if moving else None), enough)
+    keywords.update({"watch": teller.search, "watch_linear": teller.linear, "text": order.text})
+    keywords["take"] = lambda tuned: pipe.send({"kept": _reported(tuned)})
+    tuned = tune_it(subject, **keywords)
+    teller.end()
+    return _reported(tuned)
+
+
+def _reported(tuned: Tuned) -> dict[str, Any]:
+    files = [{"name": file.name, "new": file.new, "changed": file.changed} for file in tuned.files]
+    return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
+
+
+def _thinned(dots: Dots) -> Dots:
+    """Return some of the dots, evenly, where there are more than can be told apart."""
+    every = 1 + len(dots.x) // MOST_DOTS
+    return replace(dots, x=dots.x[::every], y=dots.y[::every])
+
+
+class Teller:
+    """Says now and then what a search has found.
+
+    Parameters
+    ----------
+    pipe : Connection
+        To the server.
+    design : Design
+        What moves.
+    enough : Event
+        Set when the search is to end.
+    """
+
+    def __init__(self, pipe: Connection, design: Design, enough: threading.Event) -> None:
+        self.pipe, self.design, self.enough = pipe, design, enough
+        self.begin = time.monotonic()
+        self.last = 0.0
+        # When the costs were last drawn, and how long that took, s.
+        self.last_drawing = self.drawing = 0.0
+        self.trials_shown = {"search": 0, "linear": 0}
+        self.results: dict[str, tuple[Found, float]] = {}
+        """By phase, and when it was heard of."""
+        pipe.send({"moving": [
+            {"name": parameter.name, "low": parameter.low, "high": parameter.high,
+             "start": parameter.start, "share": float(share)}
+            for parameter, share in zip(design.parameters, design.start, strict=True)
+        ]})  # fmt: skip
+
+    def search(self, result: Found) -> None:
+        """Hear of the search."""
+        self._hear("search", result)
+
+    def linear(self, result: Found) -> None:
+        """Hear of the search of the linear opponent."""
+        self._hear("linear", result)
+
+    def rest(self) -> None:
+        """Say what has not been said."""
+        for phase, (result, when) in self.results.items():
+            if self.trials_shown[phase] < len(result.trials):
+                self._say(phase, result, when - self.begin)
+
+    def end(self) -> None:
+        """Say what has not been said, and draw the costs of all trials."""
+        self.rest()
+        self.pipe.send(self._picture(is_last=True))
+
+    def _picture(self, *, is_last: bool = False) -> dict[str, Any]:
+        """Return the picture of the costs, where it is time for one: it takes all trials."""
+        begin = time.monotonic()
+        if not is_last and begin - self.last_drawing < 20.0 * self.drawing:
+            return {}
+        searches = {NAMES[phase]: result for phase, (result, _) in self.results.items()}
+        panel = cost_panel(searches)
+        parts = [_thinned(part) if isinstance(part, Dots) else part for part in panel.parts]
+        data = panel_data(replace(panel, parts=parts, title=""))
+        self.last_drawing, self.drawing = begin, time.monotonic() - begin
+        return {"panel": data}
+
+    def _hear(self, phase: str, result: Found) -> None:
+        now = time.monotonic()
+        self.results[phase] = result, now
+        if now - self.last >= TELL_EVERY:
+            self.last = now
+            self.rest()
+        if self.enough.is_set():
+            raise KeyboardInterrupt
+
+    def _say(self, phase: str, result: Found, seconds: float) -> None:
+        trials = result.trials
+        self.trials_shown[phase] = len(trials)
+        news: dict[str, Any] = {
+            "phase": phase,
+            "count": len(trials),
+            **self._picture(),
+            "best": jsonable(result.best.score.cost),
+            "refused": result.refused,
+            "seconds": round(seconds, 2),
+        }
+        if phase == "search":
+            best = result.best.point
+            news["best_shares"] = [float(share) for share in best]
+            news["shares"] = [float(share) for share in trials[-1].point]
+            pairs = zip(self.design.parameters, best, strict=True)
+            news["values"] = [parameter.value(float(share)) for parameter, share in pairs]
+        self.pipe.send(news)

@@ -1,0 +1,11 @@
+"""A report on one export for a safety case: what it was made of, and how it was tried."""
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.apps.dossier.contents import report_of, write_report
+from fuzzyarm.base.lazy import lazily
+
+__all__ = ["report_of", "write_report"]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

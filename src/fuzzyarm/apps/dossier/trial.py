@@ -1,0 +1,236 @@
+"""Exported C, compiled and run by the points of its self-test: results, coverage, sizes."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.exchange.export import Exported, ExportedController
+from fuzzyarm.exchange.export.avr import run_tool
+from fuzzyarm.exchange.export.controllers import port_name
+from fuzzyarm.exchange.export.numbers import ExportError, c_number
+from fuzzyarm.exchange.export.steps import Steps
+from fuzzyarm.symbolic.identifiers import identifier
+
+__all__ = ["ExportTrial", "TrialRow", "sizes", "tried"]
+
+_SECONDS = 300
+# Not optimised, so that the lines that gcov counts are those of the text.
+_FLAGS = ("-std=c99", "-ffp-contract=off", "-O0", "--coverage")
+_SMALL = ("-std=c99", "-Os", "-ffunction-sections", "-fdata-sections")
+
+TARGETS = {
+    "ATmega328P": ("avr-gcc", "avr-size", ("-mmcu=atmega328p",)),
+    "Cortex-M3": ("arm-none-eabi-gcc", "arm-none-eabi-size", ("-mcpu=cortex-m3", "-mthumb")),
+}
+"""Processors whose compilers are asked, where they are installed: compiler, size, its flags."""
+
+
+@dataclass(frozen=True)
+class TrialRow:
+    """One point, or one period: what goes in, what has to come out, what came out."""
+
+    function: str
+    inputs: tuple[float, ...]
+    expected: tuple[float, ...]
+    computed: tuple[float, ...]
+    tolerance: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every result is near enough."""
+        return all(
+            # Equality first: the difference of two infinite values is a NaN.
+            a == b or abs(a - b) <= self.tolerance or (math.isnan(a) and math.isnan(b))
+            for a, b in zip(self.expected, self.computed, strict=True)
+        )
+
+
+@dataclass(frozen=True)
+class ExportTrial:
+    """A run of the exported functions by all rows, and which of their text it reached.
+
+    `statements` and `branches` are how many were reached, and how many there are; `missed` are
+    the numbers and texts of lines that were not, `untaken` of those with such a branch.
+    """
+
+    compiler: str
+    flags: tuple[str, ...]
+    rows: tuple[TrialRow, ...]
+    statements: tuple[int, int]
+    branches: tuple[int, int]
+    missed: tuple[tuple[int, str], ...]
+    untaken: tuple[tuple[int, str], ...]
+
+
+def tried(exported: Exported | ExportedController) -> ExportTrial:
+    """Compile what is exported with gcc, run it by its points, and read what gcov counted."""
+    for program in ("gcc", "gcov"):
+        if shutil.which(program) is None:
+            raise ExportError(f"a report needs {program}, which is not here", hint="install gcc")
+    files = {path.name: str(text) for path, text in exported.files}
+    source = next(name for name in files if name.endswith(".c"))
+    stem = source.removesuffix(".c")
+    if isinstance(exported, Exported):
+        cases, driver = _points(exported, stem)
+    else:
+        cases, driver = _periods(exported, stem)
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as name:
+        folder = Path(name)
+        for file, text in {**files, "driver.c": driver}.items():
+            (folder / file).write_text(text, "utf-8")
+        _run(["gcc", *_FLAGS, "-c", source, "-o", "own.o"], folder)
+        _run(["gcc", "-std=c99", "driver.c", "own.o", "--coverage", "-o", "driver", "-lm"], folder)
+        values = iter(_run(["./driver"], folder).split())
+        rows = tuple(
+            TrialRow(
+                function, inputs, expected, tuple(_read(next(values)) for _ in expected), tolerance
+            )
+            for function, inputs, expected, tolerance in cases
+        )
+        counted = _counted(folder, source)
+        compiler = _run(["gcc", "--version"], folder).splitlines()[0]
+    return ExportTrial(compiler, _FLAGS, rows, *_coverage(counted, files[source]))
+
+
+Case = tuple[str, tuple[float, ...], tuple[float, ...], float]
+"""The function, its inputs, what has to come out, and how far off it may be."""
+
+
+def _points(exported: Exported, stem: str) -> tuple[list[Case], str]:
+    """Return the points of all routines, and the program that prints what comes out."""
+    cases: list[Case] = []
+    lines: list[str] = []
+    for routine, call in zip(exported.routines, exported.calls, strict=True):
+        function = call.partition("(")[0].split()[-1]
+        vectors = routine.vectors()
+        whole = np.issubdtype(routine.kind, np.integer)
+        # In hexadecimal a float loses no bit on its way.
+        show = 'printf("%ld\\n", (long)' if whole else 'printf("%a\\n", (double)'
+        for row in zip(*(c.tolist() for c in (*vectors.inputs, vectors.expected)), strict=True):
+            arguments = ", ".join(c_number(x, routine.kind) for x in row[:-1])
+            lines.append(f"    {show}{function}({arguments}));")
+            cases.append((function, row[:-1], row[-1:], vectors.tolerance))
+    return cases, _program(stem, lines)
+
+
+def _periods(exported: ExportedController, stem: str) -> tuple[list[Case], str]:
+    """Return the sequence of periods, and the program that prints the drives."""
+    program = exported.program
+    steps, vectors = program.steps, program.tried.vectors
+    step = exported.calls[1].partition("(")[0].split()[-1]
+    prefix, kind = step.removesuffix("_step"), steps.precision.outside
+    inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+    structs = {
+        sort: name
+        for sort, name in (
+            ("reference", "reference"),
+            ("measured", "measured"),
+            ("drive", "drives"),
+        )
+        if steps.of_sort(sort)
+    }
+    lines = [f"    static {prefix}_state s;"]
+    lines += [f"    {prefix}_{name} {sort};" for sort, name in structs.items()]
+    lines.append(f"    {prefix}_init(&s);")
+    arguments = ", ".join(["&s", *(f"&{sort}" for sort in structs)])
+    cases: list[Case] = []
+    for row, expected in zip(vectors.inputs, vectors.expected, strict=True):
+        for port, x in zip(inputs, row, strict=True):
+            text = "NAN" if math.isnan(x) else c_number(x, kind)
+            lines.append(f"    {port.sort}.{_member(steps, port)} = {text};")
+        lines.append(f"    {step}({arguments});")
+        lines += [
+            f'    printf("%a\\n", (double)drive.{_member(steps, drive)});'
+            for drive in steps.of_sort("drive")
+        ]
+        cases.append((step, tuple(row), tuple(expected), vectors.tolerance))
+    return cases, _program(stem, lines)
+
+
+def _member(steps: Steps, port: Any) -> str:
+    return ".".join(identifier(part) for part in port_name(steps, port).split("."))
+
+
+def _program(stem: str, lines: Sequence[str]) -> str:
+    head = ["#include <math.h>", "#include <stdio.h>", f'#include "{stem}.h"', ""]
+    return "\n".join([*head, "int main(void)", "{", *lines, "    return 0;", "}", ""])
+
+
+def _read(text: str) -> float:
+    return float.fromhex(text) if "x" in text else float(text)
+
+
+def _counted(folder: Path, source: str) -> Mapping[str, Any]:
+    """Return what gcov says of a source."""
+    _run(["gcov", "--branch-probabilities", "--json-format", "own.o"], folder)
+    (packed,) = folder.glob("*own*.gcov.json.gz")
+    with gzip.open(packed, "rt", encoding="utf-8") as file:
+        data = json.load(file)
+    entry: Mapping[str, Any] = next(f for f in data["files"] if f["file"].endswith(source))
+    return entry
+
+
+Lines = tuple[tuple[int, str], ...]
+"""Numbers of lines, with their texts."""
+
+
+def _coverage(
+    counted: Mapping[str, Any], text: str
+) -> tuple[tuple[int, int], tuple[int, int], Lines, Lines]:
+    lines = counted["lines"]
+    branches = [branch for line in lines for branch in line["branches"]]
+    source_lines = text.split("\n")
+
+    def listed(numbers: set[int]) -> Lines:
+        return tuple((number, source_lines[number - 1].strip()) for number in sorted(numbers))
+
+    uncovered = {line["line_number"] for line in lines if not line["count"]}
+    untaken = {
+        line["line_number"]
+        for line in lines
+        if not all(branch["count"] for branch in line["branches"])
+    }
+    return (
+        (sum(bool(line["count"]) for line in lines), len(lines)),
+        (sum(bool(branch["count"]) for branch in branches), len(branches)),
+        listed(uncovered),
+        listed(untaken - uncovered),
+    )
+
+
+def sizes(exported: Exported | ExportedController) -> list[dict[str, Any]]:
+    """Return flash and RAM of the exported functions alone, by the compilers that are here."""
+    results = []
+    files = {path.name: str(text) for path, text in exported.files}
+    source = next(name for name in files if name.endswith(".c"))
+    for processor, (compiler, size, flags) in TARGETS.items():
+        if shutil.which(compiler) is None or shutil.which(size) is None:
+            continue
+        with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as name:
+            folder = Path(name)
+            for file, text in files.items():
+                (folder / file).write_text(text, "utf-8")
+            _run([compiler, *flags, *_SMALL, "-c", source, "-o", "own.o"], folder)
+            numbers = _run([size, "own.o"], folder).splitlines()[1].split()[:3]
+            version = _run([compiler, "--version"], folder).splitlines()[0]
+        text_bytes, data, bss = map(int, numbers)
+        results.append(
+            {"processor": processor, "compiler": version, "flags": [*flags, *_SMALL],
+             "flash": text_bytes + data, "ram": data + bss}
+        )  # fmt: skip
+    return results
+
+
+def _run(words: Sequence[str], folder: Path) -> str:
+    """Run a program and return what it prints."""
+    return run_tool(words, folder, _SECONDS).stdout

@@ -1,0 +1,294 @@
+"""The module with machine code: C is printed from the kernels and compiled.
+
+``python -m fuzzyarm.apps.native.build FOLDER`` writes ``_kernels`` into a folder; the build of the
+package does it, and `make native`. The compiler is the platform's; where there is none that of the
+``ziglang`` wheel, which also compiles for other platforms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+
+from fuzzyarm.apps.native.abroad import definition_of_python3, headers_for_any_platform
+from fuzzyarm.apps.native.printing import UNITS, kernels_in_c
+from fuzzyarm.apps.native.roots import roots
+from fuzzyarm.symbolic.kernels import note_digest, processors
+
+__all__ = ["BuildError", "Compiler", "build", "find_compiler", "zig"]
+
+FLAGS = (
+    # The bits of Python: nothing is fused or reordered. That no error number is set and no trap is
+    # looked at changes no result, and lets square roots and comparisons be vectorised.
+    "-std=gnu99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
+    # GCC 12 drops a rounding to single precision where it makes one vector of two numbers.
+    "-fno-tree-slp-vectorize",
+    # The block of a rule base is read as whole numbers and as floats.
+    "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
+)  # fmt: skip
+
+OF_GCC_ALONE = frozenset(
+    {"-fno-tree-loop-distribute-patterns", "--param=max-completely-peel-times=32"}
+)
+"""What clang has no word for: it warns of them, and the ``ziglang`` wheel's refuses them."""
+
+LEVELS = {"baseline": "", "v3": "x86-64-v3"}
+"""Processors of the levels; the second for x86-64 only."""
+
+
+class BuildError(RuntimeError):
+    """No compiler was found, or it failed."""
+
+
+class Compiler(NamedTuple):
+    """A compiler of C.
+
+    Attributes
+    ----------
+    words : tuple of str
+        The command.
+    machine : str
+        What it compiles for: ``x86_64``, ``aarch64`` …
+    system : str
+        ``linux``, ``macos``, ``windows``; ``emscripten`` is a page's Python (Pyodide).
+    """
+
+    words: tuple[str, ...]
+    machine: str
+    system: str
+
+    @property
+    def levels(self) -> dict[str, tuple[str, ...]]:
+        """Flags of each level that the machine has."""
+        if self.machine != "x86_64":
+            return {"baseline": ()}
+        # The compiler of the wheel spells processors in its own way.
+        flags = {
+            name: f"-mcpu={processor.replace('-', '_')}" if self.is_zig else f"-march={processor}"
+            for name, processor in LEVELS.items()
+            if processor
+        }
+        return {name: (flags[name],) if name in flags else () for name in LEVELS}
+
+    @property
+    def is_zig(self) -> bool:
+        """Whether it is that of the ``ziglang`` wheel."""
+        return "ziglang" in self.words
+
+    def compile(self, source: Path, result: Path, *flags: str) -> None:
+        """Compile one file."""
+        words = [word for word in (*FLAGS, *flags) if not (self.is_zig and word in OF_GCC_ALONE)]
+        self.run("-c", str(source), "-o", str(result), *words)
+
+    def link(self, objects: Sequence[Path], result: Path) -> None:
+        """Make an extension module of object files, and of libraries among them."""
+        if self.system == "emscripten":
+            self._link_for_a_page(objects, result)
+            return
+        more = {
+            "linux": ["-shared", "-lm"],
+            "macos": ["-shared", "-undefined", "dynamic_lookup"],
+            "windows": ["-shared"],
+        }[self.system]
+        if self.is_zig and self.system == "linux":
+            more.append("-s")  # three quarters would be what debuggers ask for
+        self.run(*map(str, objects), "-o", str(result), *more)
+
+    def _link_for_a_page(self, objects: Sequence[Path], result: Path) -> None:
+        """Make a module of WebAssembly that the Python of a page (Pyodide) loads."""
+        # What it does not define, functions of C and of Python, are those of that Python.
+        flags = ("-shared", "--experimental-pic", "--import-memory", "--strip-all",
+                 "--unresolved-symbols=import-dynamic", "--export=PyInit__kernels")  # fmt: skip
+        linker = Compiler((*self.words[:3], "wasm-ld"), self.machine, self.system)
+        linker.run(*flags, *map(str, objects), "-o", str(result))
+
+    @property
+    def is_for_here(self) -> bool:
+        """Whether it compiles for the platform at hand."""
+        return (self.machine, self.system) == (_own_machine(), _own_system())
+
+    def import_library(self, definition: Path, result: Path) -> None:
+        """Make the library by which a module for Windows finds the symbols of ``python3.dll``."""
+        tool = (*self.words[:3], "dlltool") if self.is_zig else ("dlltool",)
+        machine = {"aarch64": "arm64"}.get(self.machine, "i386:x86-64")
+        whole = ("-m", machine, "-d", str(definition), "-l", str(result))
+        Compiler(tool, self.machine, self.system).run(*whole)
+
+    def run(self, *words: str) -> None:
+        """Run it; BuildError if it cannot be started, or fails; with what it says."""
+        try:
+            process = subprocess.run(
+                [*self.words, *words], capture_output=True, text=True, check=False
+            )
+        except OSError as error:
+            raise BuildError(f"{self.words[0]} could not be started: {error}") from None
+        if process.returncode:
+            raise BuildError(f"{shlex.join(self.words)} failed:\n{process.stderr.strip()}")
+
+
+def find_compiler() -> Compiler:
+    """Return the platform's compiler, or that of the ``ziglang`` wheel.
+
+    ``CC`` names another one, as everywhere.
+    """
+    machine, system = _own_machine(), _own_system()
+    preferred = shlex.split(os.environ.get("CC", ""))
+    for words in (preferred, ["cc"], ["gcc"], ["clang"]):
+        if words and shutil.which(words[0]):
+            return Compiler(tuple(words), machine, system)
+    try:
+        import ziglang  # noqa: F401
+    except ImportError:
+        raise BuildError("no C compiler: install one, or `pip install ziglang`") from None
+    return zig(machine, system)
+
+
+def zig(machine: str, system: str) -> Compiler:
+    """Return the compiler of the ``ziglang`` wheel for a machine and a system, this or another."""
+    # By name, or it would compile for the processor at hand; with an old glibc, an old macOS. The
+    # wheel has no headers of Emscripten: those of WASI declare the same functions of mathematics.
+    target = {
+        "linux": "linux-gnu.2.28",
+        "macos": "macos.11.0",
+        "windows": "windows-gnu",
+        "emscripten": "wasi",
+    }[system]
+    words = [sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{target}"]
+    if system == "emscripten":  # what every browser has that Pyodide runs in
+        words.append("-mcpu=mvp+bulk_memory+mutable_globals+nontrapping_fptoint+sign_ext+simd128")
+    return Compiler(tuple(words), machine, system)
+
+
+def _own_machine() -> str:
+    """Return the machine at hand, by the name that compilers have for it."""
+    machine = platform.machine()
+    return {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+
+
+def _own_system() -> str:
+    return {"darwin": "macos", "win32": "windows"}.get(sys.platform, "linux")
+
+
+def build(folder: Path, compiler: Compiler | None = None) -> Path:
+    """Build the module into a folder.
+
+    Parameters
+    ----------
+    folder : path
+        Where it is written; nothing half.
+    compiler : Compiler, optional
+        By default :func:`find_compiler`.
+
+    Returns
+    -------
+    path
+        The file.
+
+    Raises
+    ------
+    BuildError
+        If there is no compiler, or it fails.
+    """
+    compiler = compiler or find_compiler()
+    result = folder / f"_kernels{SUFFIXES[compiler.system]}"
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
+        work = Path(room)
+        jobs = list(_jobs(work, compiler))
+        with ThreadPoolExecutor(processors()) as pool:  # the compiler is another process
+            list(pool.map(lambda job: compiler.compile(job.source, job.result, *job.flags), jobs))
+        linked = work / result.name
+        libraries = [_python3(work, compiler)] if compiler.system == "windows" else []
+        compiler.link([*(job.result for job in jobs), *libraries], linked)
+        unfinished = result.with_name(f".{result.name}.{os.getpid()}")
+        shutil.copy2(linked, unfinished)
+        unfinished.replace(result)  # a process that has it open keeps the old one
+    return result
+
+
+class Compilation(NamedTuple):
+    """A file that is compiled: what of, what into, with which flags beside those of all."""
+
+    source: Path
+    result: Path
+    flags: tuple[str, ...]
+
+
+def _jobs(work: Path, compiler: Compiler) -> Iterator[Compilation]:
+    """Write the files that are compiled; iterate over what is to be done with them."""
+    units = kernels_in_c(roots())
+    for unit, text in units.items():
+        source = work / f"{unit}.c"
+        source.write_text(text, encoding="utf-8")
+        for level, flags in compiler.levels.items():
+            words = (f"-DTABLE={level}_{unit}", f"-DRUN_PROGRAM={level}_{unit}_program")
+            yield Compilation(source, work / f"{level}_{unit}.o", (*flags, *UNITS[unit], *words))
+    module = work / "module.c"
+    digest = digest_of(units)
+    note_digest(digest)
+    sources = f'const char fuzzyarm_sources[] = "{digest}";\n'
+    module.write_text(_module_source() + sources, encoding="utf-8")
+    v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
+    yield Compilation(module, work / "module.o", (f"-I{_headers(work, compiler)}", *v3))
+
+
+def digest_of(units: Mapping[str, str]) -> str:
+    """Return a digest of what is compiled, and of how: C of kernels, the module, the flags."""
+    whole = [*sorted(units.items()), _module_source(), FLAGS, sorted(LEVELS.items()), UNITS]
+    return sha256(repr(whole).encode()).hexdigest()
+
+
+def _module_source() -> str:
+    return Path(__file__).with_name("module.c").read_text(encoding="utf-8")
+
+
+def _headers(work: Path, compiler: Compiler) -> Path:
+    """Return the folder of Python's headers."""
+    if compiler.is_for_here:
+        return Path(sysconfig.get_path("include"))
+    folder = work / "include"
+    return folder if folder.exists() else headers_for_any_platform(folder)
+
+
+def _python3(work: Path, compiler: Compiler) -> Path:
+    """Write the import library of ``python3.dll``."""
+    definition, library = work / "python3.def", work / "python3.lib"
+    definition.write_text(definition_of_python3(_headers(work, compiler)), encoding="ascii")
+    compiler.import_library(definition, library)
+    return library
+
+
+SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd", "emscripten": ".so"}
+"""Of a module with the stable ABI."""
+
+
+def main() -> None:
+    """Build into the folder that is named."""
+    parser = argparse.ArgumentParser(description="build the machine code of fuzzyarm")
+    parser.add_argument("folder", type=Path, nargs="?", default=Path(__file__).parents[2])
+    parser.add_argument(
+        "--platform", metavar="MACHINE-SYSTEM", help="by ziglang for another: aarch64-macos"
+    )
+    parser.add_argument(
+        "--note", action="store_true", help="note the digest of the C, and build nothing"
+    )
+    words = parser.parse_args()
+    if words.note:
+        note_digest(digest_of(kernels_in_c(roots())))
+        return
+    build(words.folder, zig(*words.platform.split("-")) if words.platform else None)
+
+
+if __name__ == "__main__":
+    main()

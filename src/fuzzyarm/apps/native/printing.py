@@ -1,0 +1,165 @@
+"""The kernels in C: for each unit a file with the functions and a table of entries.
+
+An entry takes a pointer and a length for each array; its address is what kernels call each other
+by. Beside it stand its name, how Python calls it, and which arrays it fills in: that follows from
+the kernels' own source, and for what they call by address from all that may stand there.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from fuzzyarm.apps.native.roots import Root
+from fuzzyarm.apps.native.walker import WALKER
+from fuzzyarm.symbolic.translation.functions import Translation, part_name
+from fuzzyarm.symbolic.translation.targets import C99, HEAD_OF_C, POINTERS
+from fuzzyarm.symbolic.translation.types import ARRAYS, Array, TupleType
+
+__all__ = ["UNITS", "filled_arrays", "kernels_in_c"]
+
+UNITS: dict[str, tuple[str, ...]] = {
+    "rows": (),
+    # Loops over a few numbers that were written one by one: read as a vector they would wait for
+    # each other, and a call to fill four of them with zeros costs more than to write them.
+    # Loops over the ports of a plant that is compiled into its loop are written out.
+    "numbers": (
+        "-fno-tree-vectorize",
+        "-fno-tree-loop-distribute-patterns",
+        "--param=max-completely-peel-times=32",
+    ),
+}
+"""Files of a level, with their own flags; see :attr:`Root.over_rows`."""
+
+
+def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
+    """Return the C of kernels, for each unit.
+
+    The macros ``TABLE`` and ``RUN_PROGRAM`` name what others see of a file: it is compiled for each
+    level of the processor.
+    """
+    units = {unit: _Unit() for unit in UNITS}
+    for root in kernels:
+        units["rows" if root.over_rows else "numbers"].add(root)
+    filled = dict(filled_arrays([entry for unit in units.values() for entry in unit.entries]))
+    return {name: unit.text(filled) for name, unit in units.items()}
+
+
+class TranslatedKernel(NamedTuple):
+    """A kernel that was translated: it is known by its key and takes arrays of some types."""
+
+    key: str
+    types: tuple[Array, ...]
+    function: Any
+    in_one: bool
+    block: TupleType | None = None
+
+    @property
+    def arguments(self) -> list[str]:
+        """Names of its arrays: of parameters, or of the parts of its block."""
+        parameters: list[str] = self.function.parameters
+        if self.block is None:
+            return parameters
+        return [part_name(parameters[0], part) for part in self.block.names]
+
+
+class _Unit:
+    """Kernels of one file."""
+
+    def __init__(self) -> None:
+        self.translation = Translation(C99)
+        self.entries: list[TranslatedKernel] = []
+
+    def add(self, root: Root) -> None:
+        """Translate a kernel."""
+        types = tuple(ARRAYS[letter] for letter in root.types)
+        fields = getattr(root.block, "_fields", ())
+        block = TupleType(types, fields) if fields else None
+        taken = types if block is None else (block,)
+        function = self.translation.function(root.function, taken, root.bindings)
+        self.entries.append(TranslatedKernel(root.key, types, function, root.in_one, block))
+
+    def text(self, filled: dict[str, set[int]]) -> str:
+        """Return the file."""
+        entries, rows = [], []
+        for index, entry in enumerate(self.entries):
+            key, block = entry.key, entry.block
+            record = "" if block is None else self.translation.type_name(block)
+            entries.append(_entries(index, entry, record))
+            bits = sum(1 << position for position in filled[key])
+            both = f"(void (*)(void))entry_{index}, spread_{index}"
+            rows.append(f"  {{{json.dumps(key)}, {both}, {bits}u}},")
+        table = ["const table_row TABLE[] = {", *rows, "  {0, 0, 0, 0},", "};", ""]
+        body = self.translation.text()  # names the structures
+        head = [HEAD_OF_C, WALKER, *self.translation.structures]
+        return "\n".join([*head, body, *entries, _ROW, *table, _WALK])
+
+
+def filled_arrays(entries: Sequence[TranslatedKernel]) -> Iterator[tuple[str, set[int]]]:
+    """Iterate over kernels by their keys, and which of their arrays they fill in."""
+    # Where one calls another by address, all that takes such arrays may stand there, and a program
+    # of operations, which fills in the last. What they fill in may be known in the next turn only.
+    by_types: dict[tuple[Array, ...], set[int]] = defaultdict(set)
+    for entry in entries:
+        by_types[entry.types].add(len(entry.types) - 1)
+    before = -1
+    while before != (before := sum(map(len, by_types.values()))):
+        for entry in entries:
+            by_types[entry.types] |= set(_filled_by(entry, by_types))
+    for entry in entries:
+        yield entry.key, set(_filled_by(entry, by_types))
+
+
+def _filled_by(
+    entry: TranslatedKernel, by_types: dict[tuple[Array, ...], set[int]]
+) -> Iterator[int]:
+    """Iterate over what a kernel fills in, by itself or by what it calls by address."""
+    arguments = entry.arguments
+    yield from map(arguments.index, entry.function.writes)
+    for request in entry.function.asks:
+        for position in by_types[tuple(type_ for type_, _ in request)]:
+            yield from map(arguments.index, request[position][1])
+
+
+_WALK = """\
+void RUN_PROGRAM(int64_t address, const reals *arrays, int count) {
+  run_program(address, arrays, count);
+}
+"""
+
+
+_ROW = """\
+typedef struct {
+  const char *key;
+  void (*entry)(void);
+  void (*spread)(void *const *, const int64_t *);
+  unsigned filled;
+} table_row;
+"""
+
+
+def _entries(index: int, entry: TranslatedKernel, record: str) -> str:
+    """Return a function as kernels call it, with each array by itself; and as Python does.
+
+    `record` is the type of the block in which the function takes the arrays, if it takes one.
+    """
+    types, in_one = entry.types, entry.in_one
+    # A loop has its arrays apart from each other. Told so, the compiler keeps in registers what a
+    # control period writes and reads again, though it writes to other arrays between.
+    apart = "restrict " if in_one else ""
+    listed = ", ".join(
+        f"{POINTERS[type_]} *{apart}at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)
+    )
+    names = [C99.types[type_] for type_ in types]
+    passed = ", ".join(f"({name}){{at_{k}, length_{k}}}" for k, name in enumerate(names))
+    if record:
+        passed = f"({record}){{{passed}}}"
+    spread = ", ".join(f"at[{k}], lengths[{k}]" for k in range(len(types)))
+    name, flatten = entry.function.name, "FLATTEN " * in_one
+    return (
+        f"{flatten}static void entry_{index}({listed}) {{ {name}({passed}); }}\n"
+        f"static void spread_{index}(void *const *at, const int64_t *lengths) "
+        f"{{ entry_{index}({spread}); }}\n"
+    )

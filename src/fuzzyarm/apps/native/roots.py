@@ -1,0 +1,175 @@
+"""The kernels that are built: all that something asks the address of.
+
+What a controller, a plant or a rule base of a user brings is not among them; it is data to these,
+or a program of operations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from itertools import product
+from typing import Any, NamedTuple
+
+from fuzzyarm.control.controllers import kernel as controller_kernel
+from fuzzyarm.control.controllers.adaptive import (
+    ADAPTIVE_CRITICALLY_DAMPED_LAW,
+    DECENTRALISED_LAW,
+    MODEL_REFERENCE_LAW,
+)
+from fuzzyarm.control.controllers.conventional import (
+    COMPUTED_TORQUE_LAW,
+    CRITICALLY_DAMPED_LAW,
+    FEED_FORWARD_INVERSE_LAW,
+    INTEGRAL_LAW,
+    PD_LAW,
+    PURE_FEED_FORWARD_LAW,
+)
+from fuzzyarm.control.controllers.law import LAW_ARRAYS, drives_of_laws, law_at_address, law_kernel
+from fuzzyarm.control.controllers.on_plant import text_law
+from fuzzyarm.control.controllers.updates import UPDATE_ARRAYS, update_function
+from fuzzyarm.control.loop.loop import LOOP_ARRAYS, LoopBlock, loop_bindings, run_loop
+from fuzzyarm.inference.kernel import GRID, evaluate
+from fuzzyarm.inference.programs import EVALUATORS, IN_ROWS, PROGRAMS
+from fuzzyarm.inference.row_functions import (
+    built_in_curve,
+    corners_row,
+    hedged_corners_row,
+    hedges_on_row,
+    norm_row,
+)
+from fuzzyarm.language.model.rulebase import Hedge
+from fuzzyarm.plant.own import PLANTS
+from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
+from fuzzyarm.plant.plant import BY_PROGRAM, dynamics_of, run_plant
+from fuzzyarm.plant.setting import RunArithmetic, stored_double, stored_single
+from fuzzyarm.symbolic.kernels import key_of, letters_of
+from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.symbolic.sources import SOURCES
+from fuzzyarm.table import lookup
+
+__all__ = ["Root", "roots"]
+
+
+class Root(NamedTuple):
+    """A kernel that is built.
+
+    Attributes
+    ----------
+    function : callable
+        The kernel.
+    types : str
+        A letter for each array.
+    bindings : mapping of str to callable
+        See :func:`fuzzyarm.symbolic.kernels.address_of`.
+    over_rows : bool
+        Whether it runs over rows of many numbers; otherwise over a few, which were written a
+        moment ago: to read several of them at once would wait for the writing.
+    in_one : bool
+        Whether all that it calls by name is compiled into it, and its arrays have no memory in
+        common.
+    block : type, optional
+        The named tuple in which it takes its arrays; without one it takes each by itself.
+    """
+
+    function: Callable[..., Any]
+    types: str
+    bindings: Mapping[str, Callable[..., Any]] = {}
+    over_rows: bool = False
+    in_one: bool = False
+    block: type[tuple[Any, ...]] | None = None
+
+    @property
+    def key(self) -> str:
+        """Its name in the machine code."""
+        return key_of(self.function, self.types, self.bindings)
+
+
+PRECISIONS = tuple({"stored": stored} for stored in (stored_double, stored_single))
+
+LAWS = (
+    PD_LAW,
+    INTEGRAL_LAW,
+    COMPUTED_TORQUE_LAW,
+    CRITICALLY_DAMPED_LAW,
+    FEED_FORWARD_INVERSE_LAW,
+    PURE_FEED_FORWARD_LAW,
+    ADAPTIVE_CRITICALLY_DAMPED_LAW,
+    DECENTRALISED_LAW,
+    MODEL_REFERENCE_LAW,
+)
+
+
+def roots() -> Iterator[Root]:
+    """Iterate over all kernels that are built, each once."""
+    once = {root.key: root for root in _roots()}
+    yield from once.values()
+
+
+def _roots() -> Iterator[Root]:
+    yield from (
+        Root(evaluator, "f", over_rows=evaluator is not evaluate) for evaluator in EVALUATORS
+    )
+    yield Root(evaluate, "f", GRID)
+    blocks = (*PROGRAMS, *IN_ROWS)
+    yield from (Root(block.block, "f", block.bindings, over_rows=True) for block in blocks)
+    yield from _rows()
+    yield from _plants()
+    yield from (Root(*table, over_rows=True) for table in lookup.ROOTS)
+    for source in SOURCES.values():
+        if source.function is not None:
+            yield Root(update_function(source), UPDATE_ARRAYS)
+    yield from _loops()
+    for stored in PRECISIONS:
+        yield Root(drives_of_laws, "fifff", stored)
+        yield Root(controller_kernel.step, "if", stored)
+        yield Root(controller_kernel.step_guarded, "if", stored)
+        yield Root(text_law, LAW_ARRAYS, stored)
+        for kernel in (law_kernel, *(law.kernel for law in LAWS)):
+            yield Root(law_at_address, LAW_ARRAYS, {**stored, "law_kernel": kernel})
+
+
+def _rows() -> Iterator[Root]:
+    """Iterate over norms, curved terms and hedges, which take rows of numbers."""
+    yield Root(corners_row, "fff", over_rows=True)
+    yield Root(hedged_corners_row, "fff", over_rows=True)
+    for norm in (*TNORMS.values(), *SNORMS.values()):
+        yield Root(norm_row(norm), "ffff", over_rows=True)
+    for name in SHAPES:
+        if SHAPES[name].fuzzy and not SHAPES[name].straight and name != "formula":
+            yield Root(built_in_curve(name), "fff", over_rows=True)
+    for name, hedge in HEDGES.items():
+        if len(hedge.symbols) == 1:  # others have an exponent, which is a constant of the row
+            yield Root(hedges_on_row((Hedge(name, None),)), "fff", over_rows=True)
+
+
+def _loops() -> Iterator[Root]:
+    """Iterate over the loops: around any laws and plants, and with what they call compiled in.
+
+    A plant that makes its drives itself is called more often than others in a control period, so
+    it has its own loops.
+    """
+    plants = (kind.variants()[0] for kind in PLANTS.values())
+    every = [dynamics_of(plant, RunArithmetic(), address=lambda *_, **__: 0) for plant in plants]
+    for dynamics, of_text in product((None, *(d for d in every if d.actuates)), (False, True)):
+        bindings = loop_bindings(dynamics, single=False, of_text=of_text)
+        in_one = dynamics is not None
+        yield Root(run_loop, LOOP_ARRAYS, bindings, in_one=in_one, block=LoopBlock)
+    bindings = loop_bindings(None, single=True, of_text=False)
+    yield Root(run_loop, LOOP_ARRAYS, bindings, block=LoopBlock)
+
+
+def _plants() -> Iterator[Root]:
+    roots: list[Root] = []
+
+    def asked(function: Callable[..., None], **bindings: Callable[..., Any]) -> int:
+        roots.append(Root(function, letters_of(PLANT_ARRAYS), bindings))
+        return 0
+
+    plants = [plant for kind in PLANTS.values() for plant in kind.variants()]
+    for single in (False, True):
+        arithmetic = RunArithmetic(single)
+        for plant in plants:
+            for finely in (False, True):
+                dynamics_of(plant, arithmetic, finely=finely, address=asked)
+    yield from roots
+    yield from (Root(run_plant, PLANT_ARRAYS, bindings) for bindings in BY_PROGRAM)

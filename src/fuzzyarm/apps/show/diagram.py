@@ -1,0 +1,503 @@
+"""The block diagram of a controller as plain data: blocks, wires between their pins, places.
+
+Drawn as a figure in :mod:`fuzzyarm.apps.show.figures.diagram`; a page or another program draws it
+from the same record. The order of lines in the text, and what a line means, come from the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.apps.show.drawing import number_words
+from fuzzyarm.apps.show.layers import Corner, Link, Pins, lay_out
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.language.model.controller import (
+    SOURCES,
+    TIMES,
+    Amount,
+    Axes,
+    ControllerModel,
+    Drive,
+    Factor,
+    GainModel,
+    Learn,
+    Product,
+    SignalLine,
+    Source,
+    Zoom,
+)
+from fuzzyarm.language.model.rulebase import RuleBase
+
+__all__ = ["BLOCK_KINDS", "Diagram", "DiagramBlock", "DiagramWire", "block_diagram", "time_text"]
+
+BLOCK_KINDS = {
+    "port": "a reference or a measured value of the plant",
+    "difference": "reference minus measured value",
+    "gain": "a gain, a number, or several that follow one another",
+    "plus": "a sum; the signs stand at its pins",
+    "times": "a product; what divides has / at its pin",
+    "constant": "a number that depends on nothing",
+    **{word: kind.doc for word, kind in SOURCES.items() if kind.function is not None},
+    "rules": "a rule base",
+    "table": "a lookup table",
+    "zoom": "signals magnified while all are small",
+    "learn": "what corrects a table",
+    "partner": "a law of the catalogue",
+    "limit": "limits",
+    "slew": "the largest change per second",
+    "drive": "an input of the plant",
+}
+"""What a block can be."""
+
+
+@dataclass(frozen=True, slots=True)
+class DiagramBlock:
+    """A block.
+
+    Attributes
+    ----------
+    kind : str
+        What it does, a key of :data:`BLOCK_KINDS`.
+    label : str
+        What stands in it: the name of the gain, of the rule base, of the port.
+    details : tuple of str
+        Lines below: the value of a gain, the file of a rule base, the limits.
+    axes : tuple of str
+        For which axes of the plant it is there, each with its own.
+    inputs, outputs : tuple of str
+        A word for each pin from top to bottom: the sign of a sum, the input of a rule base; empty
+        where it needs none.
+    span : Span
+        The line of the text that it comes from.
+    layer : int
+        Its column, from the left.
+    row : float
+        Its middle, downwards, a multiple of a half; row 0 is the first.
+    """
+
+    kind: str
+    label: str
+    details: tuple[str, ...]
+    axes: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+    layer: int = 0
+    row: float = 0.0
+
+    @property
+    def height(self) -> int:
+        """How many rows it takes."""
+        return max(1, len(self.inputs), len(self.outputs))
+
+    def input_row(self, index: int) -> float:
+        """Return the row of an input."""
+        return self.row + index - 0.5 * (len(self.inputs) - 1)
+
+    def output_row(self, index: int) -> float:
+        """Return the row of an output."""
+        return self.row + index - 0.5 * (len(self.outputs) - 1)
+
+
+@dataclass(frozen=True, slots=True)
+class DiagramWire:
+    """A wire.
+
+    Attributes
+    ----------
+    source : int
+        The block where it begins, as an index of the blocks.
+    output : int
+        Which of its outputs.
+    target : int
+        The block where it ends, likewise.
+    input : int
+        Which of its inputs.
+    signal : str
+        The name that the text has for it; empty between blocks of one line.
+    path : tuple of Corner
+        Where it changes its row: in which gap, on which track, to which row.
+    """
+
+    source: int
+    output: int
+    target: int
+    input: int
+    signal: str
+    path: tuple[Corner, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Diagram:
+    """The block diagram of a controller.
+
+    Attributes
+    ----------
+    name, description : str
+        Of the controller.
+    period : str
+        How often it runs, in words.
+    blocks : tuple of DiagramBlock
+        Those of all axes.
+    wires : tuple of DiagramWire
+        Between the blocks.
+    groups : tuple of (tuple of str, float, float)
+        Axes that share their lines, and the rows where their part begins and ends.
+    tracks : tuple of int
+        How many wires may change their row in the gap behind each layer.
+    height : float
+        How many rows there are.
+    """
+
+    name: str
+    description: str
+    period: str
+    blocks: tuple[DiagramBlock, ...]
+    wires: tuple[DiagramWire, ...]
+    groups: tuple[tuple[tuple[str, ...], float, float], ...]
+    tracks: tuple[int, ...]
+    height: float
+
+
+def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
+    """Return the block diagram of a controller.
+
+    Parameters
+    ----------
+    controller : ControllerText or ControllerModel
+        With its files where blocks are to say how many rules there are.
+
+    Returns
+    -------
+    Diagram
+        Ports of the plant to the left, drives to the right; a part for each line ``axis``, below
+        one another.
+    """
+    if isinstance(controller, ControllerText):
+        model, sheets = controller.model, controller.sheets
+    else:
+        model, sheets = (
+            controller,
+            {rulebase.name: (rulebase,) for rulebase in controller.rulebases},
+        )
+    counts = {
+        name: len(sheet_list[0].rules)
+        for name, sheet_list in sheets.items()
+        if sheet_list and isinstance(sheet_list[0], RuleBase)
+    }
+    blocks: list[DiagramBlock] = []
+    wires: list[DiagramWire] = []
+    groups: list[tuple[tuple[str, ...], float, float]] = []
+    tracks: list[int] = []
+    top = 0.0
+    for axes in model.axes:
+        part = _DiagramPart(model, axes, counts)
+        pins = [Pins(len(b.inputs), len(b.outputs), _place(b)) for b in part.blocks]
+        layout = lay_out(pins, [Link(w.source, w.output, w.target, w.input) for w in part.wires])
+        # Each part was laid out by itself: its blocks come behind, its rows below those so far.
+        first = len(blocks)
+        blocks += (
+            replace(block, layer=layer, row=row + top)
+            for block, layer, row in zip(part.blocks, layout.layers, layout.rows, strict=True)
+        )
+        wires += (
+            replace(
+                wire,
+                source=wire.source + first,
+                target=wire.target + first,
+                path=tuple(corner._replace(row=corner.row + top) for corner in path),
+            )
+            for wire, path in zip(part.wires, layout.paths, strict=True)
+        )
+        tracks += [0] * (len(layout.tracks) - len(tracks))
+        tracks = [max(*pair) for pair in zip(tracks, _padded(layout.tracks, tracks), strict=True)]
+        groups.append((axes.names, top, top + layout.height))
+        top += layout.height
+    return Diagram(
+        model.name,
+        model.description,
+        f"every {time_text(model.period)}",
+        tuple(blocks),
+        tuple(wires),
+        tuple(groups),
+        tuple(tracks),
+        top,
+    )
+
+
+def _padded(numbers: Sequence[int], like: Sequence[int]) -> list[int]:
+    return [*numbers, *[0] * (len(like) - len(numbers))]
+
+
+def _place(block: DiagramBlock) -> str:
+    if block.kind == "drive":
+        return "last"
+    return "late" if block.kind in ("partner", "constant") else ""
+
+
+FROM = {"h": 7200.0, "min": 600.0, "s": 0.1, "ms": 1e-4, "us": 0.0}
+"""From how many seconds on a time is written in a unit."""
+
+
+def time_text(seconds: float) -> str:
+    """Return a time in the unit in which it is short: ``0.6 ms``, ``60 s``."""
+    unit = next(unit for unit, least in FROM.items() if not seconds < least)
+    many, of = TIMES[unit]
+    return f"{number_words(seconds * of / many, 12)} {unit}"
+
+
+# --- The lines of an axis as blocks and wires ---
+
+Pin = tuple[int, int, str]
+"""A block, one of its outputs, and the name of the signal there; empty for one without a name."""
+
+
+class _DiagramPart:
+    """The blocks and wires of axes that share their lines, without places."""
+
+    def __init__(self, model: ControllerModel, axes: Axes, counts: dict[str, int]) -> None:
+        self.axes = axes.names
+        self.gains = {gain.name: gain for gain in model.gains}
+        self.partners = {partner.name: partner for partner in model.partners}
+        self.files = {use.name: use.files for use in model.uses}
+        self.counts = counts
+        self.blocks: list[DiagramBlock] = []
+        self.wires: list[DiagramWire] = []
+        self.signals: dict[str, Pin] = {}
+        self.shared: dict[tuple[object, ...], Pin] = {}  # ports and their differences
+        self.driving: dict[str, list[tuple[Pin, Span]]] = {}
+        self.teachers: dict[str, list[Pin]] = {}
+        for line in axes.lines:
+            if isinstance(line, SignalLine):
+                self._signal(line)
+            elif isinstance(line, Zoom):
+                self._zoom(line)
+            elif isinstance(line, Learn):
+                self._learn(line)
+            else:
+                self._drive(line)
+        self._ports_of_drives()
+
+    # Blocks
+
+    def _block(
+        self,
+        kind: str,
+        label: str,
+        details: Iterable[str] = (),
+        sources: Sequence[tuple[Pin, str]] = (),
+        outputs: Sequence[str] = ("",),
+        span: Span = NOWHERE,
+    ) -> int:
+        """Add a block and the wires to it; return its index."""
+        index = len(self.blocks)
+        words = tuple(word for _, word in sources)
+        self.blocks.append(
+            DiagramBlock(kind, label, tuple(details), self.axes, words, tuple(outputs), span)
+        )
+        for at, ((source, output, name), _) in enumerate(sources):
+            self.wires.append(DiagramWire(source, output, index, at, name))
+        return index
+
+    def _port(self, kind: str, port: str, span: Span) -> Pin:
+        if (kind, port) not in self.shared:
+            self.shared[kind, port] = (self._block("port", f"{kind} {port}", span=span), 0, "")
+        return self.shared[kind, port]
+
+    def _error(self, port: str, weight: object, span: Span) -> Pin:
+        """Return the difference at a port, which several lines share."""
+        key = ("error", port, weight)
+        if key not in self.shared:
+            reference = self._port("reference", port, span)
+            if isinstance(weight, str | float):
+                reference = self._gain([Factor(weight)], reference, span)
+            sources = ((reference, "+"), (self._port("measured", port, span), "-"))
+            self.shared[key] = (self._block("difference", "", sources=sources, span=span), 0, "")
+        return self.shared[key]
+
+    def _gain(self, factors: Sequence[Factor], source: Pin, span: Span) -> Pin:
+        """Return what comes out of a gain; several numbers that follow one another are one."""
+        label, details = "", []
+        for factor in factors:
+            word = factor.value if isinstance(factor.value, str) else number_text(factor.value)
+            if label:
+                label += f" / {word}" if factor.divides else f" * {word}"
+            else:
+                label = f"1 / {word}" if factor.divides else word
+            gain = self.gains.get(factor.value) if isinstance(factor.value, str) else None
+            if gain is not None:
+                value = gain_words(gain)
+                details.append(value if len(factors) == 1 else f"{gain.name} = {value}")
+        return self._block("gain", label, details, [(source, "")], span=span), 0, ""
+
+    # Lines
+
+    def _signal(self, line: SignalLine) -> None:
+        if line.source is None:
+            pins = [self._sum(line.products, line.span)]
+        else:
+            (product,) = line.products
+            pins = [
+                self._product(product.factors, pin, line.span)
+                for pin in self._source(line.source, line)
+            ]
+        for name, (block, output, _) in zip(line.names, pins, strict=False):
+            self.signals[name] = (block, output, name)
+
+    def _source(self, source: Source, line: SignalLine) -> list[Pin]:
+        record, kind, name = source.record, source.kind, source.name
+        if record.of != "call":
+            if len(record.ports) > 1:
+                pin = self._error(name, source.option("weight"), line.span)
+            else:
+                pin = self._port(kind, name, line.span) if record.ports else self._read(name)
+            if record.function is None:
+                return [pin]
+            details = option_words(source)
+            return [(self._block(kind, kind, details, [(pin, "")], span=line.span), 0, "")]
+        sources = [(self._read(variable), "") for variable in source.inputs]
+        sources += [(pin, "learn") for pin in self.teachers.get(name, ())]
+        outputs = line.names if len(line.names) > 1 else ("",)
+        index = self._block(kind, name, self._sheet(name), sources, outputs, line.span)
+        return [(index, output, "") for output in range(len(outputs))]
+
+    def _sheet(self, name: str) -> list[str]:
+        """Return the description of a rule base or a table: its files and its size."""
+        words = []
+        if name in self.counts:
+            count = self.counts[name]
+            words.append(f"{count} rule{'' if count == 1 else 's'}")
+        files = self.files.get(name, ())
+        if files == ("zero",):
+            return [*words, "begins at zero"]
+        return [*words, *files]
+
+    def _read(self, name: str) -> Pin:
+        """Return a signal; of a text with mistakes one that comes from nowhere."""
+        if name in self.signals:
+            return self.signals[name]
+        if name in self.partners:
+            partner = self.partners[name]
+            index = self._block("partner", partner.law, [f"partner {name}"], span=partner.span)
+            return index, 0, ""
+        return self._block("constant", name), 0, ""
+
+    def _sum(self, products: Sequence[Product], span: Span) -> Pin:
+        pins = [self._product(product.factors, None, span) for product in products]
+        signs = ["-" if product.negative else "+" for product in products]
+        if len(pins) == 1:
+            return pins[0] if signs[0] == "+" else self._gain([Factor(-1.0)], pins[0], span)
+        sources = list(zip(pins, signs, strict=True))
+        return self._block("plus", "", sources=sources, span=span), 0, ""
+
+    def _product(self, factors: Sequence[Factor], first: Pin | None, span: Span) -> Pin:
+        """Return a product: signals are multiplied first, then come the gains."""
+        signals = [] if first is None else [(first, "*")]
+        numbers = []
+        for factor in factors:
+            if isinstance(factor.value, float) or factor.value in self.gains:
+                numbers.append(factor)
+            else:
+                signals.append((self._read(factor.value), "/" if factor.divides else "*"))
+        if not signals:
+            label, details = _constant(numbers, self.gains)
+            return self._block("constant", label, details, span=span), 0, ""
+        pin = signals[0][0]
+        if len(signals) > 1 or signals[0][1] == "/":
+            pin = (self._block("times", "", sources=signals, span=span), 0, "")
+        return self._gain(numbers, pin, span) if numbers else pin
+
+    def _zoom(self, line: Zoom) -> None:
+        by, inside = (self._number(value) for value in (line.by, line.inside))
+        details = [f"by {by}", f"inside {inside}", *(["edge wait"] if line.wait else [])]
+        sources = [(self._read(name), "") for name in line.signals]
+        index = self._block("zoom", "zoom", details, sources, [""] * len(sources), line.span)
+        for output, name in enumerate(line.signals):
+            self.signals[name] = (index, output, name)
+
+    def _learn(self, line: Learn) -> None:
+        sources = [(self._read(name), "") for name in line.inputs]
+        details = [
+            f"by {line.judge}",
+            f"delay {line.delay}",
+            f"rate {self._number(line.rate)}",
+            f"bound {self._number(line.bound)}",
+        ]
+        index = self._block("learn", f"learn {line.table}", details, sources, [""], line.span)
+        self.teachers.setdefault(line.table, []).append((index, 0, ""))
+
+    def _number(self, value: str | float) -> str:
+        """Return a number, or the name of a gain with what it is."""
+        if isinstance(value, float | int):
+            return number_text(value)
+        return f"{value} = {gain_words(self.gains[value])}" if value in self.gains else value
+
+    def _drive(self, line: Drive) -> None:
+        pin = self._sum(line.products, line.span)
+        if line.within is not None:
+            low, high = (number_text(end) for end in line.within)
+            limit = self._block("limit", "limit", [f"{low} .. {high}"], [(pin, "")], span=line.span)
+            pin = (limit, 0, "")
+        if line.slew is not None:
+            details = [f"{number_text(line.slew)} per s"]
+            pin = (self._block("slew", "slew", details, [(pin, "")], span=line.span), 0, "")
+        self.driving.setdefault(line.port, []).append((pin, line.span))
+
+    def _ports_of_drives(self) -> None:
+        for port, pins in self.driving.items():
+            (pin, span), *others = pins
+            if others:
+                sources = [(source, "+") for source, _ in pins]
+                pin = (self._block("plus", "", sources=sources, span=span), 0, "")
+            self._block("drive", f"drive {port}", sources=[(pin, "")], outputs=(), span=span)
+
+
+# --- Words ---
+
+
+def gain_words(gain: GainModel) -> str:
+    """Return the value of a gain, one or one for each axis, with its unit."""
+    values = ", ".join(_amount_text(value) for value in gain.values)
+    return f"{values} {gain.unit}" if gain.unit else values
+
+
+def _amount_text(amount: Amount) -> str:
+    text = ""
+    for number, divides in amount.factors:
+        text += ("/" if divides else "*") if text else ""
+        text += "π" if number is None else number_text(number)
+    return text
+
+
+def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[str, list[str]]:
+    """Return what stands in a block that depends on nothing."""
+    label, details = "", []
+    for factor in factors:
+        word = factor.value if isinstance(factor.value, str) else number_text(factor.value)
+        if label:
+            label += " / " if factor.divides else " * "
+        label += word
+        if isinstance(factor.value, str) and factor.value in gains:
+            details.append(gain_words(gains[factor.value]))
+    return label, details
+
+
+def option_words(source: Source) -> list[str]:
+    """Return the options of a source as the language writes them."""
+    words = []
+    kinds = source.record.options
+    for word, value in source.options:
+        if isinstance(value, tuple):
+            words.append(f"{word} {number_text(value[0])} .. {number_text(value[1])}")
+        elif value is True:
+            words.append(" ".join((word, *kinds[word].rest)))
+        elif kinds[word].takes == "windup" and isinstance(value, float):
+            words.append(f"{word} back {time_text(value)}")
+        elif kinds[word].takes == "time" and isinstance(value, float):
+            words.append(f"{word} {time_text(value)}")
+        else:
+            words.append(f"{word} {value if isinstance(value, str) else number_text(value)}")
+    return words

@@ -1,0 +1,268 @@
+"""The differences between two rule bases or two tables, drawn in the terminal."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.apps.show.drawing import number_words
+from fuzzyarm.apps.show.rulebase import expression_words, norm_words
+from fuzzyarm.apps.show.table import table_grids
+from fuzzyarm.apps.show.terms import shape_words
+from fuzzyarm.base.numbers import number_text, short_bins, short_levels
+from fuzzyarm.language.edit.hover import rule_sentence
+from fuzzyarm.language.model.rulebase import And, Expression, Is, Or, RuleBase, Variable
+from fuzzyarm.language.tokens import name_text
+
+if TYPE_CHECKING:
+    from rich.console import Group, RenderableType
+    from rich.text import Text
+
+    from fuzzyarm.table.diff import CellChange, TableDiff
+
+
+# --- The differences between two rule bases: rule by rule, term by term, setting by setting ---
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One difference.
+
+    Attributes
+    ----------
+    kind : str
+        ``changed``, ``added`` or ``removed``.
+    what : str
+        Where: the antecedent of a rule, the name of a term, a setting.
+    before, after : str
+        In words; empty for what was added or removed.
+    """
+
+    kind: str
+    what: str
+    before: str
+    after: str
+
+    def __str__(self) -> str:
+        if self.kind == "changed":
+            return f"{self.what}: {self.before} -> {self.after}"
+        return f"{self.what}: {self.before or self.after}"
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBaseDiff:
+    """Everything that differs in meaning.
+
+    The order of rules, comments, and whether conclusions share a rule or a grid do not count.
+    """
+
+    rules: tuple[Change, ...]
+    terms: tuple[Change, ...]
+    settings: tuple[Change, ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether both mean the same."""
+        return not (self.rules or self.terms or self.settings)
+
+
+def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
+    """Return what differs from `before` to `after`.
+
+    Parameters
+    ----------
+    before, after : RuleBase
+        Two versions.
+    """
+    return RuleBaseDiff(
+        tuple(changes(_rules(before), _rules(after))),
+        tuple(changes(_terms(before), _terms(after))),
+        tuple(changes(_settings(before), _settings(after))),
+    )
+
+
+_MARKS = {"changed": ("~", "yellow"), "added": ("+", "green"), "removed": ("-", "red")}
+
+
+def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
+    """Return the differences as a list with ``~``, ``+`` and ``-`` in front.
+
+    Parameters
+    ----------
+    diff : RuleBaseDiff
+        From :func:`compare_rulebases`.
+    """
+    from rich.console import Group
+    from rich.text import Text
+
+    if diff.same:
+        return Group(Text("the rule bases mean the same"))
+    lines: list[Text] = []
+    for title in ("rules", "terms", "settings"):
+        lines += change_lines(title, getattr(diff, title))
+    return Group(*lines)
+
+
+def change_lines(title: str, changes: Sequence[Change]) -> list[Text]:
+    """Return changes with ``~``, ``+`` and ``-`` in front, below how many there are of each."""
+    from rich.text import Text
+
+    if not changes:
+        return []
+    counts = Counter(change.kind for change in changes)
+    words = ", ".join(f"{counts[kind]} {kind}" for kind in _MARKS if counts[kind])
+    lines = [Text(f"{title}: {words}", "bold")]
+    for change in changes:
+        mark, style = _MARKS[change.kind]
+        lines.append(Text.assemble((f"  {mark} ", style), str(change)))
+    return lines
+
+
+def changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
+    """Yield what differs between texts by what they are of."""
+    for what, text in before.items():
+        if what not in after:
+            yield Change("removed", what, text, "")
+        elif after[what] != text:
+            yield Change("changed", what, text, after[what])
+    for what, text in after.items():
+        if what not in before:
+            yield Change("added", what, "", text)
+
+
+def _rules(rulebase: RuleBase) -> dict[str, str]:
+    """Return antecedent → what follows, one conclusion a rule; no order counts."""
+    rules: dict[str, list[str]] = {}
+    for block in rulebase.blocks:
+        for rule in block.rules:
+            home = f"{block.name}: " if block.name else ""
+            key = f"{home}if {expression_words(_sorted(rule.antecedent, rulebase))}"
+            # Not what stands behind the last `then`: a name may have one in it.
+            head = f"if {expression_words(rule.antecedent)} then "
+            # A rule of several conclusions is as many rules of one.
+            for consequent in rule.consequents:
+                alone = replace(rule, consequents=(consequent,))
+                rules.setdefault(key, []).append(rule_sentence(alone).removeprefix(head))
+    return {key: ", ".join(sorted(results)) for key, results in rules.items()}
+
+
+def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
+    """Put the propositions of a conjunction into the order of the inputs."""
+    if not isinstance(expression, (And, Or)):
+        return expression
+    names = [variable.name for variable in rulebase.inputs]
+
+    def position(operand: Expression) -> tuple[int, str]:
+        is_ranked = isinstance(operand, Is) and operand.variable in names
+        first = (
+            names.index(operand.variable) if is_ranked and isinstance(operand, Is) else len(names)
+        )
+        return first, expression_words(operand)
+
+    operands = sorted((_sorted(operand, rulebase) for operand in expression.operands), key=position)
+    return type(expression)(tuple(operands))
+
+
+def _terms(rulebase: RuleBase) -> dict[str, str]:
+    variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
+    return {
+        f"{name_text(variable.name)} {name_text(term.name)}": " over ".join(
+            shape_words(shape, rulebase) for shape in (term.shape, term.lower) if shape is not None
+        )
+        for variable in variables
+        for term in variable.terms
+    }
+
+
+def _settings(rulebase: RuleBase) -> dict[str, str]:
+    settings = {"name": rulebase.name}
+    for role, variables in (("input", rulebase.inputs), ("output", rulebase.outputs)):
+        for variable in variables:
+            span = f"{number_words(variable.low, 12)} .. {number_words(variable.high, 12)}"
+            settings[f"{role} {variable.name}"] = f"{span}, outside {variable.outside}"
+    for output in rulebase.outputs:
+        settings[f"defuzzifier {output.name}"] = str(output.defuzzifier)
+        settings[f"aggregation {output.name}"] = output.aggregation
+        settings[f"no-rule {output.name}"] = str(output.no_rule)
+    for k, block in enumerate(rulebase.blocks):
+        label = block.name or str(k + 1)
+        settings[f"block {label}"] = norm_words(block)
+    settings["lookup"] = "none" if rulebase.lookup is None else _lookup_words(rulebase)
+    return settings
+
+
+def _lookup_words(rulebase: RuleBase) -> str:
+    assert rulebase.lookup is not None
+    parts = []
+    for axis in rulebase.lookup.axes:
+        bins = f" bins {short_bins(axis.bins)}" if axis.bins else ""
+        parts.append(f"{name_text(axis.variable)} {short_levels(axis.levels)}{bins}")
+    if rulebase.lookup.round:
+        parts.append(f"round {number_words(rulebase.lookup.round)}")
+    return "; ".join(parts)
+
+
+# --- The differences between two tables: which cells changed, from what to what ---
+
+_MOST_LISTED = 400
+"""More changed cells than this are counted, not listed."""
+
+
+def table_diff_view(diff: TableDiff) -> Group:
+    """Return what changed: a summary, the header, a grid of the changes, and each cell.
+
+    Parameters
+    ----------
+    diff : TableDiff
+        From :func:`fuzzyarm.table.compare_tables`.
+    """
+    from rich.console import Group
+    from rich.text import Text
+
+    parts: list[RenderableType] = [Text(table_summary(diff), "bold")]
+    if diff.transposed:
+        order = ", ".join(map(name_text, diff.before.names))
+        parts.append(Text(f"the second table has its inputs in another order than {order}"))
+    parts += [Text(f"{what}: {a} -> {b}") for what, a, b in diff.header]
+    if diff.changes:
+        difference: Any = diff.after.values - diff.before.values
+        grids = table_grids(diff.before, difference, text=_change_text)
+        parts += [Text(), Text("after - before"), *grids, Text()]
+        parts += [Text(table_change_words(diff, change)) for change in diff.changes[:_MOST_LISTED]]
+        rest = len(diff.changes) - _MOST_LISTED
+        if rest > 0:
+            parts.append(Text(f"and {rest} more cells"))
+    return Group(*parts)
+
+
+def table_summary(diff: TableDiff) -> str:
+    """Return how many cells differ, and by how much at most."""
+    if not diff.comparable:
+        return "the tables cannot be compared cell by cell: their inputs or levels differ"
+    count, size = len(diff.changes), diff.before.values.size
+    if not count:
+        return f"all {size} cells are equal"
+    largest = max(diff.changes, key=lambda change: abs(change.after - change.before))
+    return (
+        f"{count} of {size} cells changed, by up to "
+        f"{number_words(abs(largest.after - largest.before), 4)}"
+    )
+
+
+def table_change_words(diff: TableDiff, change: CellChange) -> str:
+    """Return a changed cell: where it is, what it was and what it is."""
+    cell = ", ".join(
+        f"{name_text(name)} = {number_words(level)}"
+        for name, level in zip(diff.before.names, change.levels, strict=True)
+    )
+    return f"{cell}: {number_text(change.before)} -> {number_text(change.after)}"
+
+
+def _change_text(x: float) -> str:
+    """Return a change with its sign; an unchanged cell is a dot."""
+    if x == 0:
+        return "."
+    text = number_words(x, 3)
+    return text if x < 0 else f"+{text}"

@@ -1,0 +1,74 @@
+"""One figure of a file, whatever is in it: what ``fuzzyarm plot`` draws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.language.model.rulebase import RuleBase
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fuzzyarm.proof.map import Verdict
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["model_figure"]
+
+
+def model_figure(
+    model: RuleBase | LookupTable | ControllerText,
+    what: str = "all",
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+) -> Figure:
+    """Return the figure of a rule base, a table or a controller.
+
+    Parameters
+    ----------
+    model : RuleBase, LookupTable or ControllerText
+        A table gives its cells.
+    what : str
+        Of a rule base: ``terms``, ``surface``, or ``all`` of both. Points at which its ``prove``
+        lines fail are marked. Of a controller: ``diagram``, or ``all`` with what it looks up.
+    output : str, optional
+        The surface of this output only.
+    at : mapping of str to float, optional
+        Inputs that are held fixed or marked.
+
+    Raises
+    ------
+    TableError
+        If there is no such output.
+    """
+    from fuzzyarm.apps.show.figures import (
+        controller_figure,
+        diagram_figure,
+        memberships_figure,
+        rulebase_figure,
+        surface_figure,
+        table_figure,
+    )
+
+    if isinstance(model, ControllerText):
+        return diagram_figure(model) if what == "diagram" else controller_figure(model)
+    if not isinstance(model, RuleBase):
+        return table_figure(model, at=at)
+    if what == "terms":
+        return memberships_figure(model)
+    if output is not None:
+        from fuzzyarm.table.compiler import choose_output
+
+        output = choose_output(model, output).name
+    draw = surface_figure if what == "surface" else rulebase_figure
+    return draw(model, output, at, _refuted(model))
+
+
+def _refuted(rulebase: RuleBase) -> list[Verdict]:
+    """Return the properties of a rule base that fail, as far as a check finds them."""
+    if not rulebase.properties:
+        return []
+    from fuzzyarm.exchange.files import judge
+
+    return [verdict for verdict in judge(rulebase).verdicts if verdict.verdict == "refuted"]

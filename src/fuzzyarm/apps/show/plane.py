@@ -1,0 +1,90 @@
+"""Values over one input or two as a picture: a line for each, or samples of a plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.base.picture import Axis, Cells, ChartPart, Dots, Level, Line, Numbers, Panel
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["MOST_RULINGS", "plane_panel"]
+
+MOST_RULINGS = 80
+"""More lines of a grid along an axis would hide what they lie on."""
+
+LOOKS = (("first", "-"), ("second", "--"))
+"""Of the lines over one input."""
+
+
+def plane_panel(
+    points: Mapping[str, Numbers],
+    values: Mapping[str, NDArray[np.float64]],
+    value: Axis,
+    *,
+    title: str = "",
+    at: Mapping[str, float] | None = None,
+    signed: bool = False,
+    grid: Mapping[str, Numbers] | None = None,
+) -> Panel:
+    """Return values over one input, or over two, as a panel.
+
+    Parameters
+    ----------
+    points : mapping of str to sequence of float
+        Where the inputs are sampled: the one across, then the one up, if there is one.
+    values : mapping of str to ndarray
+        Values by what they are, row by row; several only over one input.
+    value : Axis
+        What they are and between what they lie; its ends are those of the values by default.
+    title : str, optional
+        Of the panel.
+    at : mapping of str to float, optional
+        A point to mark.
+    signed : bool
+        Whether they are differences, whose colours part at zero.
+    grid : mapping of str to sequence of float, optional
+        Levels of the inputs, to be drawn as rulings.
+    """
+    names, at = list(points), at or {}
+    across, *up = (Axis(name, "", xs[0], xs[-1]) for name, xs in points.items())
+    value = _with_ends(value, values.values(), about_zero=signed)
+    rulings = [
+        Level(x, upright=name == names[0], tone="wanted", width=0.5)
+        for name, xs in (grid or {}).items()
+        if len(xs) <= MOST_RULINGS
+        for x in xs
+    ]
+    parts: list[ChartPart]
+    if not up:
+        marks = [Level(at[names[0]], upright=True)] if names[0] in at else []
+        parts = [
+            Line(points[names[0]], row.ravel(), tone, 2.0, dash, name if len(values) > 1 else "")
+            for (name, row), (tone, dash) in zip(values.items(), LOOKS, strict=False)
+        ]
+        return Panel([*rulings, *parts, *marks], across, value, title)
+    (plane,) = values.values()
+    parts = [Cells(points[names[0]], points[names[1]], plane, value, signed=signed), *rulings]
+    if all(name in at for name in names):
+        parts.append(Dots([at[names[0]]], [at[names[1]]], "+"))
+    return Panel(parts, across, up[0], title)
+
+
+def _with_ends(value: Axis, rows: Any, *, about_zero: bool) -> Axis:
+    """Return the axis of some values with ends; about zero where they are differences."""
+    from dataclasses import replace
+
+    if value.low is not None:
+        return value
+    finite = [x for row in rows for x in row.ravel().tolist() if math.isfinite(x)]
+    low, high = min(finite, default=0.0), max(finite, default=1.0)
+    if about_zero:
+        high = max(abs(low), abs(high)) or 1.0
+        low = -high
+    elif not low < high:
+        low, high = low - 1.0, high + 1.0
+    return replace(value, low=low, high=high)

@@ -1,0 +1,133 @@
+"""What is proved, in lines: bounds, sectors, the static part of drives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.proof.map import Bounds
+from fuzzyarm.proof.map.controllers import DriveProof, DriveSector
+from fuzzyarm.proof.map.prover import written
+from fuzzyarm.proof.map.sector import Sector, form_text
+from fuzzyarm.proof.map.verdicts import bound_text
+
+__all__ = ["WAYS", "bound_lines", "drive_lines", "grouped_drives", "place_of_worst", "sector_lines"]
+
+WAYS = {
+    "exact": "in exact arithmetic",
+    "widened": "rounded outward",
+    "boxes": "by boxes",
+}
+
+
+def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
+    """Return what is bounded of an output: its ``range``, the ``worst`` of a table, or a slope."""
+    work = f"{bounds.pieces:,} pieces, {WAYS[bounds.way]}"
+    if not bounds.complete:
+        work += "; time ran out before the bounds were tight"
+    if key == "worst":
+        first = f"worst {bound_text(max(bounds.high, -bounds.low))} (proved)"
+        return [first, f"  near {written(place_of_worst(bounds))}", f"  {work}"]
+    what = f"{output}" if key == "range" else f"slope of {output} along {key}"
+    first = f"{what} in {bound_text((bounds.low, bounds.high))} (proved)"
+    lines = [first]
+    if bounds.at_low:
+        lines.append(f"  lowest near {written(bounds.at_low)}")
+    if bounds.at_high:
+        lines.append(f"  highest near {written(bounds.at_high)}")
+    return [*lines, f"  {work}"]
+
+
+def place_of_worst(bounds: Bounds) -> dict[str, float]:
+    """Return where an error is farthest from zero."""
+    return bounds.at_high if bounds.reached_high >= -bounds.reached_low else bounds.at_low
+
+
+def sector_lines(output: str, sector: Sector) -> list[str]:
+    """Return a sector of an output, and where its ends are reached."""
+    slack = f", to {sector.slack:g}" if sector.slack else ""
+    lines = [
+        f"{output} between {_bounds(sector.low, sector.high)} times"
+        f" {form_text(sector.weights)} (proved{slack})"
+    ]
+    for word, at in (("lowest", sector.at_low), ("highest", sector.at_high)):
+        if at:
+            lines.append(f"  {word} near {written(at)}")
+    if not sector.complete:
+        lines.append("  time ran out before the bounds were tight")
+    return [*lines, f"  {sector.pieces:,} pieces, in exact arithmetic"]
+
+
+def _bounds(low: float, high: float) -> str:
+    return f"{outward_text(low, up=False)} and {outward_text(high, up=True)}"
+
+
+def grouped_drives(proofs: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
+    """Return each proof once, with the drives that it is about."""
+    groups: dict[str, tuple[DriveProof, list[str]]] = {}
+    for proof in proofs:
+        # By its text: a proof holds dictionaries, which have no hash.
+        key = repr(replace(proof, axis=""))
+        groups.setdefault(key, (proof, []))[1].append(f"{proof.axis}.{proof.port}")
+    return list(groups.values())
+
+
+def drive_lines(path: str, proof: DriveProof, names: list[str], *, sectors_only: bool) -> list[str]:
+    """Return what is proved of a drive; `path` is whose it is."""
+    unit = f" {proof.unit}" if proof.unit else ""
+    lines = [f"{path}: {', '.join(names)} in {_interval(proof.low, proof.high)}{unit} (proved)"]
+    if not sectors_only:
+        lines += _limit_lines(proof)
+        lines += _gain_lines(proof)
+    for drive_sector in proof.sectors:
+        lines += _drive_sector(drive_sector, proof)
+    return [*lines, *(f"  not proved: {words}" for words in proof.open)]
+
+
+def _limit_lines(proof: DriveProof) -> list[str]:
+    if proof.limits is None:
+        return []
+    limits = f"limits {_number(proof.limits[0])} .. {_number(proof.limits[1])}"
+    free = _interval(*proof.free)
+    if proof.reached == "never":
+        return [f"  its {limits} are never reached: {free}"]
+    if proof.reached == "open":
+        return [f"  whether its {limits} are reached is open: within {free} without them"]
+    at = ", ".join(f"{name} = {_number(x)}" for name, x in proof.at.items())
+    return [f"  its {limits} are reached, at {at}"]
+
+
+def _gain_lines(proof: DriveProof) -> list[str]:
+    lines = []
+    for gain in proof.gains:
+        size = _number(gain.low) if gain.low == gain.high else _span(gain.low, gain.high)
+        around = ""
+        if (gain.least, gain.most) != (gain.low, gain.high):
+            around = f" (slopes around it {_span(gain.least, gain.most)})"
+        unit = f" {gain.unit}" if gain.unit else ""
+        lines.append(f"  at the origin {size}{unit} of {gain.source}{around}")
+    return lines
+
+
+def _drive_sector(sector: DriveSector, proof: DriveProof) -> list[str]:
+    slack = f", to {sector.slack:g}" if sector.slack else ""
+    between = _interval(sector.low, sector.high)
+    within = [f"{name} in {_span(*ends)}" for name, ends in sector.within.items()]
+    if len(sector.weights) == 1:
+        (name,) = sector.weights
+        unit = next((g.unit for g in proof.gains if g.source == name and g.unit), "")
+        return [f"  sector along {within[0]}: {between}{f' {unit}' if unit else ''}{slack}"]
+    head = f"  sector along {form_text(sector.weights)}: {between}{slack}"
+    return [head, *(f"    {words}" for words in within)]
+
+
+def _number(x: float) -> str:
+    return f"{x:.7g}"
+
+
+def _span(low: float, high: float) -> str:
+    return f"{_number(low)} .. {_number(high)}"
+
+
+def _interval(low: float, high: float) -> str:
+    return bound_text((low, high))

@@ -1,0 +1,64 @@
+"""The published experiments: figures as data, and what running them again gives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.apps.study.identify import Identified, UnknownProblemError, identify
+from fuzzyarm.apps.study.published import PublishedRow, UnknownRowError, find_rows, published_rows
+from fuzzyarm.apps.study.reproduce import (
+    Ensemble,
+    Reproduced,
+    RowJudgement,
+    chaotic,
+    judge,
+    reproduce,
+    reproduce_row,
+    variants,
+)
+from fuzzyarm.base.lazy import lazily
+
+if TYPE_CHECKING:
+    from fuzzyarm.apps.study.beyond import NAMES, Beyond, run_beyond
+    from fuzzyarm.apps.study.comparison import Compared, compare, compared_names, cost_of
+    from fuzzyarm.apps.study.figures import draw_chapter, draw_overview, draw_profiles, save_figure
+
+__all__ = [
+    "NAMES",
+    "Beyond",
+    "Compared",
+    "Ensemble",
+    "Identified",
+    "PublishedRow",
+    "Reproduced",
+    "RowJudgement",
+    "UnknownProblemError",
+    "UnknownRowError",
+    "chaotic",
+    "compare",
+    "compared_names",
+    "cost_of",
+    "draw_chapter",
+    "draw_overview",
+    "draw_profiles",
+    "find_rows",
+    "identify",
+    "judge",
+    "published_rows",
+    "reproduce",
+    "reproduce_row",
+    "run_beyond",
+    "save_figure",
+    "variants",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "beyond": ("NAMES", "Beyond", "run_beyond"),
+            "comparison": ("Compared", "compare", "compared_names", "cost_of"),
+            "figures": ("draw_chapter", "draw_overview", "draw_profiles", "save_figure"),
+        },
+        __all__,
+    )

@@ -1,0 +1,351 @@
+"""All controllers under the same conditions: how near, how calmly, at what cost.
+
+The study compares errors alone, with set points that are held, motors without inductance and as
+much torque as is asked for, and it did not count alike for all. Here any of that can change, for
+all of them alike: nothing depends on what a controller, or its file, is called. Another plant that
+has trajectories is compared on in the same way; costs are counted on the arm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.apps.study.beyond import NAMES as BEYOND
+from fuzzyarm.apps.study.beyond import SUMMARY_TABLE
+from fuzzyarm.apps.study.cost import Operations, count_operations, measure_time
+from fuzzyarm.apps.study.published import published_rows
+from fuzzyarm.base.keywords import demand_arguments
+from fuzzyarm.control.controllers.controller import Controller
+from fuzzyarm.control.controllers.on_plant import text_law_of
+from fuzzyarm.control.controllers.own import find_controller, find_controllers
+from fuzzyarm.control.loop.along import equipped, trajectory_motion
+from fuzzyarm.control.loop.course import Options
+from fuzzyarm.control.loop.experiments import follows, with_plant
+from fuzzyarm.control.loop.loop import HELD, LED, MAGNITUDES, rms
+from fuzzyarm.control.loop.program import shown_errors, shown_means, shown_units
+from fuzzyarm.control.loop.run import ClosedLoop
+from fuzzyarm.control.loop.words import connections, conventions_of, options_of, times_and_angles
+from fuzzyarm.exchange.export.cost import step_cost
+from fuzzyarm.exchange.export.numbers import ExportError
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.following import carries, compared_trajectories
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.runs import CompareRequest
+
+Numbers = tuple[float, ...]
+"""Of each output that follows on the first trajectory, then on the second, and so on."""
+
+
+def compared_names() -> list[str]:
+    """Return the controllers of the summary table and those that the study does not have."""
+    rows = [row.controller for row in published_rows() if row.table == SUMMARY_TABLE]
+    return [*rows, *BEYOND]
+
+
+# --- Conditions ---
+
+INDUCTANCE = 0.002
+"""Of each armature, H. The study prints none: with its 2.32 Ω this makes a time constant of 0.9 ms,
+one and a half control periods, as brushed servo motors of some hundred watts have it."""
+
+SUPPLY = 24.0
+"""The larger one of the study's, V."""
+
+TORQUE_LIMITS = (55.44, 48.51)
+"""Named in the study's programs and not applied there, N m: 10.5 A in either motor."""
+
+CONDITIONS = {
+    "held": Options(),
+    "interpolated": Options(interpolate=True),
+    "inductance": Options(inductance=INDUCTANCE),
+    "saturation": Options(supply=SUPPLY, torque_limits=TORQUE_LIMITS),
+    "both": Options(inductance=INDUCTANCE, supply=SUPPLY, torque_limits=TORQUE_LIMITS),
+}
+"""Those of the tables: set points held, as the study has it, and one thing changed at a time."""
+
+
+# --- Errors, and how much the torque changes ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compared:
+    """A controller under some conditions.
+
+    Attributes
+    ----------
+    name : str
+        Of the controller.
+    units : tuple of str
+        Of the errors, which of the arm are degrees.
+    rms : tuple of float
+        RMS errors at the set points; where a run diverged, until then.
+    rms_periods : tuple of float
+        The same of all control periods, from the set point that is held in each.
+    rms_path : tuple of float
+        The same from the trajectory itself, which moves on while a set point stands.
+    variation : tuple of float
+        Mean magnitude of the change of the first drive of each axis, on the arm of the torque of a
+        joint in N m, from one control period to the next: chatter.
+    diverged : tuple of (float or None)
+        When the run on each trajectory was stopped, s.
+    notes : tuple of str
+        What was taken otherwise than it was asked for, in sentences.
+    """
+
+    name: str
+    units: tuple[str, ...]
+    rms: Numbers
+    rms_periods: Numbers
+    rms_path: Numbers
+    variation: Numbers
+    diverged: tuple[float | None, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def error(self) -> float:
+        """Geometric mean of the RMS errors at the set points."""
+        return geometric_mean(self.rms)
+
+    @property
+    def path_error(self) -> float:
+        """Geometric mean of the RMS errors from the trajectory."""
+        return geometric_mean(self.rms_path)
+
+
+def geometric_mean(values: Sequence[float]) -> float:
+    """Return the geometric mean of numbers that are not negative."""
+    # A 0 among the numbers gives log 0 = -inf and a mean of 0, as it should.
+    with np.errstate(divide="ignore"):
+        return float(np.exp(np.mean(np.log(values))))
+
+
+def compare(
+    controllers: Sequence[str | Controller] | CompareRequest,
+    options: Options | None = None,
+    *,
+    plant: Plant | None = None,
+    trajectories: Sequence[Trajectory] | None = None,
+    conventions: Conventions = PLAIN,
+    payload: bool = True,
+    connect: Mapping[str, str] | None = None,
+) -> Iterator[Compared]:
+    """Run controllers along the same trajectories, all under the same conditions.
+
+    Parameters
+    ----------
+    controllers : sequence of str or Controller, or CompareRequest
+        Of the catalogue, sums or files. A request alone says all that ``fuzzyarm compare`` does.
+    options : Options, optional
+        The conditions; see :data:`CONDITIONS`.
+    plant : Plant, optional
+        Where; the arm by default.
+    trajectories : sequence of Trajectory, optional
+        Those by which the plant has controllers compared by default: of the arm those of the
+        summary table.
+    conventions : Conventions, optional
+        Of all of them.
+    payload : bool, optional
+        Whether a plant that carries a load does so where the trajectory says.
+    connect : mapping of str to str, optional
+        From names of the controllers to ports of the plant, where they differ.
+    """
+    wishes = {
+        "controllers": controllers,
+        "options": options,
+        "plant": plant,
+        "trajectories": trajectories,
+        "conventions": conventions,
+        "connect": connect,
+    }
+    demand_arguments("compare", wishes, compare)
+    if isinstance(controllers, CompareRequest):
+        yield from _compared_by(controllers)
+        return
+    home = plant or Arm()
+    ways = compared_trajectories(home) if trajectories is None else trajectories
+    catalogue = iter(
+        find_controllers([controller for controller in controllers if isinstance(controller, str)])
+    )
+    for controller in controllers:
+        law = controller if isinstance(controller, Controller) else next(catalogue)
+        runs = [
+            watched_run(
+                law,
+                way,
+                conventions,
+                options or Options(),
+                plant=home,
+                payload=payload,
+                connect=connect,
+            )
+            for way in ways
+        ]
+        yield Compared(
+            name=law.name,
+            units=tuple(unit for run in runs for unit in run.units),
+            rms=tuple(error for run in runs for error in run.rms),
+            rms_periods=tuple(error for run in runs for error in run.rms_periods),
+            rms_path=tuple(error for run in runs for error in run.rms_path),
+            variation=tuple(change for run in runs for change in run.variation),
+            diverged=tuple(run.diverged for run in runs),
+            notes=tuple(dict.fromkeys(note for run in runs for note in run.notes)),
+        )
+
+
+def _compared_by(request: CompareRequest) -> Iterator[Compared]:
+    """Do what a request asks along the trajectories of its plant."""
+    controllers = find_controllers(request.controllers or compared_names())
+    request, plant = with_plant(request, controllers)
+    if not follows(request, plant):
+        message = f"{plant.name} follows references here: compare the runs of `simulate`"
+        raise RequestError("plant", f"must have trajectories to compare along: {message}")
+    yield from compare(
+        controllers,
+        options_of(request, plant),
+        plant=plant,
+        trajectories=compared_along(request, plant),
+        conventions=conventions_of(request),
+        payload=bool(request.payload),
+        connect=connections(request),
+    )
+
+
+def compared_along(request: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
+    """Return those that a plant has controllers compared along, with other angles and times."""
+    arguments: dict[str, Any] = {}
+    if request.angles is not None:
+        arguments["angles"] = request.angles
+    if request.segment is not None:
+        arguments["segment"] = request.segment
+    with times_and_angles():
+        return compared_trajectories(plant, **arguments)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watched:
+    """What is compared of one run: see :class:`Compared`."""
+
+    units: tuple[str, ...]
+    rms: Numbers
+    rms_periods: Numbers
+    rms_path: Numbers
+    variation: Numbers
+    diverged: float | None
+    notes: tuple[str, ...] = ()
+
+
+def watched_run(
+    controller: Controller,
+    trajectory: Trajectory,
+    conventions: Conventions,
+    options: Options,
+    *,
+    plant: Plant | None = None,
+    payload: bool = True,
+    connect: Mapping[str, str] | None = None,
+) -> Watched:
+    """Run a controller on a plant, the arm by default; what :func:`simulate` gives, and chatter."""
+    home = equipped(plant or Arm(), options)
+    motion = trajectory_motion(
+        home,
+        trajectory,
+        controller,
+        conventions,
+        payload=payload and carries(home),
+        connect=connect,
+    )
+    loop = ClosedLoop(controller, motion, conventions, options, connect)
+    course, run = loop.course, loop.open()
+    run.advance()
+    record = run.record
+    inputs = [axis for axis, _ in loop.site.interface.inputs]
+    first = [inputs.index(axis) for axis, _ in motion.tracked if axis in inputs]
+
+    def plainly(values: NDArray[np.float64]) -> Numbers:
+        return tuple(float(value) for value in values)
+
+    return Watched(
+        units=shown_units(course),
+        rms=plainly(rms(shown_errors(course, record.rows))),
+        rms_periods=plainly(shown_means(course, record, HELD)),
+        rms_path=plainly(shown_means(course, record, LED)),
+        variation=plainly(record.changes(MAGNITUDES)[first]),
+        diverged=record.diverged(),
+        notes=loop.notes(),
+    )
+
+
+# --- Cost ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControlStepCost:
+    """What a control step of a controller costs, both joints.
+
+    Attributes
+    ----------
+    name : str
+        Of the controller.
+    operations : Operations
+        Counted in the loop along a move, in the mean.
+    exported : int or None
+        What a step of the exported program takes at most; None of what cannot be exported.
+    seconds : float or None
+        Measured in the loop, as machine code; None where it was not.
+    """
+
+    name: str
+    operations: Operations
+    exported: int | None
+    seconds: float | None
+
+
+def is_counted(plant: Plant) -> bool:
+    """Whether costs are counted on a plant: only on the arm."""
+    return isinstance(plant, Arm)
+
+
+def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) -> ControlStepCost:
+    """Count the operations of a controller and measure its time.
+
+    Parameters
+    ----------
+    name : str
+        Of the catalogue, a sum or a file.
+    conventions : Conventions, optional
+        In which the time is measured.
+    timed : bool, optional
+        Whether it is.
+
+    Returns
+    -------
+    ControlStepCost
+        Operations of a control step, and its time in s.
+    """
+    controller = find_controller(name)
+    seconds = measure_time(controller, conventions=conventions) if timed else None
+    return ControlStepCost(
+        name=controller.name,
+        operations=count_operations(controller),
+        exported=exported_operations(controller),
+        seconds=seconds,
+    )
+
+
+def exported_operations(controller: Controller) -> int | None:
+    """Return what a step of the program exported from a text takes at most, None of others."""
+    law = text_law_of(controller)
+    if law is None:
+        return None
+    try:
+        return step_cost(law.text).exported.total()
+    except ExportError:
+        return None

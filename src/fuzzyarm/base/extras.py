@@ -1,0 +1,102 @@
+"""How an extra is installed, in words that can be typed where they are read.
+
+fuzzyarm is on no index, so ``fuzzyarm[lsp]`` is not a name that pip finds. In a clone, or where
+it was installed from one, pip is given the clone; elsewhere what the extra asks for.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+from importlib.metadata import PackageNotFoundError, distribution, requires
+from importlib.util import find_spec
+from pathlib import Path
+from shutil import which
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
+
+UV = "uv pip"
+"""The installer of environments without pip, such as those that uv makes."""
+
+
+def installing(extra: str) -> str:
+    """Return the command that installs an extra into the Python that runs."""
+    pip = _pip()
+    words = [pip, "install", *(["--python", _python()] if pip == UV else [])]
+    clone, editable = _clone()
+    if clone is not None:
+        folder = "." if clone == Path.cwd() else clone
+        return " ".join([*words, *["-e"] * editable, f'"{folder}[{extra}]"'])
+    return " ".join([*words, *(f'"{need}"' for need in _requirements(extra))])
+
+
+def install(extra: str) -> str:
+    """Install what an extra asks for into the Python that runs; return what went wrong, or ''."""
+    pip = _pip()
+    by = [*shlex.split(UV), "install", "--python", sys.executable]
+    words = by if pip == UV else [sys.executable, "-m", "pip", "install", "--quiet"]
+    try:
+        done = subprocess.run(
+            [*words, *_requirements(extra)], capture_output=True, text=True, check=False
+        )
+    except OSError as error:
+        return str(error)
+    lines = done.stderr.strip().splitlines() or ["it failed"]
+    return lines[-1] if done.returncode else ""
+
+
+def _clone() -> tuple[Path | None, bool]:
+    """Return the folder of the sources, and whether they run where they lie.
+
+    Those are installed with ``-e``: without it pip would put a copy in their place, and what
+    changes in the clone would no longer be what runs.
+    """
+    source = Path(__file__).resolve().parents[3]
+    if _has_project(source):
+        return source, True
+    try:
+        record = distribution("fuzzyarm").read_text("direct_url.json")
+    except PackageNotFoundError:
+        return None, False
+    origin = json.loads(record or "{}")
+    if "dir_info" not in origin:
+        return None, False
+    source = Path(url2pathname(urlsplit(origin["url"]).path))
+    return (source if _has_project(source) else None), False
+
+
+def _has_project(folder: Path) -> bool:
+    return (folder / "pyproject.toml").is_file() and (folder / "src" / "fuzzyarm").is_dir()
+
+
+def _requirements(extra: str) -> list[str]:
+    """Return what an extra asks for, as the installed package has it."""
+    try:
+        lines = requires("fuzzyarm") or []
+    except PackageNotFoundError:
+        lines = []
+    pattern = re.compile(rf"extra\s*==\s*['\"]{re.escape(extra)}['\"]")
+    parts = [line.partition(";") for line in lines]
+    return [need.strip() for need, _, marker in parts if pattern.search(marker)] or [f".[{extra}]"]
+
+
+def _pip() -> str:
+    """Return pip as the shell knows it: by its name, where that is the one of this Python."""
+    python = Path(sys.executable)
+    by_name = which("pip")
+    if by_name is not None and Path(by_name).parent == python.parent:
+        return "pip"
+    if find_spec("pip") is None:
+        return UV
+    return f"{_python()} -m pip"
+
+
+def _python() -> str:
+    """Return this Python as the shell takes it."""
+    python = Path(sys.executable)
+    if python.parent != Path.cwd() and python.is_relative_to(Path.cwd()):
+        python = python.relative_to(Path.cwd())
+    return f'"{python}"' if " " in str(python) else str(python)

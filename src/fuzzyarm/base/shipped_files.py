@@ -1,0 +1,91 @@
+"""Where the rule bases and tables are that come with fuzzyarm."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.keywords import demand_text
+from fuzzyarm.base.names import near_hint
+
+
+class NotShippedError(FuzzyarmError, FileNotFoundError):
+    """No shipped file has that name.
+
+    Attributes
+    ----------
+    name : str
+        The name that was asked for.
+    """
+
+    def __init__(self, name: str, names: list[str]) -> None:
+        hint, _ = near_hint(name, names)
+        super().__init__(
+            f"no shipped rule base or table is called '{name}'",
+            hint=hint or f"there are {', '.join(names)}",
+        )
+        self.name = name
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the shipped files: in an installed package, or in a checkout."""
+    here = Path(__file__).resolve().parents[1]
+    inside = here / "shipped"
+    return inside if inside.is_dir() else here.parents[1] / "rulebases"
+
+
+OF_THE_STUDY = "as-described"
+"""Folder of the variants that follow the study's text where its figures say something else."""
+
+EXAMPLES = ("fan.frb", "tipper.frb", "heater.frb", "servo.frb", "pd7.frb", "pd-motor.frb")
+"""Shipped files to begin with, the simplest first."""
+
+
+def _shipped_files() -> dict[str, Path]:
+    folder = shipped_folder()
+    # A page's Python has no files of the study.
+    paths = [*folder.iterdir(), *(folder / OF_THE_STUDY).glob("*")]
+    return {path.name: path for path in paths if path.suffix in (".frb", ".lut")}
+
+
+def shipped_names() -> list[str]:
+    """Return the names of the shipped files, sorted."""
+    return sorted(_shipped_files())
+
+
+def shipped(name: str) -> Path:
+    """Return the path of the shipped file `name`, for instance ``pd7.frb``.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, with its suffix.
+
+    Raises
+    ------
+    NotShippedError
+        If there is none; with the nearest name.
+    """
+    path = _shipped_files().get(demand_text("shipped", name, "name"))
+    if path is None:
+        raise NotShippedError(name, shipped_names())
+    return path
+
+
+_HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
+"""The line of a file that says what it is: of a table that of its output."""
+
+_KINDS = {"rulebase": "rule base", "controller": "controller", "output": "table"}
+
+
+def what_it_is(text: str) -> tuple[str, str]:
+    """Return the kind of the text of a file, and its description.
+
+    Parameters
+    ----------
+    text : str
+        Of a ``.frb`` or ``.lut`` file. Both are empty where it has no description.
+    """
+    match = _HEAD.search(text)
+    return (_KINDS[match[1]], match[2]) if match else ("", "")

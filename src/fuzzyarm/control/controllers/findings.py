@@ -1,0 +1,558 @@
+"""What is probably not meant between a controller, its rule bases and tables, and its plant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+
+from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.control.controllers.controller import Controller
+from fuzzyarm.control.controllers.on_plant import SITE_OF_LAWS, Site, lacking, site_of, text_law_of
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.reach import (
+    FED_BACK,
+    MADE,
+    PORT,
+    LookUp,
+    Meeting,
+    Reaches,
+    overlap,
+    reaches_of,
+    width,
+)
+from fuzzyarm.control.controllers.text import ControllerText, ports_of
+from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, GainModel, SignalLine
+from fuzzyarm.language.model.units import (
+    dimension,
+    product,
+    read_unit,
+    unit_text,
+    unlike,
+)
+from fuzzyarm.plant.own import PLANTS
+from fuzzyarm.plant.plant import Address, Plant, Port
+from fuzzyarm.symbolic.operations import Interval
+
+# --- Which plant ---
+
+KINDS = ("measured", "reference", "drive")
+"""What a controller asks of a plant."""
+
+
+@cache
+def shipped_sites() -> tuple[Site, ...]:
+    """Return the shipped plants as controllers find them."""
+    return tuple(site_of(kind()) for kind in PLANTS.values())
+
+
+def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = None) -> Site | None:
+    """Return the shipped plant that has the axes of a controller, and some port that it asks for.
+
+    Where names are joined to ports, one that has all of them will do. A controller may be meant
+    for another plant, so that nothing follows from it for certain.
+    """
+    connect = connect or {}
+    axes = {connect.get(axis, axis) for axis in model.axis_names}
+    ports = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
+    for shipped_site in shipped_sites():
+        site = replace(shipped_site, connect=connect) if connect else shipped_site
+        present = [site.has(model, *use) for use in ports]
+        if any(present) and (axes <= set(site.interface.axes) or (connect and all(present))):
+            return site
+    return None
+
+
+def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -> Site:
+    """Return the shipped plant on which a controller runs where none is named.
+
+    Parameters
+    ----------
+    controller : Controller
+        A text runs on the plant with its axes, everything else where the laws of the study do.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+
+    Raises
+    ------
+    SourceError
+        If no shipped plant has its axes and some of its ports.
+    """
+    parts = list(controller.parts())
+    texts = [law.text.model for law in map(text_law_of, parts) if law is not None]
+    if len(texts) < len(parts):
+        return SITE_OF_LAWS
+    site = site_by_axes(texts[0], connect)
+    if site is None:
+        axes = ", ".join(texts[0].axis_names)
+        ports = [port for kind in KINDS for _, port in ports_of(texts[0], kind)]
+        raise SourceError(
+            f"no shipped plant has axis {axes} with {', '.join(dict.fromkeys(ports))}, as"
+            f" {controller.name} asks for",
+            hint=f"--plant FILE.py names one of yours; there are {', '.join(PLANTS)}",
+        )
+    return site
+
+
+# --- All findings ---
+
+
+def doubts_of(
+    text: ControllerText, plant: Plant | None = None, connect: Mapping[str, str] | None = None
+) -> list[Diagnostic]:
+    """Return what is probably not meant in a controller with its files, on its plant.
+
+    Parameters
+    ----------
+    text : ControllerText
+        Without mistakes in its text; with what could be read of its files.
+    plant : Plant, optional
+        On which it is to run: what that lacks is an error. By default the shipped plant with
+        its axes; what that lacks is a warning.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    """
+    site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
+    reaches = reaches_of(text, site)
+    diagnostics = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
+    diagnostics += _unknown_of_claims(text)
+    diagnostics += _limits_before_factors(text.model, reaches, site)
+    if site is not None:
+        diagnostics += _missing_ports(text.model, site, plant_is_named=plant is not None)
+        if all(use.name in text.sheets for use in text.model.uses):
+            diagnostics += _limits(text.model, reaches, site)
+    # Axes that share their lines share their findings.
+    once = dict.fromkeys(replace(diagnostic, path=text.path) for diagnostic in diagnostics)
+    return sorted(once, key=lambda finding: (finding.span, finding.name))
+
+
+# --- Ranges of signals, and universes ---
+
+FACTORS = {FED_BACK: 1000.0, PORT: 100.0, MADE: 10.0}
+"""How many times as wide as its universe a signal may be. A loop that works keeps errors small: the
+shipped position loops have 720. What no loop keeps small uses its whole range."""
+
+SLOW = 0.05
+"""Share of a plant's full speed at which one set point is not to cross half a universe."""
+
+LEAST = 0.1
+"""Share of its universe, or of its actuator, that a signal is to reach."""
+
+
+def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
+    """Yield signals that are far wider or far narrower than what they are looked up in."""
+    judged: set[tuple[int, str]] = set()
+    for up in reaches.look_ups:
+        key = (id(up.axes), up.signal)
+        if key in judged:
+            continue
+        finding = _too_wide(text.model, up) or _too_narrow(up)
+        if finding is not None:  # one gain is wrong, whatever else looks the signal up
+            judged.add(key)
+            yield finding
+
+
+def _too_wide(model: ControllerModel, look_up: LookUp) -> Diagnostic | None:
+    reach, universe = look_up.reach, look_up.universe
+    whole, inside = width(reach.at), width(overlap(reach.at, universe))
+    # Of a sum whose parts may cancel the interval is wider than what the signal reaches.
+    if not reach.tight or not FACTORS[reach.kept] * inside < whole < math.inf:
+        return None
+    if reach.kept != FED_BACK:
+        hint = f"multiply its gain by about {width(universe) / whole:.2g}"
+        return _of_range(look_up, "everything saturates", hint)
+    hint = f"multiply its gain by {FACTORS[FED_BACK] * width(universe) / whole:.2g} or less"
+    step = reach.pace * model.period * model.every
+    if SLOW * step <= 0.5 * width(universe):
+        verdict = f"all but {_percent(inside / whole)} of it saturates"
+        return _of_range(look_up, verdict, hint, Severity.INFO)
+    speed = f"; at full speed it moves by {step:.3g} in one set point" if step < math.inf else ""
+    return _of_range(look_up, f"everything saturates{speed}", hint)
+
+
+def _too_narrow(look_up: LookUp) -> Diagnostic | None:
+    at, universe = look_up.reach.at, look_up.universe
+    share = width(overlap(at, universe)) / width(universe)
+    if not 0.0 < share < LEAST:
+        return None
+    hint = f"multiply its gain by about {width(universe) / width(at):.2g}"
+    return _of_range(look_up, f"it uses {_percent(share)} of the universe", hint)
+
+
+def _of_range(
+    look_up: LookUp, verdict: str, hint: str, severity: Severity = Severity.WARNING
+) -> Diagnostic:
+    at, universe = look_up.reach.at, look_up.universe
+    return Diagnostic(
+        "range-mismatch",
+        f"{look_up.signal} reaches {_end(at)} here, "
+        f"{look_up.sheet} takes {_range(universe)}: {verdict}",
+        look_up.line.span,
+        severity,
+        hint=hint,
+        related=_made(look_up),
+    )
+
+
+def _range(interval: Interval) -> str:
+    return f"{interval.low:.4g} .. {interval.high:.4g}"
+
+
+def _end(interval: Interval) -> str:
+    """Return the magnitude of a symmetric interval, or both ends."""
+    return f"{interval.high:.4g}" if interval.high == -interval.low else _range(interval)
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
+
+
+def _made(look_up: LookUp) -> tuple[Related, ...]:
+    """Return where a signal is made, if that is another line."""
+    for line in look_up.axes.lines:
+        if (
+            isinstance(line, SignalLine)
+            and look_up.signal in line.names
+            and line is not look_up.line
+        ):
+            return (Related(f"{look_up.signal} is made here", line.span),)
+    return ()
+
+
+# --- Units ---
+
+
+def _unlike_units(
+    text: ControllerText, reaches: Reaches, site: Site | None
+) -> Iterator[Diagnostic]:
+    """Yield gains whose unit meets another one of its kind, as rad and deg, and does not cancel."""
+    gains = {model.name: model for model in text.model.gains}
+    for meeting in reaches.meetings:
+        before, brought = meeting.reach, meeting.brought
+        both = product(before, brought)
+        if meeting.option and both and meeting.name in gains:
+            yield _unlike_option(meeting, gains[meeting.name])
+            continue
+        pair = unlike(both) if both is not None else None
+        if pair is None or unlike(before) or unlike(brought) or meeting.name not in gains:
+            continue
+        gain = gains[meeting.name]
+        yield Diagnostic(
+            "unlike-units",
+            f"{pair[0]} and {pair[1]} do not cancel: gain {meeting.name} has the unit {gain.unit},"
+            f" what it scales {unit_text(before)}",
+            meeting.span,
+            Severity.WARNING,
+            hint="write both in one unit",
+            related=(Related(f"gain {meeting.name}", gain.span),),
+        )
+    for address, lines in reaches.drives.items():
+        port = _port(text.model, site, address)
+        unit = read_unit(port.unit) if port is not None else None
+        for line, reach in lines:
+            ratio = product(reach.unit, unit, -1)
+            if not ratio or port is None or not reach.unit:
+                continue
+            if unlike(ratio) or (reach.scaled and dimension(ratio)):
+                where = f"drive {line.port} is in {unit_text(reach.unit)}, the port in {port.unit}"
+                yield Diagnostic("unlike-units", where, line.span, Severity.WARNING)
+    for up in reaches.look_ups:
+        yield from _of_another_dimension(up)
+
+
+def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
+    """Yield a scaled signal that is not of the dimension which its input has."""
+    unit, sheet_unit = up.reach.unit, up.sheet_unit
+    ratio = product(unit, sheet_unit, -1)
+    if unit and sheet_unit is not None and up.reach.scaled and ratio and dimension(ratio):
+        what = unit_text(sheet_unit) if sheet_unit else "a plain number"
+        yield Diagnostic(
+            "unlike-units",
+            f"{up.signal} is in {unit_text(unit)}, {up.sheet} takes {what}",
+            up.line.span,
+            Severity.WARNING,
+            related=_made(up),
+        )
+
+
+def _unlike_option(meeting: Meeting, gain: GainModel) -> Diagnostic:
+    return Diagnostic(
+        "unlike-units",
+        f"{meeting.option} is in {gain.unit}, what it is taken of in {unit_text(meeting.reach)}",
+        meeting.span,
+        Severity.WARNING,
+        hint="write both in one unit",
+        related=(Related(f"gain {meeting.name}", gain.span),),
+    )
+
+
+def _port(model: ControllerModel, site: Site | None, address: Address) -> Port | None:
+    """Return the input of the plant that a controller drives by this name."""
+    if site is None or not site.has(model, "drive", address):
+        return None
+    return site.interface.inputs[site.find(model, "drive", address)]
+
+
+# --- Ports ---
+
+
+def _missing_ports(
+    model: ControllerModel, site: Site, *, plant_is_named: bool
+) -> Iterator[Diagnostic]:
+    """Yield what a controller asks for and the plant does not have."""
+    severity = Severity.ERROR if plant_is_named else Severity.WARNING
+    axes_there = _axes_on(site, model)
+    reported: set[tuple[Span, str]] = set()
+    for kind in KINDS:
+        for port in ports_of(model, kind):
+            place = _asking(model, kind, port)
+            if place is None:
+                continue
+            axes, span = place
+            key = (span, port[1]) if port[0] in axes_there else (axes.span, "")
+            try:
+                site.find(model, kind, port)
+            except SourceError as error:
+                if key in reported:
+                    continue
+                reported.add(key)
+                hint = (
+                    error.hint
+                    if plant_is_named
+                    else f"{error.hint}; for another plant: --plant FILE.py"
+                )
+                message = str(error.args[0])
+                yield Diagnostic("unknown-port", message, key[0], severity, hint=hint)
+    if plant_is_named and (why := lacking(site)):
+        for partner in model.partners:
+            message = f"the partner '{partner.name}' ({partner.law}) {why}"
+            yield Diagnostic("arm-only", message, partner.span)
+
+
+def _axes_on(site: Site, model: ControllerModel) -> set[str]:
+    """Return the axes that a controller may have on a plant."""
+    axes = site.interface.axes
+    one = len(axes) == 1 and model.has_one_axis
+    return {*axes, *(model.axis_names if one else ())}
+
+
+def _asking(model: ControllerModel, kind: str, address: Address) -> tuple[Axes, Span] | None:
+    """Return the first line that asks for a port, and its axes."""
+    axis, port = address
+    for axes, line in model.lines():
+        if axis not in axes.names:
+            continue
+        if isinstance(line, Drive):
+            if kind == "drive" and line.port == port:
+                return axes, line.span
+        elif isinstance(line, SignalLine) and line.source is not None:
+            asks = kind in line.source.record.ports
+            if asks and line.source.name == port:
+                return axes, line.span
+    return None
+
+
+# --- Limits of integrals ---
+
+
+def _limits_before_factors(
+    model: ControllerModel, reaches: Reaches, site: Site | None
+) -> Iterator[Diagnostic]:
+    """Yield integrals with a factor whose limits are those of what reads the product."""
+    for axes, line in model.lines():
+        if (
+            not isinstance(line, SignalLine)
+            or line.source is None
+            or line.source.kind != "integral"
+        ):
+            continue
+        within = line.source.option("within")
+        if not isinstance(within, tuple) or not any(product.factors for product in line.products):
+            continue
+        limits, name = Interval(*within), line.names[0]
+        for what, reader in _readers(model, reaches, site, axes, name):
+            if reader == limits:
+                yield Diagnostic(
+                    "limit-before-factor",
+                    f"{_range(limits)} bounds the integral before its factor; {what} takes as much"
+                    f" of {name}, after it",
+                    line.span,
+                    Severity.WARNING,
+                    hint=f"to bound {name} take the factor first, on a line of its own, and write "
+                    f" {name} = integral of that line, within {_range(limits)}",
+                )
+                break
+
+
+def _readers(
+    model: ControllerModel, reaches: Reaches, site: Site | None, axes: Axes, name: str
+) -> Iterator[tuple[str, Interval]]:
+    """Yield what reads a signal, and its range: universes, limits of drives and of actuators."""
+    for up in reaches.look_ups:
+        if up.axes is axes and up.signal == name:
+            yield up.sheet, up.universe
+    for line in axes.lines:
+        if not isinstance(line, Drive) or name not in {
+            factor.value for product in line.products for factor in product.factors
+        }:
+            continue
+        if line.within is not None:
+            yield f"drive {line.port}", Interval(*line.within)
+        port = _port(model, site, (axes.names[0], line.port))
+        if port is not None:
+            yield f"the actuator of {line.port}", Interval(port.low, port.high)
+
+
+# --- Actuators ---
+
+
+def _limits(model: ControllerModel, reaches: Reaches, site: Site) -> Iterator[Diagnostic]:
+    """Yield drives that pass the limits of their actuator, or hardly move it."""
+    for address, lines in reaches.drives.items():
+        port = _port(model, site, address)
+        if port is None:
+            continue
+        actuator = Interval(port.low, port.high)
+        if width(actuator) == math.inf:
+            continue
+        whole = Interval(
+            sum(reach.at.low for _, reach in lines), sum(reach.at.high for _, reach in lines)
+        )
+        takes = f"the {site.name} takes {_range(actuator)} {port.unit}"
+        for line, _ in lines:
+            if line.within is not None:
+                yield from _wider(line, Interval(*line.within), actuator, takes)
+        free = [line for line, _ in lines if line.within is None]
+        if free and overlap(whole, actuator) != whole:
+            growing = list(_growing(model, address[0], free, actuator))
+            yield from growing or [_without_limits(free[0], actuator, takes)]
+        share = width(overlap(whole, actuator)) / width(actuator)
+        if share < LEAST and width(whole) > 0.0:
+            yield Diagnostic(
+                "weak-drive",
+                f"{address[1]} stays within {_range(whole)}, {takes}:"
+                f" {_percent(share)} of the actuator is used",
+                lines[0][0].span,
+                Severity.WARNING,
+                hint="a larger gain on the drive",
+            )
+
+
+def _wider(line: Drive, limits: Interval, actuator: Interval, takes: str) -> Iterator[Diagnostic]:
+    if overlap(limits, actuator) != limits:
+        yield Diagnostic(
+            "wide-limits",
+            f"the limits {_range(limits)} of drive {line.port} pass its actuator: {takes}",
+            line.span,
+            Severity.WARNING,
+            hint=f"within {_range(overlap(limits, actuator))}",
+        )
+
+
+def _without_limits(line: Drive, actuator: Interval, takes: str) -> Diagnostic:
+    return Diagnostic(
+        "no-limits",
+        f"drive {line.port} has no limits; {takes}",
+        line.span,
+        Severity.INFO,
+        hint=f"add  , within {_range(actuator)}  so that the controller knows where it ends",
+    )
+
+
+def _growing(
+    model: ControllerModel, axis: str, free: Sequence[Drive], actuator: Interval
+) -> Iterator[Diagnostic]:
+    """Yield integrals that go on growing while the actuator behind such drives is at its limit."""
+    for axes, line in model.lines():
+        if axis not in axes.names or not isinstance(line, SignalLine) or line.source is None:
+            continue
+        bounded = {word for word, _ in line.source.options} & {"within", "anti-windup"}
+        if line.source.record.windup and not bounded:
+            drive = axes.driven_by(line.names[0])
+            if drive is not None and any(drive is port for port in free):
+                yield Diagnostic(
+                    "windup",
+                    f"the {line.source.kind} '{line.names[0]}' goes on growing while the actuator"
+                    f" of {drive.port} is at {actuator.low:g} or {actuator.high:g}",
+                    line.span,
+                    Severity.WARNING,
+                    hint=f"add  , anti-windup hold  here and  , within {_range(actuator)}"
+                    "  to the drive",
+                )
+
+
+# --- For an editor ---
+
+
+def ranges_in_words(text: ControllerText) -> Mapping[str, str]:
+    """Return where each signal can be and its unit, as far as that is known, by its name."""
+    ranges: dict[str, list[str]] = {}
+    for (_, name), reach in reaches_of(text, site_by_axes(text.model)).signals.items():
+        if width(reach.at) < math.inf:
+            unit = f" {unit_text(reach.unit)}" if reach.unit else ""
+            words = f"{_range(reach.at)}{unit}"
+            if words not in ranges.setdefault(name, []):
+                ranges[name].append(words)
+    return {name: ", ".join(words) for name, words in ranges.items()}
+
+
+def ports_in_words(axes: Iterable[str]) -> Mapping[str, str]:
+    """Return the ports of the shipped plants with these axes, or of all, and what each is."""
+    wanted_axes = set(axes)
+    sites = [s for s in shipped_sites() if wanted_axes and wanted_axes <= set(s.interface.axes)]
+    ports: dict[str, str] = {}
+    for site in sites or shipped_sites():
+        interface = site.interface
+        for (_, name), port in (*interface.outputs.items(), *interface.inputs.items()):
+            limits = f", {_range(Interval(port.low, port.high))}" if port.high < math.inf else ""
+            ports.setdefault(name, f"{site.name}, {port.unit}{limits}")
+        for _, name in interface.references:
+            ports.setdefault(name, f"{site.name}, reference only")
+    return ports
+
+
+def plants_in_words(axes: Iterable[str]) -> Mapping[tuple[str, str], str]:
+    """Return plants, and states and parameters of those with these axes, with what each is."""
+    wanted_axes = set(axes)
+    sites = [s for s in shipped_sites() if wanted_axes and wanted_axes <= set(s.interface.axes)]
+    words: dict[tuple[str, str], str] = {}
+    for name, kind in PLANTS.items():
+        words["plant", name] = (kind.__doc__ or "").strip().partition("\n")[0]
+    for site in sites or shipped_sites():
+        plant = PLANTS.get(site.name)
+        if plant is None:
+            continue
+        for name, unit in plant.states.items():
+            words.setdefault(("state", name), f"{site.name}, {unit}")
+        for name, value in plant.parameters.items():
+            number = getattr(value, "value", value)
+            words.setdefault(("parameter", name), f"{site.name}, {number:g} as it is")
+    return words
+
+
+def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
+    """Yield names in claims that the shipped plant which they are about does not have."""
+    for claim in text.model.claims:
+        kind = PLANTS.get(claim.plant)
+        if kind is None:
+            continue
+        interface = site_of(kind()).interface
+        ports = {interface.label(port) for port in (*interface.outputs, *interface.inputs)}
+        ports |= {name for _, name in (*interface.outputs, *interface.inputs)}
+        for what, names, names_there in (
+            ("state", [name for name, _, _ in claim.start], set(kind.states)),
+            ("parameter", [name for name, _, _ in claim.parameters], set(kind.parameters)),
+            ("port", [name for name, _ in claim.at] + [claim.output][: bool(claim.output)], ports),
+        ):
+            for name in names:
+                if name not in names_there:
+                    hint = (
+                        near_hint(name, sorted(names_there))[0]
+                        or f"there are {', '.join(sorted(names_there))}"
+                    )
+                    message = f"{claim.plant} has no {what} '{name}'"
+                    yield Diagnostic(
+                        "unknown-port", message, claim.span, Severity.WARNING, hint=hint
+                    )

@@ -1,0 +1,227 @@
+"""Floats as the numbers of a control period: the reference for the machine code, bit for bit.
+
+Slow and plain. Signals and gains are rounded to single precision where the run stores them so.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fuzzyarm.control.controllers.period import (
+    Algebra,
+    Call,
+    ControlPeriod,
+    Guard,
+    Lesson,
+    PortValue,
+    Remembered,
+)
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.inference import infer
+from fuzzyarm.language.model.controller import GainModel
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.setting import RunArithmetic
+from fuzzyarm.symbolic.evaluation import evaluate
+from fuzzyarm.symbolic.nodes import Node
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Floats", "ReferenceRun"]
+
+
+@dataclass
+class _LearningTable:
+    """A table that learns, with the cells that were in use in the last periods."""
+
+    table: LookupTable
+    values: list[float]
+    ring: list[int] = field(default_factory=list)
+    taught: tuple[tuple[str, ...], int] = ((), 0)
+
+    def cell(self, inputs: Sequence[float]) -> int:
+        """Return the index of a cell, the last input fastest."""
+        return _cell(self.table, inputs)
+
+
+def _cell(table: LookupTable, inputs: Sequence[float]) -> int:
+    cell = 0
+    for name, x in zip(table.names, inputs, strict=True):
+        axis = table.axis(name)
+        cell = cell * len(axis.levels) + bisect_left(axis.thresholds(table.default_mode), x)
+    return cell
+
+
+class Floats(Algebra[float]):
+    """Floats of a run.
+
+    Parameters
+    ----------
+    arithmetic : RunArithmetic
+        Of the run: single or double precision of what is stored, and π.
+    """
+
+    def __init__(self, arithmetic: RunArithmetic | None = None) -> None:
+        self.arithmetic = arithmetic or RunArithmetic()
+        self.periods = 0
+        self.signals: dict[tuple[str, str], float] = {}
+        self.driven: dict[tuple[str, str], float] = {}
+        self.tables: dict[tuple[str, str], _LearningTable] = {}
+
+    # --- numbers ---
+
+    def number(self, value: float) -> float:
+        """Return it."""
+        return float(value)
+
+    def add(self, a: float, b: float) -> float:
+        """Return a sum."""
+        return a + b
+
+    def subtract(self, a: float, b: float) -> float:
+        """Return a difference."""
+        return a - b
+
+    def multiply(self, a: float, b: float) -> float:
+        """Return a product."""
+        return a * b
+
+    def divide(self, a: float, b: float) -> float:
+        """Return a quotient, as IEEE 754 has it for a divisor of 0."""
+        with np.errstate(all="ignore"):
+            return float(np.float64(a) / np.float64(b))
+
+    def limit(self, x: float, low: float, high: float) -> float:
+        """Return ``min(max(x, low), high)``."""
+        return min(max(x, low), high)
+
+    def near(self, x: float, before: float, most: float) -> float:
+        """Return ``min(max(x, before - most), before + most)``."""
+        return min(max(x, before - most), before + most)
+
+    def expression(self, root: Node, values: Mapping[str, float]) -> float:
+        """Return the value of an expression."""
+        return float(evaluate(root, values))
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
+        """Return the outputs of a rule base."""
+        return [float(value) for value in infer(sheet, inputs).values()]
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, float]) -> float:
+        """Return the value of a lookup table, whose values are stored as gains are."""
+        if not self.arithmetic.single:
+            return float(sheet.lookup(*inputs.values()))
+        stored = np.array([self.rounded(x) for x in sheet.values.ravel().tolist()])
+        held = replace(sheet, values=stored.reshape(sheet.values.shape))
+        return float(held.lookup(*inputs.values()))
+
+    # --- what is stored ---
+
+    def hold(self, value: float) -> float:
+        """Return a number as the run stores it."""
+        return self.arithmetic.hold(value)
+
+    def rounded(self, value: float) -> float:
+        """Return a value as the run stores it."""
+        return self.arithmetic.hold(value)
+
+    def gain(self, gain: GainModel, index: int) -> float:
+        """Return a gain, as it is stored."""
+        return self.rounded(gain.values[index].value(self.arithmetic.pi))
+
+    def signal(self, axis: str, name: str, value: float, *, rounded: bool = True) -> float:
+        """Return a signal, as it is stored."""
+        self.signals[axis, name] = self.rounded(value) if rounded else value
+        return self.signals[axis, name]
+
+    def begins(self, cell: Remembered) -> float:
+        """Return its start; NaN has seen nothing yet."""
+        return cell.start
+
+    def held(self, value: float, before: float) -> float:
+        """Return an output, or its last value where no rule fires."""
+        return before if math.isnan(value) else value
+
+    def last(self, every: int) -> float:
+        """Return 1 in the last period of a set point, else 0."""
+        return float(self.periods % every == 0)
+
+    # --- tables that learn ---
+
+    def _learning(self, call: Call[float]) -> _LearningTable:
+        key = (call.period.axis, call.name)
+        if key not in self.tables:
+            table = call.lattice()
+            delay = call.learner.delay if call.learner is not None else 0
+            values = [self.rounded(x) for x in table.values.ravel().tolist()]
+            self.tables[key] = _LearningTable(table, values, [-1] * delay)
+        return self.tables[key]
+
+    def learned(self, call: Call[float], table: LookupTable, inputs: Mapping[str, float]) -> float:
+        """Return the value of a cell: that of the lesson, where it has the same signals."""
+        learning = self._learning(call)
+        taught, cell = learning.taught
+        if taught != tuple(call.signals):
+            cell = learning.cell(list(inputs.values()))
+        return learning.values[cell]
+
+    def learn(self, lesson: Lesson[float]) -> None:
+        """Correct the cell that was in use some periods ago."""
+        learning, inputs = self._learning(lesson.table), lesson.table.arguments
+        judge = lesson.judge.lattice()
+        cell = learning.cell(inputs)
+        learning.taught = tuple(lesson.line.inputs), cell
+        learning.ring.append(cell)
+        responsible = learning.ring.pop(0)
+        if responsible >= 0 and lesson.rate != 0.0:
+            judged = self.rounded(float(judge.values.ravel()[_cell(judge, inputs)]))
+            value = self.rounded(learning.values[responsible] + lesson.rate * judged)
+            learning.values[responsible] = min(max(value, -lesson.bound), lesson.bound)
+
+    # --- periods that are skipped ---
+
+    def skipped(self, guard: Guard, given: Mapping[PortValue, float]) -> dict[str, float] | None:
+        """Return the drives of an axis of which a value is not a number."""
+        if not any(math.isnan(given[value]) for value in guard.reads):
+            return None
+        drives = {}
+        for port, sent in guard.sent.items():
+            before = self.driven.get((guard.axis, port), guard.idle[port])
+            drives[port] = before if sent is None else sent
+        self.driven |= {(guard.axis, port): value for port, value in drives.items()}
+        return drives
+
+    def ran(self, guard: Guard, drives: Mapping[str, float]) -> None:
+        """Keep the drives for periods that are skipped."""
+        self.driven |= {(guard.axis, port): value for port, value in drives.items()}
+
+
+class ReferenceRun:
+    """A controller over floats, period by period: what a compiled run has to agree with.
+
+    Parameters
+    ----------
+    text : ControllerText
+        Without partners.
+    single : bool
+        Whether signals and gains are stored in single precision.
+    """
+
+    def __init__(self, text: ControllerText, *, single: bool = False) -> None:
+        self.floats = Floats(RunArithmetic(single))
+        self.period = ControlPeriod(text, self.floats)
+        self.memory: dict[str, float] = {}
+
+    @property
+    def signals(self) -> dict[tuple[str, str], float]:
+        """The signals of the last period, by axis and name."""
+        return self.floats.signals
+
+    def step(self, given: Mapping[PortValue, float]) -> dict[tuple[str, str], float]:
+        """Run one period; return the drives by axis and port."""
+        self.floats.periods += 1
+        drives, self.memory = self.period.run(given, self.memory)
+        return drives

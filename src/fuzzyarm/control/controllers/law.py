@@ -1,0 +1,400 @@
+"""What a compiled control law is: its kernel, its gains, and how they become arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.inference.errors import NotANumberError
+from fuzzyarm.inference.point import number_of
+from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
+from fuzzyarm.plant.setting import (
+    Clock,
+    Moment,
+    Pair,
+    Pose,
+    Reference,
+    RunArithmetic,
+    State,
+    stored_double,
+    stored_single,
+)
+from fuzzyarm.symbolic.kernels import address_of, call, kernel
+
+# --- Gains as data: name, value, unit, meaning, and where the value comes from ---
+
+Origin = Literal["printed", "identified", "own", "given"]
+
+
+class GainError(FuzzyarmError, ValueError):
+    """A gain is unknown or its value is out of range; `name` and `value` say which."""
+
+    def __init__(self, message: str, *, name: str, value: object = None, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.name = name
+        self.value = value
+
+
+def unknown_gain(owner: str, gains: Iterable[str], name: str) -> GainError:
+    """Describe a gain that a controller does not have, with the nearest that it has."""
+    known = list(gains)
+    names = ", ".join(dict.fromkeys(key.split(".")[0] for key in known)) or "none"
+    hint = near_hint(name, known)[0] or f"its gains: {names}"
+    return GainError(f"{owner} has no gain '{name}'", name=name, hint=hint)
+
+
+@dataclass(frozen=True)
+class Gain:
+    """One gain of a control law.
+
+    Parameters
+    ----------
+    name : str
+        As ``--set`` takes it.
+    value : tuple of float
+        One number, or one for each joint, or one for each parameter.
+    unit : str
+        SI; "1" for none.
+    meaning : str
+        What it multiplies.
+    origin : {"printed", "identified", "own", "given"}
+        Printed in the study, identified from its figures, chosen here, or given by
+        the user.
+    positive : bool, optional
+        Whether zero and below are out of range.
+    bounds : pair of float, optional
+        Smallest and largest value; by default anything below 1e12 in magnitude.
+    places : int, optional
+        How many numbers it takes where one does not go for all; by default as many as it has.
+    """
+
+    name: str
+    value: tuple[float, ...]
+    unit: str
+    meaning: str
+    origin: Origin = "printed"
+    positive: bool = False
+    bounds: tuple[float, float] | None = None
+    places: int = 0
+
+    def with_value(self, value: Sequence[float], origin: Origin = "given") -> Gain:
+        """Return the gain with another value; a single number goes for all places.
+
+        Raises
+        ------
+        GainError
+            If the count does not fit or a number is out of range.
+        """
+        values = tuple(self._number(number) for number in value)
+        places = max(self.places, len(self.value))
+        if len(values) == 1:
+            values *= len(self.value)
+        elif len(values) != places:
+            takes = "1 number" if places == 1 else f"1 or {places} numbers"
+            message = f"gain {self.name} takes {takes}, not {len(values)}"
+            raise GainError(message, name=self.name, value=value)
+        low, high = self.bounds or (-1e12, 1e12)
+        range_words = f"a {'positive' if self.positive else 'finite'} number below 1e12"
+        if self.bounds:
+            range_words = f"a number from {low:g} to {high:g}"
+        for number in values:
+            if not low <= number <= high or (self.positive and number <= 0):
+                message = f"gain {self.name} = {number} is out of range"
+                raise GainError(message, name=self.name, value=number, hint=range_words)
+        return replace(self, value=values, origin=origin)
+
+    def _number(self, value: object) -> float:
+        try:
+            return number_of(self.name, value)
+        except NotANumberError:
+            message = f"gain {self.name} is not a number: {value!r}"
+            raise GainError(message, name=self.name, value=value) from None
+
+
+Gains = Mapping[str, Gain]
+
+
+def collect(gains: Iterable[Gain]) -> dict[str, Gain]:
+    """Index gains by name, in order."""
+    return {gain.name: gain for gain in gains}
+
+
+# --- A control law: its kernel, its gains and how they go into arrays ---
+
+Kernel = Callable[..., Any]
+"""From what a law is told, its constants, its memory and its links to the torque, N m."""
+
+
+Vector = NDArray[np.float64]
+Pack = Callable[[Gains, RunArithmetic], "list[float] | Vector"]
+"""From gains to numbers, in the arithmetic of a run."""
+
+
+@dataclass(frozen=True)
+class LawBlock:
+    """One law as the loop takes it: constants, initial memory, links."""
+
+    numbers: Vector
+    memory: Vector
+    links: list[int]
+
+
+def view(array: NDArray[Any]) -> Any:
+    """Return an array as plain numbers, for kernels that run interpreted; slices share memory."""
+    return memoryview(array)  # type: ignore[arg-type]
+
+
+def zeros(count: int) -> Pack:
+    """Return what remembers so many zeros at the start."""
+    return lambda _gains, _arithmetic: [0.0] * count
+
+
+def pack_all(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
+    """Write down every gain in the order of its declaration."""
+    return [arithmetic.hold(value) for gain in gains.values() for value in gain.value]
+
+
+def pack_gains(*names: str, model: bool = False) -> Pack:
+    """Write down some gains and, if asked for, the nine constants of the model behind them."""
+
+    def pack(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
+        front = [arithmetic.hold(value) for name in names for value in gains[name].value]
+        return [*front, *model_constants(gains, arithmetic)] if model else front
+
+    return pack
+
+
+@dataclass(frozen=True)
+class Law:
+    """A control law that exists as a kernel.
+
+    Parameters
+    ----------
+    name : str
+        Short name.
+    kernel : callable
+        From a :class:`~fuzzyarm.plant.setting.Moment`, its constants, its memory and its links
+        (each flat and indexed from 0) to the torque of both joints, N m.
+    summary : str
+        One line.
+    gains : tuple of Gain
+        With their default values.
+    pack : callable, optional
+        Gains to the kernel's constants; by default all in order.
+    remember : callable, optional
+        Gains to the initial memory; none by default.
+    links : callable, optional
+        From the arithmetic to addresses of what the kernel calls by address, and to other
+        integers; none by default.
+    remembers : bool, optional
+        Whether the memory at the end of a run says something, or is room to work in.
+    at_signals : callable, optional
+        A kernel that takes what :func:`tell` writes, where `kernel` takes a moment.
+    """
+
+    name: str
+    kernel: Kernel
+    summary: str
+    gains: tuple[Gain, ...]
+    pack: Pack = field(default=pack_all)
+    remember: Pack = field(default=zeros(0))
+    links: Callable[[RunArithmetic], list[int]] = field(default=lambda _arithmetic: [])
+    remembers: bool = True
+    at_signals: Kernel | None = None
+
+
+def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain, ...]:
+    """List the parameters of a controller's own model of the arm as gains."""
+    return tuple(
+        Gain(
+            f"model.{field.name}",
+            (getattr(model, field.name),),
+            UNITS[field.name],
+            "the controller's model of the arm",
+            origin,
+        )
+        for field in fields(model)
+    )
+
+
+def model_of(gains: Gains) -> ArmParameters:
+    """Put the model of :func:`model_gains` together again."""
+    return ArmParameters(
+        **{field.name: gains[f"model.{field.name}"].value[0] for field in fields(ArmParameters)}
+    )
+
+
+def model_constants(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
+    """Return P1 … P7 of the model among the gains and its motor inertias."""
+    return list(map(float, constants(model_of(gains), single=arithmetic.single)))
+
+
+# --- The compiled control step: laws by address, their drives summed ---
+#
+# The loop knows laws by their addresses, so only those in use are compiled, each apart. What a
+# law is told crosses over in one array: the clock, references and outputs (the head of
+# `fuzzyarm.control.loop.loop` tells it for any plant), and behind them room for its drives. The
+# laws of this package know the arm only, where that is
+#
+#   0 … 2    time step, whether it is the last iteration, whether values are rounded
+#   3 … 8    desired position, velocity and acceleration, joint 1 and joint 2 each
+#   9 … 12   position and velocity
+#   13 … 16  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
+#   17 … 20  back: the torque of both joints, and the voltage of both motors
+
+TOLD = 17
+"""Numbers in the input of a law of the arm."""
+
+SIGNALS = 21
+"""Length of that array."""
+
+# What the loop knows of the laws is an array of integers: how many they are, then seven for
+# each law, at last the links of all of them.
+
+ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
+LAW_HEAD = 7
+"""Integers for each law; the links begin and end at an index of the whole array."""
+
+
+@kernel
+def tell(now: Moment, signals: list[float]) -> None:
+    """Write down what a law is told."""
+    reference, state, pose, clock = now
+    signals[0] = clock.step
+    signals[1] = 1.0 if clock.last else 0.0
+    signals[2] = 1.0 if clock.single else 0.0
+    signals[3], signals[4] = reference.position
+    signals[5], signals[6] = reference.velocity
+    signals[7], signals[8] = reference.acceleration
+    signals[9], signals[10] = state.position
+    signals[11], signals[12] = state.velocity
+    signals[13], signals[14], signals[15], signals[16] = pose
+
+
+@kernel
+def drives_of_laws(
+    told: list[float],
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Do what :func:`summed_drives` does for a loop that runs as plain Python."""
+    size = len(drives)
+    summed_drives(told, len(told) - size, size, laws, numbers, memory, drives)
+
+
+@kernel
+def summed_drives(
+    board: list[float],
+    told: int,
+    size: int,
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Fill the drives with the sum of what all laws want, called one after the other.
+
+    Parameters
+    ----------
+    board : float
+        What a law is told, and behind that room for its drives.
+    told, size : int
+        How many numbers a law is told, and how many drives there are.
+    laws, numbers, memory
+        The laws as :func:`law_integers` writes them down, their constants, what they remember.
+    drives : float
+        Filled.
+    """
+    for i in range(size):
+        drives[i] = 0.0
+    # In the order of the sum as it is written: the order of additions is part of the bits.
+    for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
+        for i in range(told, told + size):
+            board[i] = 0.0
+        call(
+            laws[law + ADDRESS],
+            board[0 : told + size],
+            numbers[laws[law + NUMBERS] : laws[law + NUMBERS_END]],
+            memory[laws[law + MEMORY] : laws[law + MEMORY_END]],
+            laws[laws[law + LINKS] : laws[law + LINKS_END]],
+        )
+        for i in range(size):
+            drives[i] += board[told + i]
+
+
+def law_integers(
+    laws: Sequence[Law], blocks: Sequence[LawBlock], arithmetic: RunArithmetic
+) -> list[int]:
+    """Write down what :func:`summed_drives` knows of the laws."""
+    heads: list[int] = []
+    links: list[int] = []
+    first_link = 1 + LAW_HEAD * len(laws)
+    number = cell = 0
+    for law, block in zip(laws, blocks, strict=True):
+        heads += [law_address(law, arithmetic)]
+        heads += [number, number + len(block.numbers), cell, cell + len(block.memory)]
+        heads += [first_link + len(links), first_link + len(links) + len(block.links)]
+        number += len(block.numbers)
+        cell += len(block.memory)
+        links += block.links
+    return [len(laws), *heads, *links]
+
+
+@kernel
+def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+    """Leave the arm alone; the kernel of a law is bound to this name."""
+    return 0.0, 0.0
+
+
+def lacks_number(reference: Reference, state: State) -> bool:
+    """Whether a reference or measured value is not a number.
+
+    In a loop none is: a run of the arm ends with the first one.
+    """
+    return any(math.isnan(x) for pair in (*reference, *state) for x in pair)
+
+
+@kernel
+def law_at_address(
+    signals: list[float], numbers: list[float], memory: list[float], links: list[int]
+) -> None:
+    """Run a law of the arm on what it is told."""
+    # Back into named tuples, which cost nothing: in machine code they are registers, and the
+    # law, inlined here, uses what it needs of them.
+    reference = Reference(
+        (signals[3], signals[4]), (signals[5], signals[6]), (signals[7], signals[8])
+    )
+    state = State((signals[9], signals[10]), (signals[11], signals[12]))
+    pose = Pose(signals[13], signals[14], signals[15], signals[16])
+    clock = Clock(signals[0], signals[1] != 0.0, signals[2] != 0.0)
+    torque = law_kernel(Moment(reference, state, pose, clock), numbers, memory, links)
+    signals[17], signals[18] = torque
+
+
+LAW_ARRAYS = "fffi"
+"""Of signals, numbers and memory, and of links: :func:`fuzzyarm.symbolic.kernels.address_of`."""
+
+
+def law_address(law: Law, arithmetic: RunArithmetic) -> int:
+    """Return where the loop finds a law; each precision has its own.
+
+    What is stored then need not be asked whether to be rounded.
+    """
+    bindings: dict[str, Callable[..., object]] = {
+        "stored": stored_single if arithmetic.single else stored_double
+    }
+    kernel = law.at_signals
+    if kernel is None:
+        kernel = law_at_address
+        bindings["law_kernel"] = law.kernel
+    compiled = arithmetic.compiled
+    return address_of(kernel, LAW_ARRAYS, bindings, compiled=compiled)

@@ -1,0 +1,669 @@
+"""A controller as text on a plant, and what it learns there."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from functools import cache
+from typing import Any, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.control.controllers.controller import CompiledController, Controller, Sum
+from fuzzyarm.control.controllers.kernel import step
+from fuzzyarm.control.controllers.law import (
+    LINKS,
+    LINKS_END,
+    MEMORY,
+    MEMORY_END,
+    SIGNALS,
+    TOLD,
+    Gain,
+    Gains,
+    Law,
+    law_address,
+    tell,
+)
+from fuzzyarm.control.controllers.program import (
+    AXIS,
+    ControllerCode,
+    Sheet,
+    SourceError,
+    Wiring,
+    write_down,
+)
+from fuzzyarm.control.controllers.text import ControllerText, gains_of, ports_of
+from fuzzyarm.language.model.controller import (
+    Axes,
+    ControllerModel,
+    Drive,
+    Product,
+    SignalLine,
+)
+from fuzzyarm.plant.arm import RATIOS, motor_torque
+from fuzzyarm.plant.driven_arm import JOINTS, Arm
+from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
+from fuzzyarm.plant.setting import (
+    CLOCK,
+    SINGLE,
+    STUDY_TIMING,
+    Moment,
+    Pair,
+    RunArithmetic,
+    Timing,
+    stored,
+)
+from fuzzyarm.symbolic.kernels import kernel
+from fuzzyarm.table import Axis, LookupTable
+
+# --- The ports that a controller asks for, and those that the plant has ---
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where a controller runs.
+
+    Attributes
+    ----------
+    name : str
+        Of the plant.
+    interface : Interface
+        Its ports.
+    extra : int
+        Numbers behind its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
+    connect : mapping of str to str
+        From names of the controller to ports of the plant, where they differ.
+    """
+
+    name: str
+    interface: Interface
+    extra: int = 0
+    connect: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def told(self) -> int:
+        """How many numbers a controller is told: clock, references, outputs."""
+        interface = self.interface
+        return CLOCK + len(interface.references) + len(interface.outputs) + self.extra
+
+    def wiring(self, model: ControllerModel) -> Wiring:
+        """Give the ports that a controller asks for their cells."""
+        interface, first_told, size = self.interface, self.told, len(self.interface.inputs)
+        first = {"reference": CLOCK, "measured": CLOCK + len(interface.references)}
+        first["drive"] = first_told + size
+        cells: dict[str, dict[Address, int]] = {kind: {} for kind in first}
+        for kind, wires in cells.items():
+            places = {port: at for at, port in enumerate(self._ports(kind))}
+            for address in ports_of(model, kind):
+                wires[address] = first[kind] + places[self.find(model, kind, address)]
+        drives = {
+            address: interface.inputs[self.find(model, "drive", address)]
+            for address in cells["drive"]
+        }
+        shared = Counter(cells["drive"].values())
+        return Wiring(
+            cells["reference"],
+            cells["measured"],
+            cells["drive"],
+            tuple(range(first_told, first_told + len(interface.axes))),
+            first_told + 2 * size + (SIGNALS if self.extra else 0),
+            {
+                address: port.start
+                for address, port in drives.items()
+                # Each of several axes that share an input drives a part of it only.
+                if port.start is not None and shared[cells["drive"][address]] == 1
+            },
+        )
+
+    def driven(self, model: ControllerModel) -> frozenset[Address]:
+        """Return the inputs that a controller drives."""
+        return frozenset(self.find(model, "drive", port) for port in ports_of(model, "drive"))
+
+    def find(self, model: ControllerModel, kind: str, address: Address) -> Address:
+        """Return axis and port of the plant for those of a controller.
+
+        One axis on both sides is the same one, whatever it is called; an axis may be joined as
+        a whole, to run on one of several.
+        """
+        ports = self._ports(kind)
+        axis, named = found = self._joined(model, address)
+        if found in ports:
+            return found
+        port = address[1]
+        if axis not in self.interface.axes:
+            hint = f"it has {', '.join(self.interface.axes)}"
+            raise SourceError(f"the {self.name} has no axis '{axis}'", hint=hint)
+        names = [name for home, name in ports if home == axis]
+        used_ports = {name for _, name in ports_of(model, kind)}
+        # Where no name is like it, a port that the controller does not ask for already.
+        free = [name for name in names if name not in used_ports] or names
+        what = "drive" if kind == "drive" else f"{kind} value"
+        hint, likely = f"it has {', '.join(names)}", near(named, free)
+        # A name that is the plant's needs no joining: it was joined to something else.
+        if likely != port:
+            hint += f"; --connect {port}={likely} joins them"
+        raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
+
+    def has(self, model: ControllerModel, kind: str, address: Address) -> bool:
+        """Return whether the plant has the axis and port of a controller."""
+        return self._joined(model, address) in self._ports(kind)
+
+    def _joined(self, model: ControllerModel, address: Address) -> Address:
+        """Return axis and port that a controller means, whether the plant has them or not."""
+        axis, port = address
+        joined = self.connect.get(axis, axis)
+        axis = joined if joined in self.interface.axes else axis
+        named = self.connect.get(".".join(address), self.connect.get(port, port))
+        if "." in named:
+            axis, _, named = named.rpartition(".")
+        elif len(self.interface.axes) == 1 and model.has_one_axis:
+            axis = self.interface.axes[0]
+        return axis, named
+
+    def _ports(self, kind: str) -> Mapping[Address, object]:
+        interface = self.interface
+        return {
+            "reference": interface.references,
+            "measured": interface.outputs,
+            "drive": interface.inputs,
+        }[kind]
+
+
+def near(word: str, names: list[str]) -> str:
+    """Return the name that looks most like a word, or the first."""
+    return near_hint(word, names)[1] or names[0]
+
+
+def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
+    """Describe a plant as a controller finds it."""
+    extra = plant.particulars.extra
+    return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
+
+
+PORT_KINDS = ("reference", "measured", "drive")
+"""Of ports that a controller asks for."""
+
+SITE_OF_LAWS = site_of(Arm())
+"""What the laws of the study were written for: they ask for its ports and its pose."""
+
+
+# --- The law ---
+#
+# The first cells are what every law is told; behind them room for the drives of a partner, then
+# the drives of this controller, then (on the arm) room for `text_kernel`.
+
+FIRST_RATIO, SECOND_RATIO = RATIOS
+
+
+@kernel
+def text_law(
+    signals: list[float], numbers: list[float], memory: list[float], links: list[int]
+) -> None:
+    """Leave the drives of a controller as text among the signals.
+
+    Constants: how many signals it is told, and how many drives the plant has. Memory: the cells;
+    links: the code.
+    """
+    told = int(numbers[0])
+    size = int(numbers[1])
+    _run_text(signals, told, memory, links)
+    for i in range(size):
+        signals[told + i] = memory[told + size + i]
+
+
+@kernel
+def _run_text(signals: list[float], told: int, memory: list[float], links: list[int]) -> None:
+    """Run a controller as text on so many signals; its drives stand in its memory then."""
+    for i in range(told):
+        memory[i] = signals[i]
+    step(links, memory)
+
+
+@kernel
+def drives_of_text(
+    board: list[float],
+    told: int,
+    size: int,
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Do what ``summed_drives`` does where one controller as text is all the laws."""
+    cells = memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]]
+    _run_text(board, told, cells, laws[laws[1 + LINKS] : laws[1 + LINKS_END]])
+    for i in range(size):
+        drives[i] = 0.0 + cells[told + size + i]  # the sum of one: 0 has no sign
+
+
+@kernel
+def text_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+    """Return the torque of both joints, motors included, from a moment."""
+    signals = memory[2 * SIGNALS - TOLD : 3 * SIGNALS - TOLD]
+    tell(now, signals)
+    text_law(signals, numbers, memory, links)
+    first, second = signals[TOLD], signals[TOLD + 1]
+    single = memory[SINGLE] != 0.0
+    velocity = now.state.velocity
+    if numbers[2] != 0.0:
+        first += stored(motor_torque(signals[TOLD + 2], velocity[0], FIRST_RATIO), single)
+    if numbers[3] != 0.0:
+        second += stored(motor_torque(signals[TOLD + 3], velocity[1], SECOND_RATIO), single)
+    return first, second
+
+
+class FindLaw(Protocol):
+    """From the name of a law of the catalogue to its controller."""
+
+    def __call__(self, law: str, /) -> CompiledController:
+        """Return it with its gains."""
+
+
+@dataclass(frozen=True)
+class TextLaw(Law):
+    """The law of a controller as text.
+
+    Attributes
+    ----------
+    text : ControllerText
+        Which.
+    site : Site
+        Where it runs.
+    find_law : callable
+        From the name of a partner to its law.
+    program : callable
+        From the arithmetic of a run to what the kernel reads.
+    partners : callable
+        Gives the controllers that it names.
+    """
+
+    text: ControllerText = field(kw_only=True)
+    site: Site = field(kw_only=True)
+    find_law: FindLaw = field(kw_only=True)
+    program: Any = field(kw_only=True)
+    partners: Callable[[], Mapping[str, CompiledController]] = field(kw_only=True)
+
+    def on(self, site: Site) -> TextLaw:
+        """Return the law for another plant."""
+        return make_law(self.text, self.find_law, site)
+
+
+def text_law_of(controller: Controller) -> TextLaw | None:
+    """Return the law of a controller as text; None of any other controller, sums among them."""
+    law = controller.law if isinstance(controller, CompiledController) else None
+    return law if isinstance(law, TextLaw) else None
+
+
+def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS) -> TextLaw:
+    """Make the law that runs a controller on a plant.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    find_law : callable
+        From the name of a partner to its law.
+    site : Site, optional
+        That of the laws by default. What the plant lacks is an error when the law is used.
+    """
+    model = text.model
+    gains = tuple(gains_of(model))
+
+    @cache
+    def partners() -> dict[str, CompiledController]:
+        controllers = {}
+        for partner in model.partners:
+            require_for_laws(f"the partner '{partner.name}' ({partner.law})", site)
+            law = find_law(partner.law)
+            controllers[partner.name] = law.with_gains(
+                {name: [value] for name, value in partner.gains}
+            )
+        return controllers
+
+    @cache
+    def program(arithmetic: RunArithmetic) -> ControllerCode:
+        laws = {
+            name: (law_address(partner.law, arithmetic), partner.block(arithmetic))
+            for name, partner in partners().items()
+        }
+        return write_down(model, text.sheets, laws, site.wiring(model), arithmetic)
+
+    def pack(_gains: Gains, _arithmetic: RunArithmetic) -> list[float]:
+        driven = site.driven(model)
+        powered = [float((joint, "voltage") in driven) for joint in JOINTS]
+        return [float(site.told), float(len(site.interface.inputs)), *powered]
+
+    def remember(chosen: Gains, arithmetic: RunArithmetic) -> NDArray[np.float64]:
+        # A gain of the text counts with the π of the run, one that is given as it is.
+        numbers = {
+            gain.name: chosen[gain.name].value
+            for gain in gains
+            if chosen[gain.name].value != gain.value
+        }
+        return program(arithmetic).cells_with(numbers, arithmetic)
+
+    def links(arithmetic: RunArithmetic) -> list[int]:
+        return program(arithmetic).code
+
+    return TextLaw(
+        model.name,
+        text_kernel,
+        model.description,
+        gains,
+        pack,
+        remember,
+        links,
+        remembers=any(True for _ in text.learners()),
+        at_signals=text_law,
+        text=text,
+        site=site,
+        find_law=find_law,
+        program=program,
+        partners=partners,
+    )
+
+
+def controller_on(controller: Controller, site: Site) -> Controller:
+    """Return a controller, or a sum of them, for a plant."""
+    if isinstance(controller, Sum):
+        return Sum([controller_on(addend, site) for addend in controller.addends], controller.name)
+    law = text_law_of(controller)
+    if law is not None:
+        site.wiring(law.text.model)  # tells what is missing
+        if site != law.site:
+            compiled_controller = CompiledController(law.on(site), controller.gains)
+            compiled_controller.name = controller.name
+            return compiled_controller
+    elif not controller.takes_ports:
+        require_for_laws(controller.name, site)
+    return controller
+
+
+def lacking(site: Site) -> str:
+    """Return what a law of the study asks for and a plant does not have; empty where it has all."""
+    for kind, verb in (("measured", "measures"), ("drive", "drives")):
+        for port in SITE_OF_LAWS._ports(kind):
+            if port not in site._ports(kind):
+                return f"{verb} {'.'.join(port)}, which the {site.name} does not have"
+    same = site.extra == SITE_OF_LAWS.extra
+    return "" if same else f"asks for the pose, which the {site.name} does not have"
+
+
+def require_for_laws(what: str, site: Site) -> None:
+    """Raise SourceError where a plant does not have what the laws of the study ask for."""
+    why = lacking(site)
+    if why:
+        hint = "controllers as text, and classes with a step, run on any plant"
+        raise SourceError(f"{what} {why}", hint=hint)
+
+
+def connectable(controller: Controller) -> set[str]:
+    """Return what of a controller as text may be joined to a plant: axes and ports."""
+    law = text_law_of(controller)
+    if law is None:
+        return set()
+    model = law.text.model
+    ports = [port for kind in PORT_KINDS for port in ports_of(model, kind)]
+    return {*model.axis_names, *(name for _, name in ports), *map(".".join, ports)}
+
+
+def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
+    """Return the inputs of a plant that a controller drives."""
+    cells: set[Address] = set()
+    for part in controller.parts():
+        law = text_law_of(part)
+        if law is not None:
+            cells |= site.driven(law.text.model)
+        else:
+            cells |= driven_plainly(site)
+    return frozenset(cells)
+
+
+def driven_plainly(site: Site) -> frozenset[Address]:
+    """Return what laws and controllers in Python may drive: torques, where there are some."""
+    torques = frozenset(port for port in site.interface.inputs if port[1] == "torque")
+    return torques or frozenset(site.interface.inputs)
+
+
+# --- How often it runs ---
+
+
+def own_timing(controller: Controller) -> Timing | None:
+    """Return the period and the set points that a controller asks for; None of a law."""
+    timings: dict[Timing, Timed] = {}
+    for part in controller.parts():
+        model = timed(part)
+        if model is not None:
+            # As decimal numbers: five periods of 0.6 ms are 3 ms to the last bit.
+            set_point = float(Decimal(repr(model.period)) * model.every)
+            timings.setdefault(Timing(set_point, model.every), model)
+    if len(timings) > 1:
+        first, second, *_ = timings.values()
+        raise SourceError(
+            f"{first.name} and {second.name} cannot be added: {timing_words(first)} and "
+            f"{timing_words(second)}",
+            hint="write the same period and set-point into both",
+        )
+    return next(iter(timings), None)
+
+
+class Timed(Protocol):
+    """What says how often it runs: the text of a controller, or one in Python."""
+
+    @property
+    def name(self) -> str:
+        """Of the controller."""
+
+    @property
+    def period(self) -> float:
+        """In s."""
+
+    @property
+    def every(self) -> int:
+        """Periods of a set point."""
+
+
+def timed(part: Controller) -> Timed | None:
+    """Return what says how often an addend runs; None of a law, which runs as the study does."""
+    law = text_law_of(part)
+    if law is not None:
+        return law.text.model
+    if not part.takes_ports or part.period is None:
+        return None
+    for name, value, least in (("period", part.period, 1e-9), ("every", part.every, 1)):
+        kinds = (int, float) if name == "period" else (int,)
+        if isinstance(value, bool) or not isinstance(value, kinds) or not least <= value < 1e9:
+            hint = "a time in s, as in  period = 0.01" if name == "period" else "a whole number"
+            raise SourceError(f"{name} of {part.name} is {value!r}", hint=hint)
+    return cast(Timed, part)
+
+
+def timing_words(model: Timed) -> str:
+    """Return how often a controller runs, in words."""
+    return f"a period of {model.period:g} s with a set point every {model.every}"
+
+
+def timing_on(controller: Controller, site: Site) -> Timing:
+    """Return how often a controller runs on a plant, which it has to say but where laws run."""
+    timing = own_timing(controller)
+    if timing is None and lacking(site):
+        hint = "write  period = 0.01  into its class, in s"
+        raise SourceError(f"{controller.name} does not say how often it runs", hint=hint)
+    return timing or STUDY_TIMING
+
+
+# --- Where its drives end ---
+
+Limits = tuple[float, float]
+
+
+def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
+    """Return between what a controller keeps each drive: by ``within``, of it or its integral.
+
+    Several drives of a port add up, and so do their limits; a law has none.
+    """
+    total: dict[Address, Limits] = {}
+    for part in controller.parts():
+        law = text_law_of(part)
+        if law is not None:
+            limits_of_drives = _limits_of_text(part.gains, law.text.model, site)
+        else:
+            limits_of_drives = dict.fromkeys(driven_plainly(site), UNLIMITED)
+        for port, limits in limits_of_drives.items():
+            total[port] = _added(total[port], limits) if port in total else limits
+    return total
+
+
+UNLIMITED = (-np.inf, np.inf)
+
+
+def _added(first: Limits, second: Limits) -> Limits:
+    return first[0] + second[0], first[1] + second[1]
+
+
+def _limits_of_text(
+    chosen: Mapping[str, Gain], model: ControllerModel, site: Site
+) -> dict[Address, Limits]:
+    total: dict[Address, Limits] = {}
+    for axes in model.axes:
+        for axis in axes.names:
+            index = model.axis_names.index(axis)
+            gains = {
+                name: gain.value[index if len(gain.value) > 1 else 0]
+                for name, gain in chosen.items()
+            }
+            for line in axes.lines:
+                if isinstance(line, Drive):
+                    port = site.find(model, "drive", (axis, line.port))
+                    limits = line.within or _limits_of_integral(axes, line, gains)
+                    total[port] = _added(total[port], limits) if port in total else limits
+    return total
+
+
+def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) -> Limits:
+    """Return the limits of a drive that is a bounded integral times constants."""
+    names = {factor.value for product in drive.products for factor in product.factors}
+    for line in axes.lines:
+        if not isinstance(line, SignalLine) or line.source is None or not names & set(line.names):
+            continue
+        within = line.source.option("within")
+        if not isinstance(within, tuple):
+            return UNLIMITED
+        products = axes.gain_of(line.names[0], drive, gains)
+        if products is None or len(drive.products) != 1:
+            return UNLIMITED
+        gain = sum(_value(product, gains) for product in products)
+        return min(gain * within[0], gain * within[1]), max(gain * within[0], gain * within[1])
+    return UNLIMITED
+
+
+def _value(product: Product, gains: Mapping[str, float]) -> float:
+    value = -1.0 if product.negative else 1.0
+    for factor in product.factors:
+        number = gains[factor.value] if isinstance(factor.value, str) else factor.value
+        if factor.divides:
+            value = value / number if number else np.nan
+        else:
+            value *= number
+    return value
+
+
+# --- What it has learned ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearnedTables:
+    """Tables that a controller has learned.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        The inputs of each table.
+    values : ndarray, shape (axes of the controller, levels of each input …)
+        One table for each axis.
+    visits : ndarray of int64, same shape
+        How often each cell was used.
+    """
+
+    axes: tuple[Axis, ...]
+    values: NDArray[np.float64]
+    visits: NDArray[np.int64]
+
+    def readable(self, *, single: bool) -> LearnedTables:
+        """Return the tables without the last digits that only rounding made.
+
+        Parameters
+        ----------
+        single : bool
+            Whether they were kept in single precision; 6 decimals are kept then, otherwise 12.
+        """
+        decimals = 6 if single else 12
+        return replace(self, values=np.round(self.values, decimals) + 0.0)  # + 0.0: no -0
+
+    def pages(self, last: NDArray[np.int64] | None = None) -> list[tuple[Any, Any]]:
+        """Return values and visits of each axis as rows and columns, to be drawn.
+
+        Of a table over more than two inputs the page that was used most.
+
+        Parameters
+        ----------
+        last : ndarray, optional
+            Visits by which is chosen, where not those of these tables.
+        """
+        tables = []
+        by = self.visits if last is None else last
+        for values, visits, used in zip(self.values, self.visits, by, strict=True):
+            if values.ndim == 1:
+                page: tuple[Any, ...] = (None,)
+            else:
+                sums = used.sum(axis=(-2, -1))
+                page = np.unravel_index(int(np.argmax(sums)), sums.shape) if sums.ndim else ()
+            tables.append((values[page], visits[page]))
+        return tables
+
+    def tables(self, like: LookupTable) -> list[LookupTable]:
+        """Return the table of each axis of the controller; the rest as `like` has it."""
+        return [replace(like, axes=self.axes, values=value) for value in self.values]
+
+    def table(self, like: LookupTable) -> LookupTable:
+        """Return all tables as one, whose first input tells the axes of the controller apart."""
+        levels = tuple(float(i + 1) for i in range(len(self.values)))
+        axes = (Axis(AXIS, levels, description="axis of the controller"), *self.axes)
+        return replace(like, axes=axes, values=self.values)
+
+
+def learned(law: TextLaw, arithmetic: RunArithmetic, memory: Any = None) -> LearnedTables:
+    """Read the first table that learns from the memory of a law.
+
+    Parameters
+    ----------
+    law : TextLaw
+        Of a controller that learns.
+    arithmetic : RunArithmetic
+        Of the run.
+    memory : array_like, optional
+        As a run left it; as it is before the first one by default.
+    """
+    line = next(law.text.learners())
+    program: ControllerCode = law.program(arithmetic)
+    if memory is None:
+        memory = program.cells
+    axes = tuple(axis for axis in _table(law.text.sheets[line.table][0]).axes if axis.name != AXIS)
+    shape = tuple(len(axis.levels) for axis in axes)
+    places = [program.learned[axis, line.table] for axis in law.text.model.axis_names]
+    values = [memory[place.values : place.values + place.count] for place in places]
+    visits = [memory[place.visits : place.visits + place.count] for place in places]
+    return LearnedTables(
+        axes=axes,
+        values=np.array(values).reshape(-1, *shape),
+        visits=np.array(visits).astype(np.int64).reshape(-1, *shape),
+    )
+
+
+def _table(sheet: Sheet) -> LookupTable:
+    assert isinstance(sheet, LookupTable)
+    return sheet

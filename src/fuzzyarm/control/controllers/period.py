@@ -1,0 +1,722 @@
+"""One period of a controller, over any kind of number.
+
+Every reading of a controller's lines is this walk with an algebra of its own: floats
+(:mod:`fuzzyarm.control.controllers.floats`, the reference to which the machine code is compared),
+ranges (:mod:`fuzzyarm.control.controllers.reach`), affine forms and zonotopes
+(:mod:`fuzzyarm.proof.loop`), laws with slopes (:mod:`fuzzyarm.proof.map.walk`), and the steps of
+an exported program (:mod:`fuzzyarm.exchange.export.steps`). The compiled loop
+(:mod:`fuzzyarm.control.controllers.program`) and the checker of certificates are written
+independently of it.
+
+An :class:`Algebra` says what numbers are; all else has a default. A kind of number that needs more
+than numbers overrides what is made of them: a source (:meth:`Algebra.source`), a look-up
+(:meth:`Algebra.called`), signals that are stored, memory, a learner. So a new source is one record
+(:mod:`fuzzyarm.symbolic.sources`) for all of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from fuzzyarm.control.controllers.program import AXIS, Sheet, SourceError, of_axis, skipped_drives
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.language.model.controller import (
+    Axes,
+    Drive,
+    Factor,
+    GainModel,
+    Learn,
+    Line,
+    Product,
+    SignalLine,
+    Source,
+    Zoom,
+)
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.evaluation import specialise
+from fuzzyarm.symbolic.nodes import Node, constant, substituted, symbol
+from fuzzyarm.symbolic.sources import VALUE, SourceKind, unseen
+from fuzzyarm.table import LookupTable
+
+__all__ = [
+    "Algebra",
+    "Call",
+    "ControlPeriod",
+    "Guard",
+    "Lesson",
+    "PortValue",
+    "Remembered",
+    "Update",
+]
+
+T = TypeVar("T")
+
+
+class PortValue(NamedTuple):
+    """A value that a controller reads: ``reference`` or ``measured``, by axis and port."""
+
+    kind: str
+    axis: str
+    port: str
+
+
+class Remembered(NamedTuple):
+    """A number that one period leaves for the next.
+
+    Attributes
+    ----------
+    axis, of : str
+        The axis, and the signal or the port of a drive that it belongs to.
+    what : str
+        The state of the source; ``slew``, ``excess`` of a drive; ``held`` of a rule base.
+    start : float
+        Before the first period; NaN where nothing has been seen yet.
+    line : int
+        Of a drive, since a port may have several; else 0.
+    """
+
+    axis: str
+    of: str
+    what: str
+    start: float
+    line: int = 0
+
+    @property
+    def name(self) -> str:
+        """Its name in a memory."""
+        return f"{self.axis}.{self.of} {self.what}{f' {self.line}' if self.line else ''}"
+
+
+class Guard(NamedTuple):
+    """An axis, and when it is skipped.
+
+    Attributes
+    ----------
+    axis : str
+        Its name.
+    reads : tuple of PortValue
+        Where one is not a number, the period is skipped.
+    idle : dict of str to float
+        Of each drive, the value before the first period.
+    sent : dict of str to float or None
+        Of each drive, the value of a skipped period; None: the last one.
+    """
+
+    axis: str
+    reads: tuple[PortValue, ...]
+    idle: Mapping[str, float]
+    sent: Mapping[str, float | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Update(Generic[T]):
+    """A source in one period; its arguments are computed when they are asked for."""
+
+    period: ControlPeriod[T]
+    line: SignalLine
+    source: Source
+
+    @cached_property
+    def kind(self) -> SourceKind:
+        """Its record."""
+        return self.source.sized(self.period.model.period)
+
+    @cached_property
+    def x(self) -> T:
+        """The value that it is taken of."""
+        return self.period.taken_of(self.source)
+
+    @cached_property
+    def settings(self) -> dict[str, T]:
+        """Its options, by the arguments of the update."""
+        words = self.kind.settings(dict(self.source.options))
+        if self.kind.windup and self.drive is None:
+            words[_argument(self.kind.windup)] = 0.0
+        return {word: self.period.operand(value) for word, value in words.items()}
+
+    @cached_property
+    def drive(self) -> Drive | None:
+        """The drive whose limits an anti-windup looks at; None without."""
+        return _wound(self.period.axes, self.line, self.source)
+
+    @property
+    def states(self) -> dict[str, Remembered]:
+        """Its memory, by the names of its states."""
+        starts = self.kind.starts(dict(self.source.options))
+        return {
+            state.name: Remembered(self.period.axis, self.line.names[0], state.name, start)
+            for state, start in zip(self.kind.states, starts, strict=True)
+        }
+
+    def arguments(self) -> dict[str, T]:
+        """Return all arguments of the update by their names, states included."""
+        period, number = self.period, self.period.algebra.number
+        values = dict(self.settings)
+        values |= {"x": self.x, "period": number(period.model.period)}
+        if "last" in self.kind.symbols:
+            values["last"] = period.algebra.last(period.model.every)
+        if self.kind.windup:
+            values |= {"excess": number(0.0), "gain": number(0.0)}
+            if self.drive is not None:
+                excess = _of_drive(period.axis, self.drive, "excess")
+                values["excess"] = period.state(excess)
+                values["gain"] = period.gain_of_drive(self.line, self.drive)
+        values |= {name: period.state(cell) for name, cell in self.states.items()}
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class Call(Generic[T]):
+    """A look-up in a rule base or a table.
+
+    Attributes
+    ----------
+    name : str
+        In the text.
+    sheet : RuleBase, LookupTable or None
+        None where it could not be read.
+    signals, arguments : sequence
+        Names and values.
+    learner : Learn or None
+        The line that corrects the table.
+    """
+
+    period: ControlPeriod[T]
+    line: SignalLine | Learn
+    name: str
+    sheet: Sheet | None
+    signals: Sequence[str]
+    learner: Learn | None = None
+
+    @property
+    def arguments(self) -> list[T]:
+        """The values of its signals."""
+        return [self.period.operand(name) for name in self.signals]
+
+    def inputs(self, names: Sequence[str]) -> dict[str, T]:
+        """Return the inputs by the names of the sheet; one called `AXIS` has the axis' number."""
+        waiting = iter(self.arguments)
+        return {
+            name: self.period.algebra.number(self.period.index + 1.0)
+            if name == AXIS and AXIS not in self.signals
+            else next(waiting)
+            for name in names
+        }
+
+    def lattice(self) -> LookupTable:
+        """Return the table, or its part for this axis; SourceError where it has none."""
+        if not isinstance(self.sheet, LookupTable):
+            raise SourceError(f"'{self.name}' is a rule base: write rules {self.name}(…)")
+        axes, values = of_axis(self.sheet, self.period.index)
+        return replace(self.sheet, axes=tuple(axes), values=np.asarray(values))
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson(Generic[T]):
+    """A line that teaches: the look-ups in the learning and in the performance table."""
+
+    line: Learn
+    table: Call[T]
+    judge: Call[T]
+
+    @property
+    def rate(self) -> T:
+        """The share of the performance value that corrects."""
+        return self.table.period.operand(self.line.rate)
+
+    @property
+    def bound(self) -> T:
+        """The largest magnitude of a cell."""
+        return self.table.period.operand(self.line.bound)
+
+
+class Algebra(Generic[T]):
+    """A kind of number.
+
+    The first methods have to be said: :meth:`number` to :meth:`table`. All others have a default in
+    terms of them; where there is none, a controller that needs them is refused by name.
+    """
+
+    # --- numbers ---
+
+    def number(self, value: float) -> T:
+        """Return a number of the text: the double that it is."""
+        raise NotImplementedError
+
+    def add(self, a: T, b: T) -> T:
+        """Return a sum."""
+        raise NotImplementedError
+
+    def subtract(self, a: T, b: T) -> T:
+        """Return a difference."""
+        raise NotImplementedError
+
+    def multiply(self, a: T, b: T) -> T:
+        """Return a product."""
+        raise NotImplementedError
+
+    def divide(self, a: T, b: T) -> T:
+        """Return a quotient."""
+        raise NotImplementedError
+
+    def limit(self, x: T, low: float, high: float) -> T:
+        """Return ``min(max(x, low), high)``."""
+        raise NotImplementedError
+
+    def near(self, x: T, before: T, most: float) -> T:
+        """Return ``min(max(x, before - most), before + most)``."""
+        raise NotImplementedError
+
+    def expression(self, root: Node, values: Mapping[str, T]) -> T:
+        """Return the value of an expression for values of its symbols."""
+        raise NotImplementedError
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, T]) -> list[T]:
+        """Return the outputs of a rule base."""
+        raise NotImplementedError
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, T]) -> T:
+        """Return the value of a lookup table."""
+        raise NotImplementedError
+
+    # --- parts of sums ---
+
+    def negated(self, x: T) -> T:
+        """Return ``0 - x``, as a sum that begins with a minus has it."""
+        return self.subtract(self.number(0.0), x)
+
+    def gain(self, gain: GainModel, index: int) -> T:
+        """Return a gain of an axis; `index` is 0 where all axes share it."""
+        return self.number(gain.values[index].value(math.pi))
+
+    def unknown(self, name: str) -> T:
+        """Return the value of a name that is neither a signal nor a gain: a partner."""
+        raise SourceError(f"'{name}' is a law of its own")
+
+    # --- sources ---
+
+    def compared(self, reference: T, measured: T, weight: T | None) -> T:
+        """Return the error of a port."""
+        if weight is not None:
+            reference = self.multiply(reference, weight)
+        return self.subtract(reference, measured)
+
+    def last(self, every: int) -> T:
+        """Return whether a set point ends with this period."""
+        return self.number(float(every == 1))
+
+    def rounded(self, value: T) -> T:
+        """Return a value as signals are stored."""
+        return value
+
+    def hold(self, value: float) -> float:
+        """Return a number of the text as it is stored."""
+        return value
+
+    def source(self, update: Update[T]) -> T:
+        """Return the value of a source, and have its states remembered."""
+        kind = update.kind
+        if kind.function is None:
+            return update.x
+        first = update.period.first
+        values = update.arguments()
+        value = self.expression(seen(kind.expression, kind, first), values)
+        if kind.rounded:
+            value = self.rounded(value)
+        values[VALUE] = value
+        for cell, root in zip(update.states.values(), kind.nexts, strict=True):
+            after = self.expression(seen(root, kind, first), values)
+            update.period.remember(cell, self.rounded(after) if kind.rounded else after)
+        return value
+
+    # --- rule bases and tables ---
+
+    def called(self, call: Call[T]) -> list[T]:
+        """Return the values of a rule base or a table."""
+        if isinstance(call.sheet, RuleBase):
+            names = [variable.name for variable in call.sheet.inputs]
+            values = self.rules(call.sheet, call.inputs(names))
+            return [
+                _last_held(self, call, index, value) if output.no_rule == "hold" else value
+                for index, (output, value) in enumerate(
+                    zip(call.sheet.outputs, values, strict=True)
+                )
+            ]
+        if call.sheet is None:
+            raise SourceError(f"'{call.name}' could not be read")
+        table = call.lattice()
+        inputs = call.inputs(table.names)
+        if call.learner is not None:
+            return [self.learned(call, table, inputs)]
+        return [self.table(table, inputs)]
+
+    def held(self, value: T, before: T) -> T:
+        """Return an output, or its last value where no rule fires."""
+        raise SourceError("an output holds its value where no rule fires")
+
+    def learned(self, call: Call[T], table: LookupTable, inputs: Mapping[str, T]) -> T:
+        """Return the value of a table that learns."""
+        raise SourceError(f"the table '{call.name}' learns")
+
+    def learn(self, lesson: Lesson[T]) -> None:
+        """Correct a table."""
+        raise SourceError(f"the table '{lesson.line.table}' learns")
+
+    def zoom(self, line: Zoom, signals: Mapping[str, T], by: T, inside: T) -> dict[str, T]:
+        """Return magnified signals."""
+        names = tuple(signals)
+        values = {**{f"signal {k}": signals[n] for k, n in enumerate(names)},
+                  "by": by, "inside": inside}  # fmt: skip
+        times = tuple(line.signals.count(name) for name in names)
+        roots = zoomed(times, wait=line.wait)
+        return dict(zip(names, (self.expression(root, values) for root in roots), strict=True))
+
+    # --- what lasts ---
+
+    def begins(self, cell: Remembered) -> T:
+        """Return a memory before the first period."""
+        return self.number(0.0 if math.isnan(cell.start) else cell.start)
+
+    def remember(self, cell: Remembered, value: T) -> T:
+        """Return a value as the next period finds it."""
+        return value
+
+    def signal(self, axis: str, name: str, value: T, *, rounded: bool = True) -> T:
+        """Return a signal as it is stored and read by later lines."""
+        return value
+
+    def drive(self, axis: str, line: Drive, value: T) -> T:
+        """Return the value of a drive's line, limits included."""
+        return value
+
+    # --- the axis ---
+
+    def skipped(self, guard: Guard, given: Mapping[PortValue, T]) -> dict[str, T] | None:
+        """Return the drives of an axis that is skipped; None: it runs."""
+        return None
+
+    def ran(self, guard: Guard, drives: Mapping[str, T]) -> None:
+        """Note the drives of an axis at the end of its lines."""
+
+
+class ControlPeriod(Generic[T]):
+    """The walk: one period of a controller over some kind of number.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    algebra : Algebra
+        The kind of number.
+
+    Attributes
+    ----------
+    cells : dict of str to Remembered
+        Its memory.
+    axes, axis, index, line
+        While it runs: the block of axes, the axis, its number, and the line.
+    signals : dict
+        Of this axis.
+    first : bool or None
+        Whether sources have seen nothing yet; None: each state tells.
+    """
+
+    def __init__(self, text: ControllerText, algebra: Algebra[T]) -> None:
+        self.text, self.model, self.algebra = text, text.model, algebra
+        self.gains = {gain.name: gain for gain in self.model.gains}
+        self.signals: dict[str, T] = {}
+        self.first: bool | None = None
+        self.cells = {cell.name: cell for cell in self._remembered()}
+
+    def run(
+        self,
+        given: Mapping[PortValue, T],
+        memory: Mapping[str, T],
+        *,
+        first: bool | None = None,
+        only: Collection[str] | None = None,
+    ) -> tuple[dict[tuple[str, str], T], dict[str, T]]:
+        """Do one period.
+
+        Parameters
+        ----------
+        given : mapping
+            References and measured values.
+        memory : mapping of str
+            As the last period left it; a name that is not there begins.
+        first : bool, optional
+            Whether it is the first period; None: NaN in a memory tells.
+        only : collection of str, optional
+            Some of the axes.
+
+        Returns
+        -------
+        drives : dict
+            By axis and port.
+        memory : dict of str
+            For the next period.
+        """
+        self.first, self._given, self._before = first, given, memory
+        self._after: dict[str, T] = {}
+        drives: dict[tuple[str, str], T] = {}
+        for index, (axes, axis) in enumerate(self._every_axis()):
+            if only is None or axis in only:
+                self.axes, self.axis, self.index = axes, axis, index
+                drives |= {(axis, port): value for port, value in self._one_axis().items()}
+        return drives, self._after
+
+    def _every_axis(self) -> Iterator[tuple[Axes, str]]:
+        return ((axes, axis) for axes in self.model.axes for axis in axes.names)
+
+    def _one_axis(self) -> dict[str, T]:
+        guard = guard_of(self.axes, self.axis, self.algebra.hold)
+        self.signals, self._drives = {}, dict[str, T]()
+        sent = self.algebra.skipped(guard, self._given)
+        if sent is not None:
+            for cell in self.cells.values():
+                if cell.axis == self.axis:
+                    self._after[cell.name] = self.state(cell)
+            return sent
+        for line in self.axes.lines:
+            self._line(line)
+        self.algebra.ran(guard, self._drives)
+        return self._drives
+
+    # --- memory ---
+
+    def _remembered(self) -> Iterator[Remembered]:
+        """Yield the memory of all axes, in the order of the text."""
+        for index, (axes, axis) in enumerate(self._every_axis()):
+            for line in axes.lines:
+                if isinstance(line, Drive) and line.slew is not None:
+                    yield _of_drive(axis, line, "slew")
+                elif isinstance(line, SignalLine) and line.source is not None:
+                    yield from self._of_source(axes, axis, index, line, line.source)
+
+    def _of_source(
+        self, axes: Axes, axis: str, index: int, line: SignalLine, source: Source
+    ) -> Iterator[Remembered]:
+        kind, options = source.sized(self.model.period), dict(source.options)
+        sheet = self.sheet(source.name, index) if kind.of == "call" else None
+        if isinstance(sheet, RuleBase):
+            for number, output in enumerate(sheet.outputs):
+                if output.no_rule == "hold":
+                    yield _held_by(axis, line, number)
+        for state, start in zip(kind.states, kind.starts(options), strict=True):
+            yield Remembered(axis, line.names[0], state.name, start)
+        drive = _wound(axes, line, source)
+        if drive is not None:
+            yield _of_drive(axis, drive, "excess")
+
+    def state(self, cell: Remembered) -> T:
+        """Return a memory as the last period left it."""
+        if cell.name in self._before:
+            return self._before[cell.name]
+        return self.algebra.begins(self.cells[cell.name])
+
+    def remember(self, cell: Remembered, value: T) -> None:
+        """Leave a memory for the next period."""
+        self._after[cell.name] = self.algebra.remember(cell, value)
+
+    # --- lines ---
+
+    def _line(self, line: Line) -> None:
+        self.line = line
+        if isinstance(line, Drive):
+            self._drive(line)
+        elif isinstance(line, SignalLine):
+            for name, value in zip(line.names, self._values(line), strict=False):
+                self.signals[name] = self.algebra.signal(self.axis, name, value)
+        elif isinstance(line, Zoom):
+            before = {name: self.operand(name) for name in line.signals}
+            by, inside = self.operand(line.by), self.operand(line.inside)
+            after = self.algebra.zoom(line, before, by, inside)
+            for name, value in after.items():
+                stored = self.algebra.signal(self.axis, name, value, rounded=False)
+                self.signals[name] = stored
+        else:
+            calls = [self._call(line, name, line.inputs) for name in (line.table, line.judge)]
+            self.algebra.learn(Lesson(line, *calls))
+
+    def _values(self, line: SignalLine) -> list[T]:
+        source = line.source
+        if source is None:
+            return [self.sum(line.products)]
+        if source.record.of == "call":
+            values = self.algebra.called(self._call(line, source.name, source.inputs))
+        else:
+            values = [self.algebra.source(Update(self, line, source))]
+        (product,) = line.products or (Product(()),)
+        return [self._scaled(value, product.factors) for value in values]
+
+    def _drive(self, line: Drive) -> None:
+        algebra = self.algebra
+        value = demand = self.sum(line.products)
+        if line.within is not None:
+            value = algebra.limit(demand, *line.within)
+            excess = _of_drive(self.axis, line, "excess")
+            if excess.name in self.cells:
+                self.remember(excess, algebra.subtract(value, demand))
+        if line.slew is not None:
+            before = _of_drive(self.axis, line, "slew")
+            value = algebra.near(value, self.state(before), line.slew * self.model.period)
+            self.remember(before, value)
+        value = algebra.drive(self.axis, line, value)
+        earlier = self._drives.get(line.port)
+        self._drives[line.port] = value if earlier is None else algebra.add(earlier, value)
+
+    def sum(self, products: Sequence[Product]) -> T:
+        """Return a sum of products, in the order in which the program adds them."""
+        total: T | None = None
+        for product in products:
+            first, *others = product.factors
+            value = self._scaled(self.operand(first.value), others)
+            if total is None:
+                total = self.algebra.negated(value) if product.negative else value
+            else:
+                apply = self.algebra.subtract if product.negative else self.algebra.add
+                total = apply(total, value)
+        return self.algebra.number(0.0) if total is None else total
+
+    def _scaled(self, value: T, factors: Iterable[Factor]) -> T:
+        """Return a value times (or over) factors, from left to right."""
+        for factor in factors:
+            apply = self.algebra.divide if factor.divides else self.algebra.multiply
+            value = apply(value, self.operand(factor.value))
+        return value
+
+    def operand(self, value: str | float) -> T:
+        """Return a number, a signal or a gain."""
+        if not isinstance(value, str):
+            return self.algebra.number(float(value))
+        if value in self.signals:
+            return self.signals[value]
+        gain = self.gains.get(value)
+        if gain is None:
+            return self.algebra.unknown(value)
+        return self.algebra.gain(gain, self.index if len(gain.values) > 1 else 0)
+
+    # --- sources, rule bases, tables ---
+
+    def taken_of(self, source: Source) -> T:
+        """Return the signal or the value of a port that a source is taken of."""
+        kinds = source.record.ports
+        if not kinds:
+            return self.operand(source.name)
+        values = [self._given[PortValue(kind, self.axis, source.name)] for kind in kinds]
+        if len(values) == 1:
+            return values[0]
+        weight = source.option("weight")
+        share = self.operand(weight) if isinstance(weight, str | float) else None
+        by_kind = dict(zip(kinds, values, strict=True))
+        return self.algebra.compared(by_kind["reference"], by_kind["measured"], share)
+
+    def gain_of_drive(self, line: SignalLine, drive: Drive) -> T:
+        """Return by how much a drive grows with a source; 1 where that is not constant."""
+        products = self.axes.gain_of(line.names[0], drive, self.gains)
+        if not products:
+            return self.algebra.number(1.0 if products is None else 0.0)
+        # A product begins with a factor that multiplies.
+        return self.sum(
+            [
+                product
+                if product.factors and not product.factors[0].divides
+                else Product((Factor(1.0), *product.factors), product.negative)
+                for product in products
+            ]
+        )
+
+    def sheet(self, name: str, index: int) -> Sheet | None:
+        """Return the rule base or table of an axis; None where it could not be read."""
+        sheets = self.text.sheets.get(name)
+        return sheets[index if len(sheets) > 1 else 0] if sheets else None
+
+    def _call(self, line: SignalLine | Learn, name: str, signals: Sequence[str]) -> Call[T]:
+        learners = (x for x in self.axes.lines if isinstance(x, Learn) and x.table == name)
+        sheet = self.sheet(name, self.index)
+        return Call(self, line, name, sheet, signals, next(learners, None))
+
+
+def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> Guard:
+    """Return when an axis is skipped, and what its drives are then."""
+    reads = tuple(
+        PortValue(kind, axis, port)
+        for kind in ("reference", "measured")
+        for port in axes.ports(kind)
+    )
+    drives = skipped_drives(axes, hold)
+    idle = {port: value for port, (value, _) in drives.items()}
+    return Guard(axis, reads, idle, {port: value for port, (_, value) in drives.items()})
+
+
+def _last_held(algebra: Algebra[T], call: Call[T], index: int, value: T) -> T:
+    """Return an output that holds its value where no rule fires, and have it remembered."""
+    cell = _held_by(call.period.axis, call.line, index)
+    value = algebra.held(value, call.period.state(cell))
+    call.period.remember(cell, value)
+    return value
+
+
+def _of_drive(axis: str, line: Drive, what: str) -> Remembered:
+    return Remembered(axis, line.port, what, 0.0, line.span.line)
+
+
+def _held_by(axis: str, line: SignalLine | Learn, index: int) -> Remembered:
+    assert isinstance(line, SignalLine)
+    return Remembered(axis, line.names[index], "held", math.nan)
+
+
+def _wound(axes: Axes, line: SignalLine, source: Source) -> Drive | None:
+    """Return the drive whose limits an anti-windup looks at; None without."""
+    kind = source.record
+    if not kind.windup or not kind.settings(dict(source.options))[_argument(kind.windup)]:
+        return None
+    return axes.driven_by(line.names[0])
+
+
+def _argument(option: str) -> str:
+    """Return the argument of an update that an option says."""
+    return option.replace("-", "_")
+
+
+@cache
+def seen(root: Node, kind: SourceKind, first: bool | None) -> Node:
+    """Return an update where it is known whether states that start as NaN have seen anything."""
+    if first is None:
+        return root
+    for state in kind.states:
+        # An update asks by s == s, which is false for NaN.
+        begun = isinstance(state.start, float) and math.isnan(state.start) and first
+        root = substituted(root, unseen(symbol(state.name)), constant(float(begun)))
+    return specialise(root, {})
+
+
+@cache
+def zoomed(times: tuple[int, ...], *, wait: bool) -> tuple[Node, ...]:
+    """Return what zoom makes of ``signal 0`` …: magnified while all are ``inside`` the window.
+
+    A signal that the line names several times is magnified as often.
+    """
+    signals = [symbol(f"signal {k}") for k in range(len(times))]
+    by, inside = symbol("by"), symbol("inside")
+    size: Node = constant(0.0)
+    for signal in signals:
+        size = op.maximum(size, abs(signal))
+    factor: Node = by
+    if wait:
+        factor = op.where(inside < size * by, inside / size, by)
+    large: list[Node] = list(signals)
+    for k, count in enumerate(times):
+        for _ in range(count):
+            large[k] = factor * large[k]
+    return tuple(
+        op.where(size <= inside, value, signal)
+        for value, signal in zip(large, signals, strict=True)
+    )

@@ -1,0 +1,798 @@
+"""A controller as text, written down for its kernel: cells and instructions.
+
+Their layout is described in :mod:`fuzzyarm.control.controllers.kernel`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.controllers import kernel as to
+from fuzzyarm.control.controllers.law import LawBlock
+from fuzzyarm.control.controllers.updates import update_address
+from fuzzyarm.inference import kernel as inference_kernel
+from fuzzyarm.inference.block import NotCoveredError, make_block
+from fuzzyarm.inference.layout import lay_out
+from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.prepared import remembered
+from fuzzyarm.language.model.controller import (
+    Axes,
+    ControllerModel,
+    Drive,
+    Factor,
+    Learn,
+    Line,
+    Product,
+    SignalLine,
+    Source,
+    Zoom,
+)
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.setting import LAST, RunArithmetic, stored_double, stored_single
+from fuzzyarm.symbolic.kernels import address_of
+from fuzzyarm.symbolic.sources import SourceKind
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table.lookup import pack_grid
+
+Sheet = RuleBase | LookupTable
+"""A rule base or a table that a controller looks up."""
+
+AXIS = "joint"
+"""Name of the input that tells the tables of the axes apart, with levels 1, 2 …"""
+
+
+class SourceError(FuzzyarmError, ValueError):
+    """A rule base, a table or a port does not serve a controller."""
+
+    def __init__(self, message: str, *, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """Where the ports of a plant are among the first cells.
+
+    Attributes
+    ----------
+    references, measured, drives : dict
+        The cell of each axis and port.
+    partners : tuple of int
+        Where a partner leaves its torque, one cell for each axis.
+    size : int
+        Number of cells, the clock included.
+    starts : dict
+        Of drives whose actuators have a start: the value before the first period.
+    """
+
+    references: Mapping[tuple[str, str], int]
+    measured: Mapping[tuple[str, str], int]
+    drives: Mapping[tuple[str, str], int]
+    partners: tuple[int, ...]
+    size: int
+    starts: Mapping[tuple[str, str], float]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Position of a learning table among the cells."""
+
+    values: int
+    visits: int
+    count: int
+
+
+@dataclass(frozen=True)
+class Guard:
+    """What stands around the instructions of an axis.
+
+    Attributes
+    ----------
+    begin, end : int
+        Where its instructions begin and end in the code.
+    count : int
+        The cell that counts the skipped periods.
+    reads : tuple of int
+        Cells of references and measured values; where one is not a number, the axis is skipped.
+    drives : dict
+        Of the cell of each drive, what it is sent in a skipped period; None: its last value.
+    """
+
+    begin: int
+    end: int
+    count: int
+    reads: tuple[int, ...]
+    drives: Mapping[int, float | None]
+
+
+@dataclass(frozen=True)
+class ControllerCode:
+    """A controller in the form of its kernel.
+
+    Attributes
+    ----------
+    code : list of int
+        The instructions and their lists.
+    cells : ndarray of float64
+        As they are before the first period.
+    signals : dict
+        The cell of each axis and signal.
+    learned : dict
+        Of each axis and each table that learns, where it stands.
+    rings : tuple of (int, int)
+        The rings of learners, to be emptied before another run with the same tables.
+    gains : dict
+        The cells of each gain, one for each axis.
+    rulebases : dict
+        By the cell of their first result, the name in the text and the rule base asked there.
+    tables : dict
+        By the cell of their first value, the name in the text and the table of one axis.
+    updates : dict
+        By the first cell of their frame, the sources with an update.
+    guards : dict
+        Of each axis that reads a reference or a measured value, its :class:`Guard`.
+    """
+
+    code: list[int]
+    cells: NDArray[np.float64]
+    signals: Mapping[tuple[str, str], int]
+    learned: Mapping[tuple[str, str], Place]
+    rings: tuple[tuple[int, int], ...]
+    gains: Mapping[str, tuple[int, ...]]
+    rulebases: Mapping[int, tuple[str, RuleBase]]
+    tables: Mapping[int, tuple[str, LookupTable]]
+    updates: Mapping[int, SourceKind]
+    guards: Mapping[str, Guard]
+
+    def skipped(self, cells: Sequence[float] | NDArray[np.float64]) -> dict[str, int]:
+        """Return how many periods each axis has skipped, of the cells after a run."""
+        return {axis: int(cells[guard.count]) for axis, guard in self.guards.items()}
+
+    def cells_with(
+        self, values: Mapping[str, Sequence[float]], arithmetic: RunArithmetic
+    ) -> NDArray[np.float64]:
+        """Return the cells with other values of gains, one for all axes or one for each."""
+        cells = self.cells.copy()
+        for name, numbers in values.items():
+            stored = [arithmetic.hold(number) for number in numbers]
+            for index, cell in enumerate(self.gains[name]):
+                cells[cell] = stored[index if len(stored) > 1 else 0]
+        return cells
+
+    def instructions(self) -> list[int]:
+        """Return the operations in order, without their operands."""
+        return self.code[1 : 1 + to.INSTRUCTION * self.code[0] : to.INSTRUCTION]
+
+    def memory(self) -> list[int]:
+        """Return the cells that one period leaves for the next, in order."""
+        code = self.code
+        cells: set[int] = set()
+        for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
+            what, state = code[at], code[at + 3]
+            cells |= {state + cell.offset for cell in to.REMEMBERED.get(what, ())}
+            if what == to.UPDATE:
+                cells |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
+            elif what == to.INFER:
+                cells |= self._held(code[at + 2])
+            elif what == to.PARTNER:
+                at_list = code[at + 2]
+                cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
+        for guard in self.guards.values():
+            cells |= {guard.count, *guard.drives}
+        for begin, end in self.rings:
+            cells |= set(range(begin, end))
+        for place in self.learned.values():
+            cells |= set(range(place.values, place.values + place.count))
+            cells |= set(range(place.visits, place.visits + place.count))
+        return sorted(cells)
+
+    def _held(self, at: int) -> set[int]:
+        """Return the results of an inference that hold where no rule fires."""
+        count = self.code[at + to.COUNT_RESULTS]
+        first = at + to.INFER_CELLS + self.code[at + to.COUNT_INPUTS]
+        cells, holds = (
+            self.code[first : first + count],
+            self.code[first + count : first + 2 * count],
+        )
+        return {cell for cell, is_hold in zip(cells, holds, strict=True) if is_hold}
+
+
+def write_down(
+    model: ControllerModel,
+    sheets: Mapping[str, Sequence[Sheet]],
+    partners: Mapping[str, tuple[int, LawBlock]],
+    wiring: Wiring,
+    arithmetic: RunArithmetic,
+) -> ControllerCode:
+    """Write a controller down.
+
+    Parameters
+    ----------
+    model : ControllerModel
+        Without mistakes.
+    sheets : mapping
+        The rule bases and tables that it uses, one for all axes or one for each.
+    partners : mapping
+        Address and arrays of the laws that it names.
+    wiring : Wiring
+        Of the plant.
+    arithmetic : RunArithmetic
+        Of the run.
+
+    Raises
+    ------
+    SourceError
+        If a rule base or a table does not serve.
+    """
+    return _Writer(model, sheets, partners, wiring, arithmetic).program()
+
+
+_FUSED = {
+    (to.SUBTRACT, to.MULTIPLY): to.SUBTRACT_MULTIPLY,
+    (to.MULTIPLY, to.MULTIPLY): to.MULTIPLY_BOTH,
+    (to.MULTIPLY, to.DIVIDE): to.MULTIPLY_DIVIDE,
+}
+"""Pairs of instructions that fuse when the second takes the result of the first."""
+
+
+def _argument(word: str) -> str:
+    """Return the argument of an update that an option says."""
+    return word.replace("-", "_")
+
+
+class _Writer:
+    """Cells and code under construction; `axis` is the one that is written."""
+
+    def __init__(
+        self,
+        model: ControllerModel,
+        sheets: Mapping[str, Sequence[Sheet]],
+        partners: Mapping[str, tuple[int, LawBlock]],
+        wiring: Wiring,
+        arithmetic: RunArithmetic,
+    ) -> None:
+        self.model = model
+        self.sheets = sheets
+        self.partners = partners
+        self.wiring = wiring
+        self.arithmetic = arithmetic
+        self.code: list[int] = []
+        self.lists: list[int] = []
+        self.list_fields: list[int] = []  # where in the code the begin of a list stands
+        self.cells: list[float] = [0.0] * wiring.size
+        self.parts: list[NDArray[np.float64]] = []  # blocks, behind the cells
+        self.parts_size = 0
+        self.part_fields: list[int] = []  # where in the lists a cell of a part stands
+        self.numbers: dict[float, int] = {}
+        self.signal_cells: dict[tuple[str, str], int] = {}  # signals of the axes
+        self.gains: dict[str, tuple[int, ...]] = {}
+        self.tables: dict[tuple[str, int], Place] = {}
+        self.grids: dict[str, tuple[int, list[Axis]]] = {}
+        self.learned: dict[tuple[str, str], Place] = {}
+        self.inferences: dict[int, tuple[str, RuleBase]] = {}
+        self.blocks: dict[int, KernelRuleBlock] = {}  # of the rule bases, by their identity
+        self.looked_up: dict[int, tuple[str, LookupTable]] = {}
+        self.updates: dict[int, SourceKind] = {}
+        self.rings: list[tuple[int, int]] = []
+        self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
+        self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
+        self.guards: dict[str, Guard] = {}
+        self.drives = self._drive_cells()
+        self.scratch = self._cell(0.0)  # of values that have no name
+        self.axis = ""
+        self.index = 0
+
+    def program(self) -> ControllerCode:
+        """Write everything down."""
+        self._write_gains()
+        self._write_partners()
+        first: set[int] = set()
+        for axes in self.model.axes:
+            for name in axes.names:
+                self.axis = name
+                self.limits = {}
+                begin = 1 + len(self.code)
+                for line in axes.lines:
+                    self._write_line(axes, line, first)
+                self._guard(axes, begin)
+                self.index += 1
+        self._join_drives()
+        return self._finished()
+
+    # --- The guard of an axis ---
+
+    def _drive_cells(self) -> dict[tuple[str, str], int]:
+        """Return the cells of the drives; axes with an input in common have their own."""
+        wired = self.wiring.drives
+        shared = Counter(wired.values())
+        return {
+            address: cell if shared[cell] == 1 else self._cell(0.0)
+            for address, cell in wired.items()
+        }
+
+    def _join_drives(self) -> None:
+        """Add up the drives of axes with an input in common."""
+        begun: set[int] = set()
+        for address, cell in self.wiring.drives.items():
+            own = self.drives[address]
+            if own != cell:
+                self._do(to.ADD, cell, cell if cell in begun else self._number(0.0), own)
+                begun.add(cell)
+
+    def _guard(self, axes: Axes, begin: int) -> None:
+        """Put the instructions of an axis into a guard, if it reads anything."""
+        reads = tuple(
+            cells[self.axis, port]
+            for cells, kind in (
+                (self.wiring.references, "reference"), (self.wiring.measured, "measured"),
+            )
+            for port in axes.ports(kind)
+        )  # fmt: skip
+        drives: dict[int, float | None] = {}
+        for port, (idle, sent) in skipped_drives(axes, self.arithmetic.hold).items():
+            cell = self.drives[self.axis, port]
+            start = self.wiring.starts.get((self.axis, port))
+            self.cells[cell] = idle if start is None else self.arithmetic.hold(start)
+            drives[cell] = sent
+        if reads:
+            end, count = 1 + len(self.code), self._cell(0.0)
+            self.guards[self.axis] = Guard(begin, end, count, reads, drives)
+
+    def _guard_list(self) -> list[int]:
+        """Return the list of guards, which is the first one."""
+        cells = dict.fromkeys(cell for guard in self.guards.values() for cell in guard.reads)
+        stored = stored_single if self.arithmetic.single else stored_double
+        address = address_of(
+            to.step_guarded, "if", {"stored": stored}, compiled=self.arithmetic.compiled
+        )
+        items = [address, len(cells), *cells]
+        for guard in self.guards.values():
+            sends = [(cell, self._number(x)) for cell, x in guard.drives.items() if x is not None]
+            items += [guard.begin, guard.end, guard.count, len(guard.reads), len(sends)]
+            items += [*guard.reads, *(cell for pair in sends for cell in pair)]
+        return [*items, 0]
+
+    def _finished(self) -> ControllerCode:
+        guards = self._guard_list()
+        begin = 1 + len(self.code) + len(guards)
+        for field in self.list_fields:
+            self.code[field] += begin
+        for field in self.part_fields:
+            self.lists[field] += len(self.cells)
+        code = [len(self.code) // to.INSTRUCTION, *self.code, *guards, *self.lists]
+        cells = np.concatenate([np.array(self.cells), *self.parts])
+        return ControllerCode(
+            code,
+            cells,
+            dict(self.signal_cells),
+            dict(self.learned),
+            tuple(self.rings),
+            self.gains,
+            self.inferences,
+            self.looked_up,
+            self.updates,
+            self.guards,
+        )
+
+    # --- Cells, instructions, lists ---
+
+    def _cell(self, *values: float) -> int:
+        """Add cells; return the first."""
+        at = len(self.cells)
+        self.cells += values
+        return at
+
+    def _number(self, value: float) -> int:
+        """Return the cell of a constant."""
+        if value not in self.numbers:
+            self.numbers[value] = self._cell(value)
+        return self.numbers[value]
+
+    def _do(self, what: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
+        """Add an instruction, or make it one with that before it; return the cell it fills."""
+        before = self.code[-to.INSTRUCTION :]
+        both = _FUSED.get((before[0], what)) if before else None
+        if both is not None and into == before[1] == a == self.scratch and not before[5]:
+            self.code[-to.INSTRUCTION :] = [both, into, before[2], before[3], b, 0]
+        else:
+            self.code += [what, into, a, b, c, 0]
+        return into
+
+    def _move(self, into: int, cell: int, *, rounded: bool) -> None:
+        """Move a value to another cell; the last instruction writes it there directly."""
+        if cell != self.scratch or self.code[-5] != cell:
+            self._do(to.COPY, into, cell)
+        self.code[-5] = into
+        self.code[-1] = int(rounded)
+
+    def _list(self, field: int, items: Sequence[int]) -> None:
+        """Add a list; it begins where operand `field` of the last instruction says."""
+        position = len(self.code) - to.INSTRUCTION + field
+        self.code[position] = len(self.lists)
+        self.list_fields.append(position)
+        self.lists += items
+
+    # --- Names ---
+
+    def _write_gains(self) -> None:
+        count = len(self.model.axis_names)
+        for gain in self.model.gains:
+            values = [amount.value(self.arithmetic.pi) for amount in gain.values]
+            stored = [self.arithmetic.hold(value) for value in values]
+            stored = stored * count if len(stored) == 1 else stored
+            self.gains[gain.name] = tuple(self._cell(value) for value in stored)
+
+    def _write_partners(self) -> None:
+        """Run each law once; both axes read what it leaves."""
+        for name, (address, block) in self.partners.items():
+            numbers = self._cell(*map(float, block.numbers))
+            memory = self._cell(*map(float, block.memory))
+            self._do(to.PARTNER, self.scratch, 0)
+            ends = [numbers, numbers + len(block.numbers), memory, memory + len(block.memory)]
+            self._list(2, [address, *ends, 0, 0])
+            links = len(self.lists)
+            self.lists += block.links
+            self.lists[links - 2], self.lists[links - 1] = links, links + len(block.links)
+            for axis, cell in zip(self.model.axis_names, self.wiring.partners, strict=False):
+                self.signal_cells[axis, name] = self._do(to.COPY, self._cell(0.0), cell)
+
+    def _operand(self, value: str | float) -> int:
+        """Return the cell of a number, a signal or a gain."""
+        if not isinstance(value, str):
+            return self._number(float(value))
+        if value in self.gains:
+            return self.gains[value][self.index]
+        return self.signal_cells[self.axis, value]
+
+    # --- Lines ---
+
+    def _write_line(self, axes: Axes, line: Line, first: set[int]) -> None:
+        if isinstance(line, SignalLine):
+            self._write_signal(axes, line)
+        elif isinstance(line, Zoom):
+            self._write_zoom(line)
+        elif isinstance(line, Learn):
+            self._write_learn(line)
+        else:
+            self._write_drive(line, first)
+
+    def _write_signal(self, axes: Axes, line: SignalLine) -> None:
+        source = line.source
+        if source is None:
+            self._store(line.names[0], self._sum(line.products))
+        elif source.kind == "rules":
+            self._write_rules(line, source)
+        else:
+            value = self._source(axes, line, source)
+            (product,) = line.products or (Product(()),)
+            self._store(line.names[0], self._factors(value, product.factors))
+
+    def _store(self, name: str, cell: int) -> None:
+        into = self.signal_cells.setdefault((self.axis, name), self._cell(0.0))
+        self._move(into, cell, rounded=True)
+
+    def _factors(self, cell: int, factors: Sequence[Factor]) -> int:
+        for factor in factors:
+            what = to.DIVIDE if factor.divides else to.MULTIPLY
+            cell = self._do(what, self.scratch, cell, self._operand(factor.value))
+        return cell
+
+    def _sum(self, products: Sequence[Product]) -> int:
+        total = -1
+        for product in products:
+            first, *others = product.factors
+            cell = self._factors(self._operand(first.value), others)
+            if total < 0 and not product.negative:
+                # A product that is begun next must not overwrite this one.
+                total = cell if len(products) == 1 else self._copy(cell)
+                continue
+            before = self._number(0.0) if total < 0 else total
+            what = to.SUBTRACT if product.negative else to.ADD
+            total = self._do(what, self._cell(0.0), before, cell)
+        return total
+
+    def _copy(self, cell: int) -> int:
+        return self._do(to.COPY, self._cell(0.0), cell)
+
+    def _source(self, axes: Axes, line: SignalLine, source: Source) -> int:
+        """Write the instructions of a source; return the cell of its value."""
+        kind = source.sized(self.model.period)
+        if kind.of == "call":
+            return self._look_up(source)
+        cell = self._taken_of(source)
+        if kind.function is None:
+            return cell
+        options = dict(source.options)
+        arguments = {"last": LAST}
+        settings = kind.settings(options)
+        if kind.windup:
+            settings |= {"excess": 0.0, "gain": 0.0}
+            drive = axes.driven_by(line.names[0]) if settings[_argument(kind.windup)] else None
+            if drive is None:
+                settings[_argument(kind.windup)] = 0.0
+            else:
+                if cell == self.scratch:  # where the gain may be computed
+                    cell = self._copy(cell)
+                arguments["excess"] = self._limit_state(drive) + to.OVER
+                arguments["gain"] = self._gain_of_drive(axes, line, drive)
+        arguments |= {
+            name: self._operand(value) for name, value in settings.items() if isinstance(value, str)
+        }
+        filled = 1 + len(kind.states)
+        numbers = [settings.get(name, 0.0) for name in kind.inputs]
+        constants = [float(x) if not isinstance(x, str) else 0.0 for x in numbers]
+        frame = self._cell(0.0, *kind.starts(options), *constants)
+        self.updates[frame] = kind
+        fetches = [
+            (cell, arguments[name])
+            for cell, name in enumerate(kind.inputs, frame + filled)
+            if name in arguments
+        ]
+        self._do(to.UPDATE, self.scratch, 0, frame, cell)
+        address = update_address(kind, compiled=self.arithmetic.compiled)
+        head = [address, filled, int(kind.rounded), frame + filled + len(constants), len(fetches)]
+        self._list(2, [*head, *(cell for pair in fetches for cell in pair)])
+        return self.scratch
+
+    def _taken_of(self, source: Source) -> int:
+        """Return the cell of what a source is taken of: a signal, or of a port."""
+        of = (self.axis, source.name)
+        ports = source.record.ports
+        if not ports:
+            return self.signal_cells[of]
+        values = {"reference": self.wiring.references, "measured": self.wiring.measured}
+        if len(ports) == 1:
+            return values[ports[0]][of]
+        set_point = self.wiring.references[of]
+        weight = source.option("weight")
+        if isinstance(weight, str | float):
+            set_point = self._do(to.MULTIPLY, self.scratch, set_point, self._operand(weight))
+        return self._do(to.SUBTRACT, self.scratch, set_point, self.wiring.measured[of])
+
+    def _gain_of_drive(self, axes: Axes, line: SignalLine, drive: Drive) -> int:
+        """Return the cell of how a drive grows with an integral; 1 where that is not constant."""
+        products = axes.gain_of(line.names[0], drive, self.gains)
+        if not products:
+            return self._number(1.0 if products is None else 0.0)
+        # A product begins with a factor that multiplies.
+        whole = [
+            product
+            if product.factors and not product.factors[0].divides
+            else Product((Factor(1.0), *product.factors), product.negative)
+            for product in products
+        ]
+        if len(whole) == 1 and len(whole[0].factors) == 1 and not whole[0].negative:
+            return self._operand(whole[0].factors[0].value)
+        into = self._cell(0.0)
+        self._move(into, self._sum(whole), rounded=False)
+        return into
+
+    def _write_zoom(self, line: Zoom) -> None:
+        self._do(to.ZOOM, self.scratch, 0, len(line.signals))
+        numbers = [self._operand(line.by), self._operand(line.inside), int(line.wait)]
+        self._list(2, [*numbers, *(self.signal_cells[self.axis, name] for name in line.signals)])
+
+    def _write_drive(self, line: Drive, first: set[int]) -> None:
+        cell = self._sum(line.products)
+        if line.within is not None:
+            cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line))
+        if line.slew is not None:
+            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, line.slew))
+        port = self.drives[self.axis, line.port]
+        # The first drive of a port sets it, the others add to it, in the order of the text.
+        if port in first:
+            self._do(to.ADD, port, port, cell)
+        else:
+            self._move(port, cell, rounded=False)
+        first.add(port)
+
+    def _limit_state(self, drive: Drive) -> int:
+        low, high = drive.within or (-math.inf, math.inf)
+        if id(drive) not in self.limits:
+            self.limits[id(drive)] = self._cell(low, high, 0.0)
+        return self.limits[id(drive)]
+
+    # --- Rule bases and tables ---
+
+    def _sheet(self, name: str) -> Sheet:
+        sheets = self.sheets[name]
+        return sheets[self.index if len(sheets) > 1 else 0]
+
+    def _write_rules(self, line: SignalLine, source: Source) -> None:
+        rulebase = self._sheet(source.name)
+        if not isinstance(rulebase, RuleBase):
+            raise SourceError(f"'{source.name}' is a table: write table {source.name}(…)")
+        # All axes may use one rule base: it is laid out once, and copied for each of them.
+        if id(rulebase) not in self.blocks:
+            block = rule_block(rulebase, compiled=self.arithmetic.compiled)
+            self.blocks[id(rulebase)] = block
+        numbers, first_input, first_result, address = self.blocks[id(rulebase)]
+        begin = self.parts_size
+        self.parts.append(numbers)
+        self.parts_size += len(numbers)
+        holds = [output.no_rule == "hold" for output in rulebase.outputs]
+        # Before a rule has fired there is no value to hold.
+        results = [self._cell(math.nan if holds_output else 0.0) for holds_output in holds]
+        self.inferences[results[0]] = (source.name, rulebase)
+        inputs = self._inputs(rulebase, source.inputs)
+        self._do(to.INFER, self.scratch, 0, address)
+        at = len(self.lists)
+        self._list(
+            2,
+            [
+                begin,
+                self.parts_size,
+                first_input,
+                first_result,
+                len(inputs),
+                len(results),
+                *inputs,
+                *results,
+                *map(int, holds),
+            ],
+        )
+        self.part_fields += [at + to.BEGIN, at + to.END]
+        (product,) = line.products or (Product(()),)
+        for name, cell in zip(line.names, results, strict=True):
+            self._store(name, self._factors(cell, product.factors))
+
+    def _inputs(self, rulebase: RuleBase, names: Sequence[str]) -> list[int]:
+        """Return the cells of a rule base's inputs; one called `AXIS` has the axis' number."""
+        waiting = iter(names)
+        cells = []
+        for variable in rulebase.inputs:
+            if variable.name == AXIS and AXIS not in names:
+                cells.append(self._number(self.index + 1.0))
+            else:
+                cells.append(self.signal_cells[self.axis, next(waiting)])
+        return cells
+
+    def _look_up(self, source: Source) -> int:
+        inputs = tuple(self.signal_cells[self.axis, name] for name in source.inputs)
+        place = self._place(source.name)
+        grid, axes = self.grids[source.name]
+        cell = self.cell_signal.get((source.name, self.index))
+        if cell is not None and cell[0] == inputs:
+            return self._do(to.LOOK_UP_CELL, self.scratch, cell[1], place.values)
+        linear = self.cells[grid + 1] != 0.0
+        size = len(axes) + 2 ** len(axes) if linear else len(axes)
+        room = self._cell(*[0.0] * size)
+        self._do(to.LOOK_UP, self.scratch, 0, grid)
+        self._list(2, [place.values, room, *inputs])
+        return self.scratch
+
+    def _write_learn(self, line: Learn) -> None:
+        place = self._place(line.table)
+        grid, axes = self.grids[line.table]
+        if self.cells[grid + 1] != 0.0:
+            raise SourceError("a table that is interpolated has no responsible cell to correct")
+        judge = self._place(line.judge)
+        judge_grid, judge_axes = self.grids[line.judge]
+        alike = [(a.levels, a.thresholds("nearest")) for a in axes] == [
+            (a.levels, a.thresholds("nearest")) for a in judge_axes
+        ]
+        ring = self._cell(0.0, *[-1.0] * line.delay)
+        self.rings.append((ring, ring + 1 + line.delay))
+        visits = self._cell(*[0.0] * place.count)
+        inputs = tuple(self.signal_cells[self.axis, name] for name in line.inputs)
+        cell = self._do(to.LEARN, self._cell(0.0), 0)
+        tables = [grid, judge_grid, judge.values, int(alike)]
+        numbers = [self._operand(line.rate), self._operand(line.bound)]
+        last_indices = [self._cell(*[0.0] * len(inputs)) for _ in range(2)]
+        ring_and_rate = [ring, line.delay, *numbers]
+        self._list(2, [place.values, visits, *ring_and_rate, *tables, *last_indices, *inputs])
+        self.cell_signal[line.table, self.index] = (inputs, cell)
+        self.learned[self.axis, line.table] = Place(place.values, visits, place.count)
+
+    def _place(self, name: str) -> Place:
+        """Write a table down, once for each axis."""
+        key = (name, self.index)
+        if key not in self.tables:
+            table = self._sheet(name)
+            if isinstance(table, RuleBase):
+                raise SourceError(f"'{name}' is a rule base: write rules {name}(…)")
+            axes, values = of_axis(table, self.index)
+            if name not in self.grids or len(self.sheets[name]) > 1:
+                self.grids[name] = (self._cell(*pack_grid(axes, table.default_mode)), axes)
+            stored = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
+            self.tables[key] = Place(self._cell(*stored), 0, len(stored))
+            table_ = replace(table, axes=tuple(axes), values=values)
+            self.looked_up[self.tables[key].values] = (name, table_)
+        return self.tables[key]
+
+
+def skipped_drives(
+    axes: Axes, hold: Callable[[float], float]
+) -> dict[str, tuple[float, float | None]]:
+    """Return of each port its value before the first period, and that of a skipped one.
+
+    Parameters
+    ----------
+    axes : Axes
+        Lines of an axis; several drives of a port add up.
+    hold : callable
+        Rounds a value as it is stored.
+
+    Returns
+    -------
+    dict
+        None as the second value is the last one before.
+    """
+    drives: dict[str, tuple[float, float | None]] = {}
+    for line in axes.lines:
+        if isinstance(line, Drive):
+            idle, sent = drives.get(line.port, (0.0, None))
+            if line.on_nan is not None:
+                sent = hold((sent or 0.0) + line.on_nan)
+            drives[line.port] = hold(idle + line.idle), sent
+    return drives
+
+
+class KernelRuleBlock(NamedTuple):
+    """A rule base for the kernel at a point: numbers, where inputs and results are, the kernel."""
+
+    numbers: NDArray[np.float64]
+    first_input: int
+    first_result: int
+    address: int
+
+
+def rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
+    """Write down a rule base for :func:`inference_address`; its numbers are not written into."""
+    return _compiled_block(rulebase) if compiled else _interpreted_block(rulebase)
+
+
+@remembered
+def _compiled_block(rulebase: RuleBase) -> KernelRuleBlock:
+    return _rule_block(rulebase, compiled=True)
+
+
+@remembered
+def _interpreted_block(rulebase: RuleBase) -> KernelRuleBlock:
+    return _rule_block(rulebase, compiled=False)
+
+
+def _rule_block(rulebase: RuleBase, *, compiled: bool) -> KernelRuleBlock:
+    try:
+        layout = lay_out(plan(rulebase), compiled=compiled, alone=True)
+    except NotCoveredError as error:
+        raise SourceError(
+            f"a controller cannot evaluate '{rulebase.name}' at every step: {error}",
+            hint="compile it to a table and look it up in that",
+        ) from None
+    block = make_block(layout, 1)
+    numbers = np.asarray(block.numbers)
+    address = inference_address(numbers, compiled=compiled)
+    return KernelRuleBlock(numbers, block.columns, block.results, address)
+
+
+def evaluate_view(block: Any) -> None:
+    """Evaluate a rule base as plain Python, its block a view as an interpreted loop has it."""
+    inference_kernel.evaluate(np.asanyarray(block))
+
+
+def inference_address(numbers: NDArray[np.float64], *, compiled: bool) -> int:
+    """Return where a controller finds the inference kernel for a rule base."""
+    if not compiled:
+        return address_of(evaluate_view, 1, compiled=False)
+    bindings = inference_kernel.GRID if inference_kernel.is_grid(numbers) else {}
+    return address_of(inference_kernel.evaluate, 1, bindings, compiled=True)
+
+
+def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:
+    """Return axes and values of a table; of one over all axes the part of one axis."""
+    axes = [table.axis(name) for name in table.names]
+    if AXIS not in table.names:
+        return axes, np.asarray(table.values)
+    at = table.names.index(AXIS)
+    levels = axes[at].levels
+    if index >= len(levels) or levels != tuple(float(i + 1) for i in range(len(levels))):
+        raise SourceError(f"the input {AXIS} of a table has the levels 1, 2 … for the axes")
+    return [*axes[:at], *axes[at + 1 :]], np.take(table.values, index, axis=at)

@@ -1,0 +1,484 @@
+"""Where each signal of a controller can be: a control period over ranges, from the ports on.
+
+It is safe, not tight: signals count as independent. What nothing bounds reaches everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.base.diagnostic import Span
+from fuzzyarm.control.controllers.on_plant import Site
+from fuzzyarm.control.controllers.period import (
+    Algebra,
+    Call,
+    ControlPeriod,
+    Lesson,
+    PortValue,
+    Update,
+)
+from fuzzyarm.control.controllers.program import AXIS, Sheet, SourceError
+from fuzzyarm.control.controllers.text import ControllerText, input_names, ports_of
+from fuzzyarm.control.controllers.updates import range_of_source
+from fuzzyarm.language.model.controller import (
+    Axes,
+    Drive,
+    GainModel,
+    Learn,
+    SignalLine,
+    Source,
+    Zoom,
+)
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.model.units import Unit, described_unit, of_difference, product, read_unit
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
+from fuzzyarm.symbolic.sources import Surroundings
+
+FED_BACK, PORT, MADE = 3, 2, 1
+"""What keeps a signal within its universe: the loop itself (errors and rates, which a loop that
+works keeps small), its plant (measured and reference values), or the text alone."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Where a signal can be.
+
+    Attributes
+    ----------
+    at : Interval
+        All its values.
+    pace : float
+        Largest change per second, as far as the plant says how fast a port moves. The jumps of a
+        reference are left out.
+    kept : int
+        What keeps it small: `FED_BACK`, `PORT` or `MADE`.
+    unit : dict or None
+        None where it is not certain.
+    origins : frozenset of str
+        The values that it is made of.
+    tight : bool
+        Whether it can go to the ends: false for a sum of which two parts have an origin in common,
+        as ``r - lag``, which may cancel.
+    scaled : bool
+        Whether a gain with a unit is among its factors.
+    name : str
+        Of a signal or a gain, while a line reads it.
+    """
+
+    at: Interval = EVERYTHING
+    pace: float = math.inf
+    kept: int = MADE
+    unit: Unit | None = None
+    origins: frozenset[str] = frozenset()
+    tight: bool = True
+    scaled: bool = False
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class LookUp:
+    """A signal that goes into a rule base or a table.
+
+    Attributes
+    ----------
+    sheet, signal : str
+        Their names.
+    universe : Interval
+        What the rule base or the table tells apart.
+    sheet_unit : dict or None
+        The unit that the input has by its description; None where that says none.
+    line : SignalLine or Learn
+        Where.
+    """
+
+    axes: Axes
+    sheet: str
+    signal: str
+    reach: Reach
+    universe: Interval
+    sheet_unit: Unit | None
+    line: SignalLine | Learn
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A product in which a unit meets one of its kind: `name` is the factor that brings it.
+
+    `option` says what it is where it is not a factor: then all of the unit has to cancel.
+    """
+
+    name: str
+    reach: Unit
+    brought: Unit
+    span: Span
+    option: str = ""
+
+
+@dataclass
+class Reaches:
+    """What the walk found.
+
+    Attributes
+    ----------
+    signals : dict
+        By axis and name.
+    sources : dict
+        By axis and source, what comes from ports and memory, before factors.
+    look_ups : list of LookUp
+        In the order of the text.
+    drives : dict
+        By axis and port, its lines and where each can be, limits included.
+    meetings : list of Meeting
+        Products of units, by which gains are judged.
+    """
+
+    signals: dict[tuple[str, str], Reach] = field(default_factory=dict)
+    sources: dict[tuple[str, Source], Reach] = field(default_factory=dict)
+    look_ups: list[LookUp] = field(default_factory=list)
+    drives: dict[Address, list[tuple[Drive, Reach]]] = field(default_factory=dict)
+    meetings: list[Meeting] = field(default_factory=list)
+
+
+def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
+    """Walk over the lines of a controller.
+
+    Parameters
+    ----------
+    text : ControllerText
+        With the rule bases and tables that could be read.
+    site : Site or None
+        The plant, where it is known.
+    """
+    return Ranges(text, site).walk()
+
+
+def combine(operation: str, a: Interval, b: Interval) -> Interval:
+    """Return the bounds of an operation."""
+    return OPERATIONS[operation].bounds(a, b)
+
+
+def hull(*intervals: Interval) -> Interval:
+    """Return the smallest interval around some."""
+    return Interval(
+        min(interval.low for interval in intervals), max(interval.high for interval in intervals)
+    )
+
+
+def overlap(a: Interval, b: Interval) -> Interval:
+    """Return what two intervals share; its ends cross where that is nothing."""
+    return Interval(max(a.low, b.low), min(a.high, b.high))
+
+
+def width(interval: Interval) -> float:
+    """Return how wide an interval is, 0 where its ends cross."""
+    return max(0.0, interval.high - interval.low)
+
+
+def largest(interval: Interval) -> float:
+    """Return the largest magnitude in an interval."""
+    return max(abs(interval.low), abs(interval.high))
+
+
+def symmetric(size: float) -> Interval:
+    """Return the interval of all magnitudes up to a size."""
+    return Interval(-size, size)
+
+
+class Ranges(Algebra[Reach]):
+    """Ranges as the numbers of a control period; what is found on the way is noted.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    site : Site or None
+        The plant, where it is known.
+    """
+
+    def __init__(self, text: ControllerText, site: Site | None) -> None:
+        self.text = text
+        self.site = site
+        self.reaches = Reaches()
+
+    # --- numbers, products, sums ---
+
+    def number(self, value: float) -> Reach:
+        """Return the range of a number."""
+        return Reach(Interval(value, value), 0.0, MADE, {})
+
+    def gain(self, gain: GainModel, index: int) -> Reach:
+        """Return the range of a gain."""
+        amount = gain.values[index].value(math.pi)
+        unit = read_unit(gain.unit) if gain.unit else None
+        at = Interval(amount, amount)
+        return Reach(at, 0.0, MADE, unit, scaled=unit is not None, name=gain.name)
+
+    def unknown(self, name: str) -> Reach:
+        """Return everything."""
+        return Reach()
+
+    def add(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a sum."""
+        return Reach(
+            combine("add", a.at, b.at),
+            a.pace + b.pace,
+            max(a.kept, b.kept),
+            a.unit if a.unit == b.unit else None,
+            a.origins | b.origins,
+            # Two parts with an origin in common may cancel.
+            a.tight and b.tight and not a.origins & b.origins,
+            a.scaled or b.scaled,
+        )
+
+    def negated(self, x: Reach) -> Reach:
+        """Return the range below 0 of one above, and the other way round."""
+        return replace(x, at=Interval(-x.at.high, -x.at.low))
+
+    def subtract(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a difference."""
+        return self.add(a, self.negated(b))
+
+    def multiply(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a product."""
+        return self._times(a, b, "multiply")
+
+    def divide(self, a: Reach, b: Reach) -> Reach:
+        """Return the range of a quotient."""
+        return self._times(a, b, "divide")
+
+    def _times(self, a: Reach, b: Reach, word: str) -> Reach:
+        power = -1 if word == "divide" else 1
+        pace = math.inf
+        # A product moves with its only factor that does; of two that move nothing is known.
+        if b.pace == 0.0:
+            pace = largest(combine(word, symmetric(a.pace), b.at))
+        elif a.pace == 0.0 and word == "multiply":
+            pace = largest(combine(word, symmetric(b.pace), a.at))
+        if b.name and a.unit is not None and b.unit is not None:
+            brought = product({}, b.unit, power) or {}
+            self.reaches.meetings.append(Meeting(b.name, a.unit, brought, self._span))
+        return Reach(
+            combine(word, a.at, b.at),
+            pace,
+            max(a.kept, b.kept),
+            product(a.unit, b.unit, power),
+            a.origins | b.origins,
+            a.tight and b.tight,
+            a.scaled or b.scaled,
+        )
+
+    @property
+    def _span(self) -> Span:
+        return self.period.line.span
+
+    def limit(self, x: Reach, low: float, high: float) -> Reach:
+        """Return a range between limits."""
+        return replace(x, at=_clipped(x.at, Interval(low, high)))
+
+    def near(self, x: Reach, before: Reach, most: float) -> Reach:
+        """Return it as it is: a slew arrives everywhere."""
+        return x
+
+    # --- what is noted ---
+
+    def walk(self) -> Reaches:
+        """Go over all lines."""
+        self.period = ControlPeriod(self.text, self)
+        ports = (
+            PortValue(kind, *address)
+            for kind in ("reference", "measured")
+            for address in ports_of(self.text.model, kind)
+        )
+        self.period.run({value: self._of_port(value) for value in ports}, {})
+        return self.reaches
+
+    def signal(self, axis: str, name: str, value: Reach, *, rounded: bool = True) -> Reach:
+        """Note a signal."""
+        self.reaches.signals[axis, name] = replace(value, name="")
+        return replace(value, name=name)
+
+    def drive(self, axis: str, line: Drive, value: Reach) -> Reach:
+        """Note a drive."""
+        if line.on_nan is not None:  # in a period in which something is not a number
+            sent = hull(value.at, Interval(line.on_nan, line.on_nan))
+        else:
+            sent = value.at
+        drives = self.reaches.drives.setdefault((axis, line.port), [])
+        drives.append((line, replace(value, at=sent)))
+        return value
+
+    # --- sources ---
+
+    def compared(self, reference: Reach, measured: Reach, weight: Reach | None) -> Reach:
+        """Return the range of an error; the jumps of a reference are left out of its pace."""
+        share = Interval(1.0, 1.0) if weight is None else weight.at
+        at = combine("subtract", combine("multiply", reference.at, share), measured.at)
+        origins = reference.origins | measured.origins
+        return Reach(at, measured.pace, FED_BACK, of_difference(measured.unit), origins)
+
+    def source(self, update: Update[Reach]) -> Reach:
+        """Return the range of a source, by its record."""
+        self._meet_options(update)
+        reach = self._updated(update)
+        self.reaches.sources[self.period.axis, update.source] = reach
+        return reach
+
+    def _meet_options(self, update: Update[Reach]) -> None:
+        """Note gains that have to be in the unit of what a source is taken of."""
+        unit = update.x.unit
+        for word, value in update.source.options:
+            if not isinstance(value, str) or not update.kind.options[word].alike:
+                continue
+            own = self.period.operand(value).unit
+            if own is not None and unit is not None:
+                before, brought = of_difference(unit), product({}, of_difference(own), -1)
+                words = f"the {word} of {update.source.kind}"
+                self.reaches.meetings.append(
+                    Meeting(value, before or {}, brought or {}, self._span, words)
+                )
+
+    def _updated(self, update: Update[Reach]) -> Reach:
+        kind, reach, options = update.kind, update.x, dict(update.source.options)
+        if kind.function is None:
+            return reach
+        model = self.text.model
+        near = Surroundings(reach.at, reach.pace, model.period, model.every, options)
+        settings = {name: value.at for name, value in update.settings.items()}
+        unit = of_difference(reach.unit) if kind.difference else reach.unit
+        if kind.dimensionless:
+            unit = {}
+        bounds = Reach(
+            range_of_source(kind, near, settings, kind.starts(options)),
+            math.inf if kind.pace is None else kind.pace(near),
+            unit=product(unit, {"s": kind.seconds}),
+            scaled=reach.scaled,
+        )
+        if kind.kept == "signal":
+            return replace(bounds, kept=reach.kept, origins=reach.origins, tight=reach.tight)
+        kept_by = FED_BACK if kind.kept == "loop" else MADE
+        # What the text alone keeps small goes wherever it can.
+        tight = kept_by == MADE or reach.tight
+        return replace(bounds, kept=kept_by, origins=_own(update.source), tight=tight)
+
+    def _of_port(self, value: PortValue) -> Reach:
+        """Return where a measured or reference value of the plant is."""
+        address = value.axis, value.port
+        origins = frozenset({f"{value.kind} {value.port}"})
+        if self.site is None:
+            return Reach(kept=PORT, origins=origins)
+        outputs = self.site.interface.outputs
+        try:
+            address = self.site.find(self.text.model, value.kind, address)
+        except SourceError:
+            return Reach(kept=PORT, origins=origins)
+        port = outputs.get(address)
+        if port is None:  # a reference of an acceleration
+            return Reach(kept=FED_BACK, origins=origins)
+        # How fast a port moves is the range of the port that is its rate, where there is one.
+        rates = [
+            largest(Interval(other.low, other.high))
+            for (axis, _), other in outputs.items()
+            if axis == address[0] and other.rate_of == address[1]
+        ]
+        kept_by = FED_BACK if port.rate_of else PORT
+        at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
+        return Reach(at, pace, kept_by, read_unit(port.unit), origins)
+
+    # --- signals that change together ---
+
+    def zoom(
+        self, line: Zoom, signals: Mapping[str, Reach], by: Reach, inside: Reach
+    ) -> dict[str, Reach]:
+        """Return the ranges of magnified signals."""
+        window = symmetric(largest(inside.at))
+        found = {}
+        for name, reach in signals.items():
+            # Within the window it is magnified; the others may be beyond theirs.
+            near = overlap(reach.at, window)
+            large = combine("multiply", near, by.at)
+            whole = hull(reach.at, large) if near.low <= near.high else reach.at
+            found[name] = replace(reach, at=whole)
+        return found
+
+    # --- rule bases and tables ---
+
+    def called(self, call: Call[Reach]) -> list[Reach]:
+        """Return the ranges of a rule base or a table."""
+        self._look_up(call)
+        assert isinstance(call.line, SignalLine)
+        source = call.line.source
+        assert source is not None
+        if source.kind == "rules":
+            reaches = _conclusions(call.sheet) or [Reach()] * len(call.line.names)
+        else:
+            reaches = [self._values(call)]
+        return [replace(result, origins=_own(source)) for result in reaches]
+
+    def learn(self, lesson: Lesson[Reach]) -> None:
+        """Note the look-up in the performance table."""
+        self._look_up(lesson.judge)
+
+    def _values(self, call: Call[Reach]) -> Reach:
+        try:
+            values = call.lattice().values
+        except SourceError:
+            return Reach()
+        at = Interval(float(values.min()), float(values.max()))
+        if call.learner is not None:
+            at = hull(at, symmetric(largest(self.period.operand(call.learner.bound).at)))
+        return Reach(at)
+
+    def _look_up(self, call: Call[Reach]) -> None:
+        sheet = call.sheet
+        if sheet is None:
+            return
+        names = [name for name in input_names(sheet) if name != AXIS or name in call.signals]
+        if len(names) != len(call.signals):
+            return
+        for signal, reach, name, universe in zip(
+            call.signals, call.arguments, names, _universes(sheet, names), strict=True
+        ):
+            if math.isfinite(width(universe)) and width(universe) > 0.0:
+                sheet_unit = None
+                if isinstance(sheet, RuleBase):
+                    sheet_unit = described_unit(sheet.variable(name).description)
+                axes = self.period.axes
+                self.reaches.look_ups.append(
+                    LookUp(axes, call.name, signal, reach, universe, sheet_unit, call.line)
+                )
+
+
+def _conclusions(sheet: Sheet | None) -> list[Reach]:
+    """Return the ranges of the outputs of a rule base."""
+    reaches = []
+    for output in sheet.outputs if isinstance(sheet, RuleBase) else ():
+        at = Interval(output.low, output.high)
+        if isinstance(output.no_rule, float):
+            at = hull(at, Interval(output.no_rule, output.no_rule))
+        reaches.append(Reach(at, unit=described_unit(output.description)))
+    return reaches
+
+
+def _own(of: Source) -> frozenset[str]:
+    """Return the origin of a source that is not made of others."""
+    return frozenset({f"{of.kind} {of.name} {of.inputs}"})
+
+
+def _universes(sheet: Sheet, names: Sequence[str]) -> Iterator[Interval]:
+    """Yield what a rule base or a table tells apart, of each input."""
+    for name in names:
+        if isinstance(sheet, RuleBase):
+            variable = sheet.variable(name)
+            beyond = variable.outside == "extend"
+            yield EVERYTHING if beyond else Interval(variable.low, variable.high)
+        else:
+            levels = sheet.axis(name).levels
+            yield Interval(levels[0], levels[-1])
+
+
+def _clipped(at: Interval, limits: Interval) -> Interval:
+    low = min(max(at.low, limits.low), limits.high)
+    return Interval(low, max(low, min(at.high, limits.high)))

@@ -1,0 +1,654 @@
+"""An experiment as the loop takes it: set points, plant, sensors, disturbances, limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import UsageError
+from fuzzyarm.base.keywords import demand_arguments
+from fuzzyarm.control.controllers.law import view
+from fuzzyarm.control.controllers.on_plant import Site, site_of
+from fuzzyarm.control.loop.loop import CHANGES, ERRORS, SENSOR, LoopConstants
+from fuzzyarm.control.loop.reference import (
+    AnySignal,
+    AnyTime,
+    Signal,
+    as_number,
+    as_seconds,
+    as_signal,
+)
+from fuzzyarm.plant.own import for_runs, start_of
+from fuzzyarm.plant.plant import (
+    CLOCK_SIZE,
+    IN_SINGLE,
+    PARTS,
+    STEP,
+    WORK,
+    Address,
+    Dynamics,
+    Plant,
+    PlantError,
+    dynamics_of,
+    is_compiled,
+    numbers_of,
+)
+from fuzzyarm.plant.setting import (
+    CLOCK,
+    PLAIN,
+    ArmError,
+    Conventions,
+    Pair,
+    RunArithmetic,
+)
+from fuzzyarm.symbolic.kernels import has_machine_code
+from fuzzyarm.symbolic.sources import whole_periods
+
+Vector = NDArray[np.float64]
+
+
+# --- How to run ---
+
+
+class OptionError(ArmError, PlantError, UsageError):
+    """A number that says how to run is out of range."""
+
+
+@dataclass(frozen=True, init=False)
+class Sensor:
+    """What a sensor makes of an output.
+
+    Parameters
+    ----------
+    noise : float, optional
+        Standard deviation of white noise, in the unit of the port.
+    resolution : float, optional
+        Step of the values, which are multiples of it and end at the range of the port; 0 for none.
+    delay : float or str, optional
+        s, or with its unit, as in ``"2ms"``; rounded to whole control periods, a half up.
+    difference : float or str, optional
+        Form this rate from what the sensor of its port says, by difference, with a filter of
+        this time constant (s or with its unit, 0 for none), in place of a sensor of its own.
+    """
+
+    noise: float
+    resolution: float
+    delay: float
+    difference: float | None
+
+    def __init__(
+        self,
+        noise: float = 0.0,
+        resolution: float = 0.0,
+        delay: AnyTime = 0.0,
+        difference: AnyTime | None = None,
+    ) -> None:
+        if difference is not None:
+            difference = as_seconds(difference, "difference")
+        noise, resolution = as_number(noise, "noise"), as_number(resolution, "resolution")
+        values = (noise, resolution, as_seconds(delay, "delay"), difference)
+        for name, value in zip(("noise", "resolution", "delay", "difference"), values, strict=True):
+            object.__setattr__(self, name, value)
+            if value is not None and not 0.0 <= value < 1e12:
+                hint = "zero or a positive number"
+                raise OptionError(f"{name} = {value} is out of range", name=name, hint=hint)
+
+
+LARGEST_INDUCTANCE = 10.0
+"""H; more is taken for a slip of the pen."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to run, beyond conventions.
+
+    Parameters
+    ----------
+    torque_limits : pair of float, optional
+        Of the joints of a plant that has some, N m; infinite by default.
+    inductance : float, optional
+        Of the armatures of its motors, H; none by default.
+    supply : float, optional
+        Largest voltage at its motors, V; infinite by default.
+    runge_kutta : int, optional
+        Steps of the integrator in each control period; 0 for the plant's own integrator, where it
+        has one, and else for as many as it needs.
+    disturbance : float, optional
+        Largest relative disturbance of each state at each step.
+    seed : int, optional
+        Of disturbance and noise.
+    compiled : bool, optional
+        Whether to run machine code; by default as the environment wants it.
+    interpolate : bool, optional
+        Whether the reference moves in a straight line from one set point to the next, instead
+        of being held.
+    sensors : mapping of str to Sensor, optional
+        By port; the others are exact.
+    loads : mapping of str to Signal, str or float, optional
+        By input: what is added to a drive behind its limits; as references of a run.
+    """
+
+    torque_limits: Pair = (math.inf, math.inf)
+    inductance: float = 0.0
+    supply: float = math.inf
+    runge_kutta: int = 0
+    disturbance: float = 0.0
+    seed: int = 1
+    compiled: bool | None = None
+    interpolate: bool = False
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    loads: Mapping[str, AnySignal] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        demand_arguments("Options", vars(self), type(self))
+        for limit in self.torque_limits:
+            if not limit > 0:
+                raise OptionError(f"a torque limit of {limit} N m is out of range", value=limit)
+        if not 0.0 <= self.inductance < LARGEST_INDUCTANCE:
+            message = f"an inductance of {self.inductance} H is out of range"
+            raise OptionError(message, value=self.inductance, hint="0 to 10")
+        if not self.supply > 0:
+            raise OptionError(f"a supply of {self.supply} V is out of range", value=self.supply)
+        if self.seed < 0:
+            message = f"a seed of {self.seed} is out of range"
+            raise OptionError(message, name="seed", hint="0 or more")
+        if not 0 <= self.runge_kutta <= 1000:
+            message = f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range"
+            raise OptionError(message, name="runge_kutta", hint="0 to 1000")
+
+    def arithmetic(self, conventions: Conventions) -> RunArithmetic:
+        """Return how the laws count under some conventions."""
+        compiled = has_machine_code() if self.compiled is None else self.compiled
+        return RunArithmetic(conventions.single, conventions.pi, compiled)
+
+
+# --- The references of a run ---
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Set points of a run.
+
+    Attributes
+    ----------
+    name : str
+        Under which it is reported.
+    time : ndarray, shape (n,)
+        s.
+    references : ndarray, shape (n, R)
+        In the order of the plant's references.
+    iterations : ndarray of int64, shape (n,)
+        Control periods of each.
+    block : ndarray of int64, shape (n,)
+        Which of the plants each meets.
+    plants : tuple of Plant
+        One, or one for each load.
+    tracked : tuple of (str, str)
+        The outputs whose errors count.
+    period, step : float
+        Of control, s; and as the run stores it.
+    every : int
+        Control periods of a whole set point.
+    path : ndarray, shape (m, k), optional
+        What each tracked output should be in each of the `m` control periods, where set points
+        are samples of something that moves on; by default the set points themselves.
+    along : bool, optional
+        Whether it is a trajectory of the plant.
+    carrying : tuple of bool, optional
+        Of each of the plants whether it is one with its load.
+    duration : float, optional
+        For how long it was asked, s; a run takes whole set points.
+    """
+
+    name: str
+    time: Vector
+    references: Vector
+    iterations: NDArray[np.int64]
+    block: NDArray[np.int64]
+    plants: tuple[Plant, ...]
+    tracked: tuple[Address, ...]
+    period: float
+    step: float
+    every: int
+    path: Vector | None = None
+    along: bool = False
+    carrying: tuple[bool, ...] = ()
+    duration: float | None = None
+
+    @property
+    def sampled(self) -> Vector:
+        """Time at which each set point is sampled, s: of its last control period."""
+        return np.asarray((np.cumsum(self.iterations) - 1) * self.period, np.float64)
+
+
+MOST_POINTS = 20_000_000
+"""Set points of a run."""
+
+
+def require_points(duration: float, set_point: float) -> int:
+    """Return how many set points fill a time; PlantError for none or too many."""
+    count = math.ceil(duration / set_point - 1e-9) if duration < math.inf else 0
+    if not 1 <= count <= MOST_POINTS:
+        hint = f"up to {MOST_POINTS:,} set points of {set_point:g} s"
+        raise OptionError(f"a run of {duration:g} s is out of range", name="duration", hint=hint)
+    return count
+
+
+def motion(
+    plant: Plant,
+    references: Mapping[str, Signal],
+    duration: float,
+    period: float,
+    every: int = 1,
+) -> Motion:
+    """Return the set points of any plant.
+
+    Parameters
+    ----------
+    plant : Plant
+        Any.
+    references : mapping of str to Signal
+        By port; other ports have the reference 0. The first is tracked.
+    duration : float
+        s.
+    period : float
+        Of control, s.
+    every : int, optional
+        Control periods of a set point.
+
+    Raises
+    ------
+    PlantError
+        If the plant has no such output, or the run would be too long.
+    """
+    interface = site_of(plant).interface
+    count = require_points(duration, period * every)
+    time = np.arange(count, dtype=np.float64) * (period * every)
+    values_by_port = {}
+    for name, signal in references.items():
+        port = interface.port(name)
+        if port not in interface.outputs:
+            raise PlantError(f"'{name}' is an input, which has no reference", name=name)
+        values_by_port[port] = signal.at(time)
+    columns = np.zeros((count, len(interface.references)))
+    for column, (address, reference) in enumerate(interface.references.items()):
+        if address in values_by_port:
+            columns[:, column] = values_by_port[address][0]
+        elif reference.of in values_by_port:
+            columns[:, column] = values_by_port[reference.of][reference.order]
+    words = [f"{name} {signal}" for name, signal in references.items()]
+    tracked = tuple(values_by_port) or tuple(interface.outputs)[:1]
+    path = None
+    if every > 1:
+        signals = {interface.port(name): signal for name, signal in references.items()}
+        ticks = np.arange(count * every, dtype=np.float64) * period
+        path = np.zeros((len(ticks), len(tracked)))
+        for column, port in enumerate(tracked):
+            if port in signals:
+                path[:, column] = signals[port].at(ticks)[0]
+    return Motion(
+        ", ".join(words) or "at rest",
+        time,
+        columns,
+        np.full(count, every),
+        np.zeros(count, np.int64),
+        (plant,),
+        tracked,
+        period,
+        period,
+        every,
+        path,
+        duration=duration,
+    )
+
+
+def periods_of(delay: float, period: float) -> int:
+    """Return a delay in whole control periods, a half counts up."""
+    return whole_periods(delay, period)
+
+
+def is_whole(delay: float, period: float) -> bool:
+    """Tell whether a delay is whole control periods, except for the rounding of its digits."""
+    return math.isclose(delay, periods_of(delay, period) * period, rel_tol=1e-6, abs_tol=1e-12)
+
+
+def delay_notes(options: Options, period: float) -> tuple[str, ...]:
+    """Return in words which delays of sensors are not whole control periods, and what is taken."""
+    notes = []
+    for name, sensor in options.sensors.items():
+        count = periods_of(sensor.delay, period)
+        if not is_whole(sensor.delay, period):
+            notes.append(
+                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
+                f"{period:g} s: {count} are taken, {count * period:g} s"
+            )
+    return tuple(notes)
+
+
+def duration_notes(motion: Motion) -> tuple[str, ...]:
+    """Return in words how long a run is whose time is not one of whole set points."""
+    set_point = motion.every * motion.period
+    whole = len(motion.time) * set_point
+    if motion.duration is None or math.isclose(whole, motion.duration, rel_tol=1e-6):
+        return ()
+    counted = f"{motion.duration:g} s are not a whole number of set points of {set_point:g} s"
+    return (f"{counted}: {whole:g} s are run",)
+
+
+def range_notes(motion: Motion, site: Site) -> tuple[str, ...]:
+    """Return in words which set points are beyond what their sensors can say."""
+    notes = []
+    for column, (address, reference) in enumerate(site.interface.references.items()):
+        port = site.interface.outputs.get(address)
+        if port is None or reference.order or not len(motion.references):
+            continue
+        points = motion.references[:, column]
+        furthest = points.max() if points.max() > port.high else points.min()
+        if not port.low <= furthest <= port.high:
+            label, unit = site.interface.label(address), f" {port.unit}" if port.unit else ""
+            notes.append(
+                f"the set point {furthest:g}{unit} of '{label}' is beyond its range, "
+                f"{port.low:g} .. {port.high:g}"
+            )
+    return tuple(notes)
+
+
+# --- What the loop is called with ---
+
+
+def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
+    """Return numbers in one row, as an array or, for an interpreter, as a view on one."""
+    row: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
+    return row if as_array else view(row)
+
+
+class Course:
+    """An experiment as the loop takes it.
+
+    Parameters
+    ----------
+    motion : Motion
+        Set points and plants.
+    conventions : Conventions
+        Precision and π.
+    options : Options
+        The rest of the setting.
+    driven : collection of (str, str)
+        Inputs that the controller drives.
+    as_array : bool
+        Arrays, or views for the interpreter.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+
+    Attributes
+    ----------
+    dynamics : Dynamics or None
+        The kernel of the plant, and of all plants of the kind; None of one in plain Python.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        conventions: Conventions = PLAIN,
+        options: Options | None = None,
+        *,
+        driven: Collection[Address] = (),
+        as_array: bool,
+        connect: Mapping[str, str] | None = None,
+    ) -> None:
+        self.motion = motion
+        self.conventions = conventions
+        self.options = options or Options()
+        self.as_array = as_array
+        self.plant = for_runs(motion.plants[0])
+        self.site = site_of(self.plant, connect)
+        self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
+        self.driven = driven
+        self.steps = int(motion.iterations.sum())
+        # Indices of the set points that are sampled, if a run gets so far: those of all periods.
+        self.whole = np.flatnonzero(motion.iterations == motion.every)
+        self.dynamics = self._dynamics()
+        cells, bounds = self._checks()
+        path: Any = [] if motion.path is None else motion.path
+        self._parts: dict[str, Any] = {
+            "references": self._flat(motion.references),
+            "iterations": self._flat(motion.iterations, np.int64),
+            "links": self._flat(self._write_links(), np.int64),
+            "pushes": self._flat(self._pushes()),
+            "checks": self._flat(cells, np.int64),
+            "bounds": self._flat(bounds),
+            "path": self._flat(path),
+            **self._meeting(),
+            **self._sensing(self.options.seed),
+        }
+        self._setting = LoopConstants(
+            motion.step,
+            conventions.single,
+            motion.every,
+            self.options.interpolate,
+            float(self.options.disturbance),
+            self.options.seed,
+            len(self.plant.states),
+        )
+
+    # --- Cells of the board: as `frame_of` of fuzzyarm.control.loop.loop divides it ---
+
+    @property
+    def _seen(self) -> int:
+        return CLOCK + len(self.site.interface.references)
+
+    @property
+    def _true(self) -> int:
+        """Cell of the first true output: behind the input of the laws and the room for drives."""
+        return self.site.told + len(self.site.interface.inputs)
+
+    @property
+    def board_size(self) -> int:
+        """Number of cells."""
+        outputs = len(self.site.interface.outputs) + self.site.extra
+        return self._true + outputs + len(self.site.interface.inputs)
+
+    def reference_cell(self, port: Address) -> int:
+        """Return the cell of a reference."""
+        return CLOCK + list(self.site.interface.references).index(port)
+
+    def output_cell(self, port: Address) -> int:
+        """Return the cell of an output as it is."""
+        first = self._true if self.options.sensors else self._seen
+        return first + list(self.site.interface.outputs).index(port)
+
+    def drive_cell(self, port: Address) -> int:
+        """Return the cell of a drive as the plant feels it."""
+        outputs = len(self.site.interface.outputs) + self.site.extra
+        return self._true + outputs + list(self.site.interface.inputs).index(port)
+
+    # --- Parts ---
+
+    def _flat(self, values: Any, kind: type = np.float64) -> Any:
+        return flat(values, kind, as_array=self.as_array)
+
+    def _write_links(self) -> list[int]:
+        size = len(numbers_of(self.plant, self.driven, self.arithmetic))
+        dynamics = self.dynamics
+        if dynamics is None:
+            return [0, size, 0, 0]
+        return [dynamics.address, size, int(dynamics.actuates), int(dynamics.extra > 0)]
+
+    def _dynamics(self) -> Dynamics | None:
+        if not is_compiled(self.plant):
+            return None
+        finely = self.options.runge_kutta > 0
+        return dynamics_of(self.plant, self.arithmetic, finely=finely)
+
+    def _meeting(self) -> dict[str, Any]:
+        """Return the plants, and which of them each set point meets."""
+        plants = self.plant, *self.motion.plants[1:]
+        blocks = [numbers_of(plant, self.driven, self.arithmetic) for plant in plants]
+        return {
+            "plant_of": self._flat(self.motion.block, np.int64),
+            "plants": self._flat(blocks),
+        }
+
+    def with_plants(self, motion: Motion) -> Course:
+        """Return the same set points for other plants of the kind."""
+        other = copy(self)
+        other.motion = motion
+        other.plant = for_runs(motion.plants[0])
+        other._parts = {**self._parts, **other._meeting()}
+        return other
+
+    def with_options(self, options: Options) -> Course:
+        """Return the same experiment with other sensors and disturbances of the states."""
+        other = copy(self)
+        other.options = options
+        other._parts = {**self._parts, **other._sensing(options.seed)}
+        other._setting = self._setting._replace(disturbance=float(options.disturbance))
+        return other
+
+    def _sensing(self, seed: int) -> dict[str, Any]:
+        """Return sensors and their noise; both are empty where all sensors are exact."""
+        sensors, noise = self._sensor_numbers(seed)
+        return {"sensors": self._flat(sensors), "noise": self._flat(noise)}
+
+    def _sensor_numbers(self, seed: int) -> tuple[list[float], Any]:
+        interface = self.site.interface
+        sensors = {
+            port: record
+            for name, record in self.options.sensors.items()
+            for port in interface.every_port(name)
+        }
+        for port in sensors:
+            if port not in interface.outputs:
+                message = f"'{interface.label(port)}' is an input, which has no sensor"
+                raise PlantError(message, name=interface.label(port))
+        if not sensors:
+            return [], []
+        # Ten numbers for each sensor in the order of `loop.SENSOR`, then the rings of delayed
+        # values; `ring` is where the next one begins.
+        heads: list[float] = []
+        ring = SENSOR * (len(interface.outputs) + self.site.extra)
+        noisy: list[float] = []
+        for port, output in interface.outputs.items():
+            sensor = sensors.get(port, Sensor())
+            # Beyond the end of the run it makes no difference, but takes room.
+            delay = min(periods_of(sensor.delay, self.motion.period), self.steps)
+            source = -1
+            if sensor.difference is not None:
+                if not output.rate_of:
+                    label = interface.label(port)
+                    raise PlantError(f"'{label}' is not the rate of another output", name=label)
+                source = list(interface.outputs).index((port[0], output.rate_of))
+            column = len(noisy) if sensor.noise > 0 else -1
+            if sensor.noise > 0:
+                noisy.append(sensor.noise)
+            heads += [sensor.resolution, output.low, output.high, delay, ring, source]
+            heads += [sensor.difference or 0.0, math.nan, 0.0, column]
+            ring += delay
+        # What a plant derives from its outputs has no sensor of its own.
+        exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]
+        heads += exact * self.site.extra
+        heads += [0.0] * (ring - len(heads))
+        noise = np.random.default_rng(seed).standard_normal((self.steps, len(noisy)))
+        return heads, noise * noisy
+
+    def _pushes(self) -> Any:
+        loads = {
+            port: as_signal(signal)
+            for name, signal in self.options.loads.items()
+            for port in self.site.interface.every_port(name)
+        }
+        if not loads:
+            return []
+        ports = self.plant.particulars.disturbed or tuple(self.plant.inputs)
+        time = np.arange(self.steps, dtype=np.float64) * self.motion.period
+        columns = np.zeros((self.steps, len(self.site.interface.inputs)))
+        for (column, port), name in zip(
+            enumerate(self.site.interface.inputs), self.plant.inputs, strict=True
+        ):
+            if port not in loads:
+                continue
+            if name not in ports:
+                message = f"a load of the {self.plant.name} acts on {', '.join(ports)}"
+                raise PlantError(message, name=name, hint=f"{ports[0]}=step:-2,1")
+            columns[:, column] = loads.pop(port).at(time)[0]
+        if loads:
+            label = self.site.interface.label(next(iter(loads)))
+            raise PlantError(f"'{label}' is an output; a load acts on an input", name=label)
+        return columns
+
+    def _checks(self) -> tuple[list[int], list[float]]:
+        # Pairs of cells: a reference (-1: none) and the output that is to stay near it, or near 0.
+        cells: list[int] = []
+        bounds: list[float] = []
+        for port in self.motion.tracked:
+            if self.site.interface.outputs[port].error_bound < math.inf:
+                cells += [self.reference_cell(port), self.output_cell(port)]
+                bounds.append(self.site.interface.outputs[port].error_bound)
+        for port, output in self.site.interface.outputs.items():
+            if output.bound < math.inf:
+                cells += [-1, self.output_cell(port)]
+                bounds.append(output.bound)
+        return cells, bounds
+
+    # --- What is handed over ---
+
+    def parts(self, seed: int | None = None, loads: Any = None) -> dict[str, Any]:
+        """Return what is the experiment's of a :class:`LoopBlock`, by name, for one run.
+
+        Limits and sensors remember, so each run has its own. `seed` and `loads` take the place of
+        those of the options.
+        """
+        run_seed = self._setting.seed if seed is None else seed
+        # The generator works with 31 bits; more would not fit into a float.
+        setting = self._flat(self._setting._replace(seed=run_seed % 2**31))
+        parts = {**self._parts, "setting": setting, "limits": self._flat(self._limits())}
+        if len(parts["sensors"]):
+            # Noise is drawn again for another seed only.
+            own = {"sensors": self._flat(parts["sensors"])}
+            parts |= own if run_seed == self.options.seed else self._sensing(run_seed)
+        if loads is not None:
+            parts["pushes"] = loads
+        return parts
+
+    def loads(self) -> Any:
+        """Return the disturbances of the drives with room for a hand's: for each control period."""
+        load_array = self._parts["pushes"]
+        if len(load_array):
+            return self._flat(load_array)
+        # To add -0 changes no bit of any drive; to add 0 would make 0 of -0.
+        return self._flat(np.full(self.steps * len(self.site.interface.inputs), -0.0))
+
+    def _limits(self) -> list[float]:
+        period = self.motion.period
+        rows: list[float] = []
+        for port in self.site.interface.inputs.values():
+            rows += [port.low, port.high, port.slew * period, port.idle]
+        return rows
+
+    def clock(self, *, between: bool = True) -> Any:
+        """Return the clock of the plant at the start, and room for changes and errors.
+
+        Without `between` the errors of control periods that are not sampled are not added up.
+        """
+        parts = self.options.runge_kutta
+        if not parts:
+            parts = max(1, math.ceil(self.motion.period / self.plant.longest_step - 1e-9))
+        errors = ERRORS * len(self.motion.tracked) if between else 0
+        sums = CHANGES * len(self.site.interface.inputs) + errors
+        clock = np.zeros(CLOCK_SIZE + sums)
+        clock[STEP], clock[PARTS] = self.motion.step, parts
+        clock[IN_SINGLE] = float(self.conventions.single)
+        return self._flat(clock)
+
+    def state(self, seed: int | None = None) -> Any:
+        """Return the states at the start, and room for the integrator."""
+        generator = np.random.default_rng(self._setting.seed if seed is None else seed)
+        start = start_of(self.plant, generator)
+        size = self.plant.particulars.room or (1 + WORK) * len(start)
+        return self._flat([*start, *[0.0] * (size - len(start))])

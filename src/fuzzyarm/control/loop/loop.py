@@ -1,0 +1,701 @@
+"""The closed loop: a reference, sensors, control laws, actuators and a plant; its error norms.
+
+Everything that the loop shares with laws and plant stands in one array, the **board**:
+
+=============  =====================================================================
+0 … 2          the clock: control period, s; whether this is the last period of a set
+               point; whether values are stored in single precision
+references     what is wanted, see :class:`fuzzyarm.plant.plant.Interface`
+seen           the outputs as sensors have them, in the order of the plant
+wanted         room for the drives that a law leaves
+=============  =====================================================================
+
+So far it is what a law is told. Behind it stand the outputs as they are (unused where all sensors
+are exact), and the drives. Laws and plant are called by address and know parts of this array only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.control.controllers.law import summed_drives
+from fuzzyarm.control.controllers.on_plant import drives_of_text
+from fuzzyarm.plant.plant import (
+    ACTUATE,
+    ADVANCE,
+    CLOCK_SIZE,
+    DERIVE,
+    IN_SINGLE,
+    MEASURE,
+    TASK,
+    TIME,
+    Dynamics,
+)
+from fuzzyarm.plant.setting import CLOCK, stored, stored_double, stored_single
+from fuzzyarm.symbolic.kernels import call, kernel, letters_of_parts
+
+
+class LoopConstants(NamedTuple):
+    """What does not change during a run; the loop takes it as an array in this order.
+
+    Attributes
+    ----------
+    step : float
+        Control period, s.
+    single : bool
+        Whether stored values are rounded to single precision.
+    every : int
+        Control periods of a set point; the last of them is sampled.
+    interpolated : bool
+        Whether the reference moves in a straight line from one set point to the next.
+    disturbance : float
+        Largest relative disturbance of each state at each step; 0 for none.
+    seed : int
+        Of the disturbance, below 2³¹.
+    states : int
+        States that are disturbed, from the first on.
+    """
+
+    step: float
+    single: bool
+    every: int
+    interpolated: bool
+    disturbance: float
+    seed: int
+    states: int
+
+
+class LoopBlock(NamedTuple):
+    """All the numbers of a run, part by part: the only argument of :func:`run_loop`.
+
+    The parts have no memory in common. Their shapes, with `n` set points, `m` control periods, `R`
+    references, `D` drives, `k` tracked outputs:
+
+    ==============  ==================  ======================================================
+    the experiment, read only, the same arrays for all its runs
+    ------------------------------------------------------------------------------------------
+    references      R n                 set points
+    iterations      n, whole            control periods of each
+    plant_of        n, whole            which block of the plant each meets
+    plants          blocks, flat        parameters of the plant
+    setting         7                   a :class:`LoopConstants`
+    links           4, whole            :data:`ADDRESS` of the plant and what it does itself
+    noise           columns m, or 0     added to outputs before they are quantised
+    pushes          D m, or 0           added to drives behind their limits
+    checks          2 each, whole       cells of the board: a reference (-1: none), an output
+    bounds          1 each              largest difference, or magnitude, that is no divergence
+    path            k m, or 0           what a run is to follow between held set points
+    the controller, read only
+    ------------------------------------------------------------------------------------------
+    laws            whole               see :func:`fuzzyarm.control.controllers.law.summed_drives`
+    numbers                             their constants: gains, terms, rules, tables
+    the run, read and written
+    ------------------------------------------------------------------------------------------
+    sensors         10 each, or 0       see :data:`SENSOR`; behind them the rings of delays
+    limits          4 D                 lowest, highest, largest change in a period, last value
+    memory                              of the laws
+    taps            whole               cells of the board that are recorded: tracked outputs,
+                                        their references, others
+    board                               see the head of this module
+    state                               states of the plant, room of its integrator
+    clock           see below           for the plant; then sums of changes and of errors
+    record          taps n              a row for each tap, an entry for each sampled set point
+    progress        7, whole            how far the run has come: :data:`SAMPLES` and following
+    ==============  ==================  ======================================================
+
+    Many runs share what is read only, in all threads: none of it is copied for a run.
+    """
+
+    references: list[float]
+    iterations: list[int]
+    plant_of: list[int]
+    plants: list[float]
+    setting: list[float]
+    links: list[int]
+    noise: list[float]
+    pushes: list[float]
+    checks: list[int]
+    bounds: list[float]
+    path: list[float]
+    laws: list[int]
+    numbers: list[float]
+    sensors: list[float]
+    limits: list[float]
+    memory: list[float]
+    taps: list[int]
+    board: list[float]
+    state: list[float]
+    clock: list[float]
+    record: list[float]
+    progress: list[int]
+
+
+ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
+"""Of `links`: the address of the plant, the size of one block of its parameters, whether it makes
+its drives itself, and whether it derives more than its outputs."""
+
+SAMPLES, LOST, LOST_AT, TICK, NEXT, UNTIL, RANDOM = range(7)
+"""Of `progress`: number of samples; set point and iteration at which the run diverged (-1: it did
+not); control periods since the start; the next set point, and the one to stop before; state of the
+generator of disturbances."""
+
+
+@kernel
+def run_loop(block: LoopBlock) -> None:
+    """Step a sampled closed loop from the next set point to the one before which to stop.
+
+    A fixed-step loop at the control period T: the controller is a difference equation, the plant
+    is integrated over T by its own kernel with all drives held. In each period `i`, in this order:
+
+    1. the references of the period, held or on the straight line to the next set point;
+    2. sensors: outputs of time i T with noise, resolution and delay, and what the plant derives of
+       them; exact sensors pass the outputs on;
+    3. the laws, their drives added up; state of the laws advances;
+    4. actuators: range, then slew, from the drive of the period before;
+    5. sums of drive changes and of squared errors; in the last period of a set point the sample:
+       outputs of i T and the drives that answer them;
+    6. loads, behind the actuators;
+    7. the plant from i T to (i + 1) T; its time is that product, not a running sum;
+    8. random disturbance of the states, if any, then outputs of (i + 1) T;
+    9. the test for divergence, which ends the run: an output or error beyond its bound.
+
+    NaN in an output comes from the plant or its equations, NaN in a drive from a law; both pass
+    sensors and actuators unchanged. A NaN output ends the run unless states and drives are all
+    finite: then it is a lost sample, and the law decides. A plant without states cannot tell, and
+    ends.
+
+    All that a run goes on from is in `block`: a run in parts has the bits of a whole one.
+    """
+    # Named once: a scalar of a tuple stays in a register, and an interpreter finds it sooner.
+    setting = constants_of(block.setting)
+    references, iterations, pushes = block.references, block.iterations, block.pushes
+    plants, links, sensors, noise = block.plants, block.links, block.sensors, block.noise
+    limits, checks, bounds = block.limits, block.checks, block.bounds
+    laws, numbers, memory, taps = block.laws, block.numbers, block.memory, block.taps
+    board, state, clock, progress = block.board, block.state, block.clock, block.progress
+    frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
+    # Where all sensors are exact the plant measures into what a law is told.
+    drives = board[frame.driven :]
+    outputs = board[frame.true : frame.driven]
+    if len(sensors) == 0:
+        outputs = board[frame.seen : frame.told]
+    size = links[BLOCK]
+    random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
+    samples, tick = progress[SAMPLES], progress[TICK]
+    progress[LOST] = progress[LOST_AT] = -1
+    board[0] = setting.step
+    board[2] = 1.0 if setting.single else 0.0
+    first = block.plant_of[0] * size
+    ask_plant(MEASURE, links, state, outputs, drives, plants[first : first + size], clock)
+    for point in range(progress[NEXT], progress[UNTIL]):
+        first = block.plant_of[point] * size
+        constants = plants[first : first + size]
+        # A set point is held for its periods. Where a segment ends with one period only (the
+        # study's clock does that) the last one is not reached, and there is no sample.
+        for iteration in range(iterations[point]):
+            last = iteration == setting.every - 1
+            board[1] = 1.0 if last else 0.0
+            if iteration == 0 or setting.interpolated:
+                refer(board, frame, references, point, iteration, setting)
+            # Sensors, then control, then the plant: a law never sees the state that it causes.
+            if len(sensors) > 0:
+                sense(board, frame, sensors, noise, tick)
+                derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
+            control(board, frame.told, frame.drives, laws, numbers, memory, drives)
+            actuate(links, state, outputs, drives, constants, clock, limits)
+            note_changes(drives, frame.drives, clock, tick)
+            note_errors(board, taps, block.path, tick, clock[CLOCK_SIZE + CHANGES * frame.drives :])
+            if last:  # before the plant moves: the error that these drives answer
+                tap(board, taps, block.record, samples)
+                samples += 1
+            push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
+            ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
+            tick += 1
+            clock[TIME] = tick * setting.step
+            if setting.disturbance > 0.0:
+                random = disturbed(state, setting, random)
+            ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
+            # Asked after every step: a lost plant reaches infinity within a few set points.
+            if not within(board, checks, bounds, state[: setting.states], drives):
+                progress[LOST], progress[LOST_AT] = point, iteration
+                break
+        progress[NEXT] = point + 1
+        if progress[LOST] >= 0:
+            break
+    progress[SAMPLES], progress[TICK], progress[RANDOM] = samples, tick, random
+
+
+LOOP_ARRAYS = letters_of_parts(LoopBlock)
+"""Of floats and of integers, see :func:`fuzzyarm.symbolic.kernels.routine`."""
+
+
+def loop_bindings(
+    dynamics: Dynamics | None, *, single: bool, of_text: bool
+) -> dict[str, Callable[..., Any]]:
+    """Return what a loop is bound to.
+
+    Parameters
+    ----------
+    dynamics : Dynamics or None
+        Of the plant that is compiled into the loop; None where the loop calls it by address.
+    single : bool
+        Whether stored values are rounded: then they need not be asked whether to be.
+    of_text : bool
+        Whether one controller as text is all the laws, and is compiled into the loop, too.
+    """
+    bindings: dict[str, Callable[..., Any]] = {}
+    if dynamics is not None and dynamics.kernel is not None:
+        bindings |= dynamics.bindings
+        bindings |= {"ask_plant": ask_plant_inside, "plant_kernel": dynamics.kernel}
+        bindings["frame_of"] = known_frame(*dynamics.ports)
+    if of_text:
+        bindings["summed_drives"] = drives_of_text
+    bindings["stored"] = stored_single if single else stored_double
+    return bindings
+
+
+class Frame(NamedTuple):
+    """Where on the board things begin: references, seen outputs, room for drives, outputs, drives.
+
+    Attributes
+    ----------
+    references : int
+        How many they are.
+    seen, told, true, driven : int
+        First cells; what stands before `told` is what a law is told.
+    drives : int
+        How many they are.
+    """
+
+    references: int
+    seen: int
+    told: int
+    true: int
+    driven: int
+    drives: int
+
+
+@kernel
+def frame_of(count: int, size: int, cells: int) -> Frame:
+    """Divide a board of so many cells, with so many references and drives."""
+    outputs = (cells - CLOCK - count - 2 * size) // 2
+    seen = CLOCK + count
+    told = seen + outputs
+    return Frame(count, seen, told, told + size, told + size + outputs, size)
+
+
+@cache
+def known_frame(references: int, outputs: int, drives: int) -> Callable[[int, int, int], Frame]:
+    """Return a kernel that gives the frame of a plant with so many ports.
+
+    With it the compiler of a loop knows how often the short loops over ports are gone through, and
+    writes them out.
+    """
+    frame = frame_of(references, drives, CLOCK + references + 2 * (outputs + drives))
+    name = f"frame_of_{references}_{outputs}_{drives}"
+    source = f"def {name}(count, size, cells):\n    return Frame{tuple(frame)}\n"
+    space: dict[str, Any] = {"Frame": Frame, "__name__": __name__}
+    exec(source, space)
+    function: Any = kernel(space[name])
+    function.__source__ = source
+    return function  # type: ignore[no-any-return]
+
+
+@kernel
+def constants_of(s: list[float]) -> LoopConstants:
+    """Read the constants of a run."""
+    return LoopConstants(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
+
+
+@kernel
+def refer(
+    board: list[float],
+    frame: Frame,
+    references: list[float],
+    point: int,
+    iteration: int,
+    setting: LoopConstants,
+) -> None:
+    """Fill in the references of a set point, or what lies between it and the next."""
+    at = point * frame.references
+    for i in range(frame.references):
+        board[CLOCK + i] = references[at + i]
+    if setting.interpolated and at + frame.references < len(references):
+        share = iteration / setting.every
+        for i in range(frame.references):
+            way = references[at + frame.references + i] - references[at + i]
+            board[CLOCK + i] = references[at + i] + way * share
+
+
+@kernel
+def tap(board: list[float], taps: list[int], record: list[float], samples: int) -> None:
+    """Record a sample."""
+    room = len(record) // max(len(taps), 1)
+    # A row for each tap: whoever reads them goes along one of them.
+    for i in range(len(taps)):
+        record[room * i + samples] = board[taps[i]]
+
+
+# What the loop calls of a plant and of the laws; plain Python is bound to these names.
+
+
+@kernel
+def ask_plant(
+    task: int,
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+) -> None:
+    """Have the plant do a task, see :mod:`fuzzyarm.plant.plant`."""
+    clock[TASK] = task
+    call(links[0], x, y, u, p, clock)
+
+
+@kernel
+def plant_kernel(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Stand for the kernel of a plant, which is bound to this name."""
+
+
+@kernel
+def ask_plant_inside(
+    task: int,
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+) -> None:
+    """Do what :func:`ask_plant` does with a plant that is compiled into the loop."""
+    clock[TASK] = task
+    plant_kernel(x, y, u, p, clock)
+
+
+@kernel
+def actuate(
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+    limits: list[float],
+) -> None:
+    """Make of what is wanted what drives the plant: it does that itself, or the limits do."""
+    if links[ACTUATES] != 0:
+        ask_plant(ACTUATE, links, x, y, u, p, clock)
+    else:
+        limit(u, limits, clock[IN_SINGLE] != 0.0)
+
+
+@kernel
+def derive(
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+) -> None:
+    """Have the plant say what follows from outputs as they were seen, if there is anything."""
+    if links[DERIVES] != 0:
+        ask_plant(DERIVE, links, x, y, u, p, clock)
+
+
+@kernel
+def control(
+    board: list[float],
+    told: int,
+    size: int,
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Fill so many drives with what all laws together want, of the cells that they are told."""
+    summed_drives(board, told, size, laws, numbers, memory, drives)
+
+
+# --- Chatter ---
+#
+# Behind the clock stand, a number for each drive: its value in the last control period, and the
+# sums of the magnitudes and of the squares of its changes. That a run begins is not a change.
+
+LAST, MAGNITUDES, SQUARES = range(3)
+"""In the order in which they stand."""
+
+CHANGES = 3
+"""Numbers for each drive."""
+
+
+@kernel
+def note_changes(drives: list[float], size: int, clock: list[float], tick: int) -> None:
+    """Add up by how much the drives change from one control period to the next."""
+    for i in range(size):
+        drive = drives[i]
+        if tick > 0:
+            change = abs(drive - clock[CLOCK_SIZE + i])
+            clock[CLOCK_SIZE + MAGNITUDES * size + i] += change
+            clock[CLOCK_SIZE + SQUARES * size + i] += change * change
+        clock[CLOCK_SIZE + i] = drive
+
+
+# --- Errors in all control periods ---
+#
+# Behind those stand, a number for each tracked output: the sums of the squares of its error, from
+# the reference as the law is told it, and from the path on which the set points lie; and the
+# number of periods whose error is not a number, which are in neither sum.
+
+HELD, LED, UNKNOWN = range(3)
+"""In the order in which they stand."""
+
+ERRORS = 3
+"""Numbers for each tracked output."""
+
+
+@kernel
+def note_errors(
+    board: list[float], taps: list[int], path: list[float], tick: int, errors: list[float]
+) -> None:
+    """Add up the squares of the errors of a control period."""
+    count = len(errors) // ERRORS
+    led = len(path) > 0
+    for i in range(count):
+        value = board[taps[i]]
+        error = board[taps[count + i]] - value
+        if math.isnan(error):
+            errors[UNKNOWN * count + i] += 1.0
+        else:
+            errors[HELD * count + i] += error * error
+            if led:
+                error = path[tick * count + i] - value
+            errors[LED * count + i] += error * error
+
+
+# --- Actuators ---
+
+
+@kernel
+def push(drives: list[float], size: int, pushes: list[float], tick: int) -> None:
+    """Add the loads of a control period, where there are any."""
+    if len(pushes) > 0:
+        for i in range(size):
+            drives[i] += pushes[tick * size + i]
+
+
+@kernel
+def limit(drives: list[float], limits: list[float], single: bool) -> None:
+    """Hold all drives within their limits."""
+    for i in range(len(drives)):
+        drives[i] = limited(drives[i], limits, 4 * i, single)
+
+
+@kernel
+def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
+    """Hold a drive within its limits, and near its last value; not a number passes."""
+    value = stored(wanted, single)
+    # The range first, then the slew: a drive leaves its limit as fast as it may.
+    value = max(value, limits[at])
+    value = min(value, limits[at + 1])
+    value = max(value, limits[at + 3] - limits[at + 2])
+    value = min(value, limits[at + 3] + limits[at + 2])
+    limits[at + 3] = value
+    return value
+
+
+# --- Sensors ---
+#
+# For each output ten numbers, behind them the rings of delayed values. An output that is the
+# rate of another may be formed from what the sensor of that one says.
+
+QUANTUM, LOWEST, HIGHEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(10)
+SENSOR = 10
+"""Numbers of a sensor: resolution (0: none) and the range of its steps; delay in periods and where
+its ring begins; the output whose rate it forms (-1: none), the time constant of its filter, s, and
+what it remembers; its column of the noise (-1: none)."""
+
+
+@kernel
+def sense(
+    board: list[float], frame: Frame, sensors: list[float], noise: list[float], tick: int
+) -> None:
+    """Fill in what sensors make of the outputs.
+
+    `noise` is added before a value is quantised; it has a row of columns for each control period,
+    drawn beforehand, so that a seed says all.
+    """
+    columns = 0
+    for i in range(frame.told - frame.seen):
+        if sensors[SENSOR * i + NOISY] >= 0.0:
+            columns += 1
+    for i in range(frame.told - frame.seen):
+        at = SENSOR * i
+        value = board[frame.true + i]
+        source = int(sensors[at + RATE_OF])
+        if source >= 0:
+            value = differentiated(sensors, at, board[frame.seen + source], board[0])
+        if sensors[at + NOISY] >= 0.0:
+            value += noise[tick * columns + int(sensors[at + NOISY])]
+        board[frame.seen + i] = delayed(sensors, at, quantised(sensors, at, value), tick)
+
+
+@kernel
+def quantised(sensors: list[float], at: int, value: float) -> float:
+    """Round to the next step of a sensor: multiples of it, as far as its range goes."""
+    quantum = sensors[at + QUANTUM]
+    if quantum > 0.0 and not math.isnan(value):
+        step = math.floor(value / quantum + 0.5) * quantum
+        return min(max(step, sensors[at + LOWEST]), sensors[at + HIGHEST])
+    return value
+
+
+@kernel
+def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
+    """Return what a sensor said some periods ago; at first what it said at the start."""
+    delay = int(sensors[at + DELAY])
+    if delay == 0:
+        return value
+    ring = int(sensors[at + RING])
+    late = value
+    if tick >= delay:
+        late = sensors[ring + tick % delay]
+    elif tick > 0:
+        late = sensors[ring]
+    sensors[ring + tick % delay] = value
+    return late
+
+
+@kernel
+def differentiated(sensors: list[float], at: int, value: float, step: float) -> float:
+    """Form the rate of a value by difference, filtered by a lag of first order."""
+    if math.isnan(value):  # a sample that is lost leaves no trace
+        return value
+    before = sensors[at + BEFORE]
+    sensors[at + BEFORE] = value
+    if math.isnan(before):  # nothing was seen yet
+        return 0.0
+    slope = (value - before) / step
+    sensors[at + FILTERED] += (
+        (slope - sensors[at + FILTERED]) * step / (sensors[at + FILTER] + step)
+    )
+    return sensors[at + FILTERED]
+
+
+# --- Divergence, and disturbances of the states ---
+
+
+@kernel
+def within(
+    board: list[float],
+    checks: list[int],
+    bounds: list[float],
+    state: list[float],
+    drives: list[float],
+) -> bool:
+    """Tell whether the outputs are near enough and slow enough.
+
+    An output that is not a number is a sensor that fails, as long as all states and drives are
+    finite; of a plant without states nobody can tell.
+    """
+    for i in range(len(bounds)):
+        value = board[checks[2 * i + 1]]
+        if checks[2 * i] >= 0:
+            value = board[checks[2 * i]] - value
+        if math.isnan(value):
+            if len(state) == 0 or not (all_finite(state) and all_finite(drives)):
+                return False
+        elif not abs(value) <= bounds[i]:
+            return False
+    return True
+
+
+@kernel
+def all_finite(values: list[float]) -> bool:
+    """Tell whether none of the values is infinite or not a number."""
+    for i in range(len(values)):  # noqa: SIM110  (a kernel has no generators)
+        if values[i] - values[i] != 0.0:  # true of NaN, which inf - inf is, too
+            return False
+    return True
+
+
+@kernel
+def drawn(random: int) -> int:
+    """Advance a 31-bit linear congruential generator; no product overflows 64 bits."""
+    # Factor and summand of the example in the C standard: all 2³¹ numbers in turn.
+    return (random * 1103515245 + 12345) % 2147483648
+
+
+@kernel
+def disturbed(state: list[float], setting: LoopConstants, random: int) -> int:
+    """Multiply each state by 1 + size times a random number in [-1, 1)."""
+    # One draw for each state in turn: a seed says all, on any machine and with any number of
+    # threads. 2³⁰ is the middle of the generator's range.
+    scale = setting.disturbance / 1073741824.0
+    for i in range(setting.states):
+        random = drawn(random)
+        state[i] = stored(state[i] * (1.0 + scale * (random - 1073741824)), setting.single)
+    return random
+
+
+# --- Error norms of a run (section 3.4) ---
+
+Vector = NDArray[np.float64]
+
+
+def rms(errors: Vector) -> Vector:
+    """Return the root of the mean square of each column.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (n, k) or (n,)
+        Samples of the tracking error; lost samples (NaN) do not count, none gives NaN.
+    """
+    if not len(errors):
+        return _none(errors)
+    # The last running sum is the sum that np.mean takes, in a third of the time.
+    squares = np.add.accumulate(np.square(errors), axis=0)[-1]
+    if np.isnan(squares).any():
+        return by_column(errors, lambda known: math.sqrt(np.mean(np.square(known))))
+    return np.asarray(np.sqrt(squares / len(errors)))
+
+
+def final(errors: Vector) -> Vector:
+    """Return the last error of each column that is a number; without any NaN."""
+    return by_column(errors, lambda known: known[-1])
+
+
+def by_column(errors: Vector, figure: Callable[[Vector], float]) -> Vector:
+    """Return a figure of the errors of each column that are numbers; NaN where none is."""
+    columns = [column[~np.isnan(column)] for column in np.atleast_2d(errors.T)]
+    figures = np.array([figure(known) if len(known) else math.nan for known in columns])
+    return figures.reshape(errors.shape[1:])
+
+
+def signed_maximum(errors: Vector, kind: Literal["magnitude", "positive"] = "magnitude") -> Vector:
+    """Return the largest error of each column.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (n, 2)
+        Samples of the tracking error; lost samples (NaN) do not count, none gives NaN.
+    kind : {"magnitude", "positive"}
+        The error of largest magnitude with its sign, or the most positive one.
+    """
+    if kind == "positive":
+        return by_column(errors, np.max)
+    return by_column(errors, lambda known: known[np.abs(known).argmax()])
+
+
+def _none(errors: Vector) -> Vector:
+    return np.full(errors.shape[1], np.nan)

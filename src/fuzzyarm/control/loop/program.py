@@ -1,0 +1,538 @@
+"""A controller as the loop takes it, what the loop writes, and loops with plain Python in them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from functools import cache
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.control.controllers import on_plant
+from fuzzyarm.control.controllers.controller import CompiledController, Controller
+from fuzzyarm.control.controllers.law import Law, drives_of_laws, law_integers, view
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.text import ControllerRun
+from fuzzyarm.control.loop.course import Course, flat
+from fuzzyarm.control.loop.loop import (
+    CHANGES,
+    ERRORS,
+    LOOP_ARRAYS,
+    LOST,
+    NEXT,
+    SAMPLES,
+    TICK,
+    UNKNOWN,
+    UNTIL,
+    LoopBlock,
+    loop_bindings,
+    run_loop,
+    within,
+)
+from fuzzyarm.plant.equations import USERS
+from fuzzyarm.plant.own import failure_of
+from fuzzyarm.plant.plain_python import plain_motion, plain_outputs
+from fuzzyarm.plant.plant import (
+    ADVANCE,
+    CLOCK_SIZE,
+    Address,
+    is_compiled,
+    is_traced,
+)
+from fuzzyarm.plant.setting import (
+    CLOCK,
+    Clock,
+    RunArithmetic,
+    State,
+)
+from fuzzyarm.plant.setting import Reference as ArmReference
+from fuzzyarm.symbolic.kernels import bound_routine, is_built, routine, with_names
+
+# --- A controller as the loop takes it ---
+
+
+Loop = Callable[[LoopBlock], None]
+
+
+def loop_of_laws(program: LoopProgram, course: Course) -> Loop:
+    """Return the loop around laws and plant, as machine code or as plain Python.
+
+    Of several that do the same it is the one into which most is compiled: plant and controller, or
+    neither, which are called by address then.
+    """
+    single = course.conventions.single
+    if program.compiled:
+        for dynamics in (course.dynamics, None):
+            for of_text in (program.is_text, False):
+                bindings = loop_bindings(dynamics, single=single, of_text=of_text)
+                if is_built(run_loop, LOOP_ARRAYS, bindings):
+                    return _routine(tuple(sorted(bindings.items())))
+        return _routine(tuple(sorted(_held(single).items())))
+    return with_names(run_loop, _held(single))
+
+
+@cache
+def _routine(bindings: tuple[tuple[str, Callable[..., Any]], ...]) -> Loop:
+    machine_code = routine(run_loop, LOOP_ARRAYS, dict(bindings), compiled=True)
+    return lambda block: machine_code(*block)
+
+
+def _held(single: bool) -> dict[str, Callable[..., Any]]:
+    return loop_bindings(None, single=single, of_text=False)
+
+
+class LoopProgram:
+    """A controller as the loop takes it: laws, constants and memory.
+
+    Attributes
+    ----------
+    numbers, memory : ndarray
+        See :class:`fuzzyarm.control.loop.loop.LoopBlock`.
+    compilable : bool
+        Whether every addend is a compiled law.
+    """
+
+    def __init__(self, controller: Controller, arithmetic: RunArithmetic) -> None:
+        self.controller = controller
+        self.arithmetic = arithmetic
+        parts = list(controller.parts())
+        compiled_parts = [part for part in parts if isinstance(part, CompiledController)]
+        self.compilable = len(compiled_parts) == len(parts)
+        self._laws = [part.law for part in compiled_parts] if self.compilable else []
+        self._blocks = (
+            [part.block(arithmetic) for part in compiled_parts] if self.compilable else []
+        )
+        self.numbers = np.concatenate([[], *(block.numbers for block in self._blocks)])
+        self.memory = np.concatenate([[], *(block.memory for block in self._blocks)])
+        self._parts: dict[bool, dict[str, Any]] = {}
+
+    @property
+    def compiled(self) -> bool:
+        """Whether it runs as machine code: wanted, and possible."""
+        return self.arithmetic.compiled and self.compilable
+
+    @property
+    def is_text(self) -> bool:
+        """Whether one controller as text is all of it."""
+        return len(self._laws) == 1 and isinstance(self._laws[0], on_plant.TextLaw)
+
+    def parts(self, *, as_array: bool | None = None) -> dict[str, Any]:
+        """Return laws and constants by their names in a :class:`LoopBlock`; all runs share them."""
+        as_array = self.compiled if as_array is None else as_array
+        if as_array not in self._parts:
+            laws = law_integers(self._laws, self._blocks, self.arithmetic)
+            self._parts[as_array] = {
+                "laws": flat(laws, np.int64, as_array=as_array),
+                "numbers": flat(self.numbers, as_array=as_array),
+            }
+        return self._parts[as_array]
+
+    def memory_of(self, law: Law, memory: Any) -> Any:
+        """Return the stretch of a memory that belongs to a law."""
+        begin = 0
+        for part, block in zip(self._laws, self._blocks, strict=True):
+            end = begin + len(block.memory)
+            if part is law:
+                return memory[begin:end]
+            begin = end
+        raise ValueError("not a law of this program")
+
+    def structure(self) -> tuple[Any, ...]:
+        """Return what is the same where a program can go on with what another one remembers.
+
+        Of a text its timing, its instructions and how much they remember; numbers, terms, rules
+        and entries of tables may differ. Of any other law all.
+        """
+        parts: list[Any] = []
+        for law, block in zip(self._laws, self._blocks, strict=True):
+            if isinstance(law, on_plant.TextLaw):
+                model, program = law.text.model, law.program(self.arithmetic)
+                parts += [model.period, model.every, model.axis_names]
+                parts += [program.instructions(), len(program.memory())]
+                parts += [law.site.driven(model), [gain.name for gain in model.gains]]
+            else:
+                parts += [law, block.numbers.tolist(), len(block.memory)]
+        return self.compilable, *parts
+
+    def kept(self) -> NDArray[np.int64]:
+        """Return the indices of the memory that a control period leaves for the next."""
+        cells: list[int] = []
+        begin = 0
+        for law, block in zip(self._laws, self._blocks, strict=True):
+            cells_of_law: Sequence[int] = range(len(block.memory))
+            if isinstance(law, on_plant.TextLaw):
+                cells_of_law = law.program(self.arithmetic).memory()
+            cells += [begin + cell for cell in cells_of_law]
+            begin += len(block.memory)
+        return np.array(cells, np.int64)
+
+    def remembered(self, memory: Any) -> list[float]:
+        """Return what the laws remember, of the memory after a run."""
+        values: list[float] = []
+        for law in self._laws:
+            if law.remembers:
+                values += self.memory_of(law, memory).tolist()
+        return values
+
+    def skipped(self, memory: Any) -> dict[str, int]:
+        """Return how many periods axes skipped whose values were not numbers, where they did."""
+        counts: dict[str, int] = {}
+        for law in self._laws:
+            if isinstance(law, on_plant.TextLaw):
+                program = law.program(self.arithmetic)
+                for axis, count in program.skipped(self.memory_of(law, memory)).items():
+                    counts[axis] = max(count, counts.get(axis, 0))
+        return {axis: count for axis, count in counts.items() if count}
+
+
+class RunRecord:
+    """What the loop writes, and what it goes on from: all that a run is at some time.
+
+    Parameters
+    ----------
+    course : Course
+        The experiment.
+    memory : array_like
+        Of the laws.
+    taps : sequence of int
+        Cells of the board that are recorded.
+    seed : int, optional
+        Of the start.
+    between : bool, optional
+        Whether errors of control periods that are not sampled are added up, see :meth:`squares`.
+    room : ndarray, optional
+        Where the taps are recorded, at least a number for each and each set point; by default new.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        memory: Any,
+        taps: Any,
+        seed: int | None = None,
+        *,
+        between: bool = True,
+        room: NDArray[np.float64] | None = None,
+    ) -> None:
+        self.course, self.seed = course, seed
+        count = len(course.motion.time)
+
+        def new(values: Any, kind: type = np.float64) -> Any:
+            return flat(values, kind, as_array=course.as_array)
+
+        self.columns = len(taps)
+        self.memory = new(memory)
+        self.taps = new(taps, np.int64)
+        self.board = new(np.zeros(course.board_size))
+        self.state = course.state(seed)
+        self.clock = course.clock(between=between)
+        size = self.columns * count
+        room = np.zeros(size) if room is None else room[:size]  # large: not copied
+        self.record: Any = room if course.as_array else view(room)
+        self.progress = new([0, -1, -1, 0, 0, count, 0], np.int64)
+
+    def block(self, program: LoopProgram, experiment: Mapping[str, Any] | None = None) -> LoopBlock:
+        """Return what the loop takes: the parts of an experiment, of a program, and these.
+
+        `experiment` is what :meth:`Course.parts` returned at the start of a run that goes on.
+        """
+        if experiment is None:
+            experiment = self.course.parts(self.seed)
+        return LoopBlock(
+            **experiment,
+            **program.parts(as_array=self.course.as_array),
+            memory=self.memory,
+            taps=self.taps,
+            board=self.board,
+            state=self.state,
+            clock=self.clock,
+            record=self.record,
+            progress=self.progress,
+        )
+
+    @property
+    def rows(self) -> NDArray[np.float64]:
+        """What was recorded so far, shape (samples, taps): a view."""
+        every = np.asarray(self.record).reshape(self.columns, len(self.course.motion.time))
+        return np.asarray(every[:, : int(self.progress[SAMPLES])].T)
+
+    @property
+    def taken(self) -> NDArray[np.int64]:
+        """Indices of the set points that were sampled."""
+        return self.course.whole[: int(self.progress[SAMPLES])]
+
+    @property
+    def next(self) -> int:
+        """Set points that are done."""
+        return int(self.progress[NEXT])
+
+    def go_on(self, until: int) -> None:
+        """Have the next call of the loop stop before a set point."""
+        self.progress[UNTIL] = until
+
+    def changes(self, kind: int) -> NDArray[np.float64]:
+        """Return for each drive the mean of what the loop added up of its changes."""
+        sums = np.array(self.clock[CLOCK_SIZE : self._errors]).reshape(CHANGES, -1)[kind]
+        return np.asarray(sums / max(self.ticks - 1, 1))
+
+    def squares(self, kind: int) -> NDArray[np.float64]:
+        """Return for each tracked output the mean square of its errors in all control periods.
+
+        A period whose error is not a number does not count.
+        """
+        sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)
+        counted = self.ticks - sums[UNKNOWN]
+        return np.where(counted > 0, sums[kind] / np.maximum(counted, 1.0), np.nan)
+
+    @property
+    def _errors(self) -> int:
+        """Cell of the clock from which on the sums of errors stand."""
+        return CLOCK_SIZE + CHANGES * len(self.course.site.interface.inputs)
+
+    @property
+    def ticks(self) -> int:
+        """Control periods that are done."""
+        return int(self.progress[TICK])
+
+    @property
+    def lost(self) -> int | None:
+        """The set point in which the run diverged."""
+        point = int(self.progress[LOST])
+        return None if point < 0 else point
+
+    def diverged(self) -> float | None:
+        """Return when the run was stopped because it had diverged, s."""
+        return None if self.lost is None else self.ticks * self.course.motion.period
+
+
+def error_taps(course: Course) -> list[int]:
+    """Return the cells of the tracked outputs, then those of their references."""
+    tracked = course.motion.tracked
+    return [
+        *(course.output_cell(port) for port in tracked),
+        *(course.reference_cell(port) for port in tracked),
+    ]
+
+
+def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the errors of the first columns of :func:`error_taps`, as they are shown."""
+    count = len(course.motion.tracked)
+    # A row for each tap: across it NumPy would go in steps of two numbers.
+    taps = np.ascontiguousarray(samples.T)
+    return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
+
+
+def shown_means(course: Course, record: RunRecord, kind: int) -> NDArray[np.float64]:
+    """Return the RMS errors of all control periods, as errors are shown; see :class:`RunRecord`."""
+    return np.asarray(np.sqrt(record.squares(kind)) * scales(course))
+
+
+def scales(course: Course) -> NDArray[np.float64]:
+    """Return what makes of each tracked output what is shown: degrees of radians."""
+    outputs = course.site.interface.outputs
+    turn = 180.0 / course.conventions.pi
+    return np.array([turn if outputs[p].unit == "rad" else 1.0 for p in course.motion.tracked])
+
+
+def shown_units(course: Course) -> tuple[str, ...]:
+    """Return the units in which the tracked outputs are shown."""
+    units = [course.site.interface.outputs[port].unit for port in course.motion.tracked]
+    return tuple("degrees" if unit == "rad" else unit for unit in units)
+
+
+# --- Loops in which something is plain Python ---
+
+
+def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Loop:
+    """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
+    single = course.conventions.single
+    if program.compilable and is_compiled(course.plant):
+        return loop_of_laws(program, course)
+    bindings: dict[str, Callable[..., Any]] = _held(single)
+    if not is_compiled(course.plant) or is_traced(course.plant):
+        bindings |= plain_plant(course)
+    if not program.compilable:
+        bindings["control"] = plain_control(program, course)
+    elif program.arithmetic.compiled:
+        bindings["control"] = compiled_law(program, course, record)
+    return with_names(run_loop, bindings)
+
+
+Asked = Callable[[Any], Iterable[tuple[int, float]]]
+"""From what a controller is told to its drives: which input, and what is added there."""
+
+
+def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
+    """Return what asks a controller in plain Python, each addend in its own way."""
+    parts = list(program.controller.parts())
+    if not any(part.takes_ports for part in parts):
+        parts = [program.controller]  # which adds the torques up itself
+    controls = [_asked(part, program.arithmetic, course) for part in parts]
+    zeros = range(len(course.site.interface.inputs))
+
+    def control(signals: Any, *others: Any) -> None:
+        drives = others[-1]
+        for column in zeros:
+            drives[column] = 0.0
+        for ask in controls:
+            for column, value in ask(signals):
+                drives[column] += value
+
+    return control
+
+
+def _asked(part: Controller, arithmetic: RunArithmetic, course: Course) -> Asked:
+    if part.takes_ports:
+        return _asked_by_ports(part, course)
+    law = on_plant.text_law_of(part)
+    if law is not None and course.site.extra == 0:
+        return _asked_of_text(part, law, arithmetic, course)
+    return _asked_for_torques(part)
+
+
+def _asked_for_torques(part: Controller) -> Asked:
+    def ask(t: Any) -> Iterable[tuple[int, float]]:
+        # The cells of `tell` in fuzzyarm.control.controllers.law.
+        reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
+        state = State((t[9], t[10]), (t[11], t[12]))
+        clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)
+        with _named(part):
+            first, second = part.torque(reference, state, clock)
+        return (0, float(first)), (1, float(second))
+
+    return ask
+
+
+def _asked_of_text(
+    part: Controller, law: on_plant.TextLaw, arithmetic: RunArithmetic, course: Course
+) -> Asked:
+    """Return what runs a controller as text beside one in Python."""
+    gains = {
+        gain.name: part.gains[gain.name].value
+        for gain in law.gains
+        if part.gains[gain.name].value != gain.value
+    }
+    run = ControllerRun(
+        law.text, gains=gains, single=arithmetic.single, compiled=arithmetic.compiled
+    )
+    cells = law.site.wiring(law.text.model)
+    first = course.site.told + len(course.site.interface.inputs)
+    references = list(zip(run.references, cells.references.values(), strict=True))
+    measured = list(zip(run.inputs, cells.measured.values(), strict=True))
+    columns = {
+        name: cell - first for name, cell in zip(run.drives, cells.drives.values(), strict=True)
+    }
+
+    def ask(signals: Any) -> Iterable[tuple[int, float]]:
+        drives = run.step(
+            {name: signals[cell] for name, cell in measured},
+            {name: signals[cell] for name, cell in references},
+        )
+        return [(columns[name], value) for name, value in drives.items()]
+
+    return ask
+
+
+def _asked_by_ports(part: Controller, course: Course) -> Asked:
+    """Return what asks a controller in Python by the names of the ports."""
+    site = course.site
+    label = site.interface.label
+    references = _cells_of(site, site.interface.references, CLOCK)
+    measured = _cells_of(site, site.interface.outputs, CLOCK + len(references))
+    columns = _cells_of(site, site.interface.inputs, 0)
+    names = {label(port) for port in course.driven}
+    only = next(iter(names)) if len(names) == 1 else ""
+    for name, port in site.connect.items():
+        homes = [cells for cells in (references, measured, columns) if port in cells]
+        if not homes:
+            hint = near_hint(port, [*measured, *columns])[0]
+            raise SourceError(f"the {site.name} has no port '{port}'", hint=hint)
+        for cells in homes:
+            cells[name] = cells[port]
+
+    def ask(signals: Any) -> Iterable[tuple[int, float]]:
+        with _named(part):
+            drives = part.step(
+                _NamedValues({name: float(signals[cell]) for name, cell in measured.items()}),
+                _NamedValues({name: float(signals[cell]) for name, cell in references.items()}),
+            )
+        if not isinstance(drives, Mapping):
+            if not only:
+                hint = f"return a mapping of {', '.join(sorted(names))}"
+                message = f"{part.name} does not say which input it drives"
+                raise SourceError(message, hint=hint)
+            drives = {only: drives}
+        for name in drives:
+            if name not in columns:
+                hint = near_hint(name, columns)[0] or f"it has {', '.join(columns)}"
+                raise SourceError(f"the {site.name} has no drive '{name}'", hint=hint)
+        return [(columns[name], _number(part, name, value)) for name, value in drives.items()]
+
+    return ask
+
+
+class _NamedValues(dict[str, float]):
+    """Values by name; one that is not there is said with those that are."""
+
+    def __missing__(self, name: str) -> NoReturn:
+        raise KeyError(f"no '{name}' among {', '.join(self) or 'nothing'}")
+
+
+def _cells_of(site: on_plant.Site, ports: Iterable[Address], first: int) -> dict[str, int]:
+    return {site.interface.label(port): first + at for at, port in enumerate(ports)}
+
+
+def _number(part: Controller, name: str, value: Any) -> float:
+    with suppress(TypeError, ValueError):
+        number = float(value)
+        if not math.isnan(number):
+            return number
+    raise SourceError(f"{part.name} gives {value!r} for '{name}', not a number")
+
+
+@contextmanager
+def _named(part: Controller) -> Iterator[None]:
+    """Say whose fault it is: the same loop asks the plant."""
+    try:
+        yield
+    except FuzzyarmError:
+        raise
+    except USERS as error:
+        message = f"controller {part.name} failed: {failure_of(part, error)}"
+        raise SourceError(message) from error
+
+
+def compiled_law(program: LoopProgram, course: Course, record: RunRecord) -> Callable[..., None]:
+    """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
+    parts = program.parts(as_array=True)
+    board = np.asarray(record.board)
+    size = len(course.site.interface.inputs)
+    signals = board[: course.site.told + size]
+    drives, memory = board[len(board) - size :], np.asarray(record.memory)
+    arrays = (signals, parts["laws"], parts["numbers"], memory, drives)
+    precision = _held(course.conventions.single)
+    step = bound_routine(drives_of_laws, "fifff", arrays, precision, brief=True)
+
+    def control(*_arrays: object) -> None:
+        step()
+
+    return control
+
+
+def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
+    """Return what asks a plant in plain Python."""
+    plant, states = course.plant, len(course.plant.states)
+    moved, measured = plain_motion(plant, states), plain_outputs(plant, states)
+
+    def ask_plant(task: int, _links: Any, x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        (moved if task == ADVANCE else measured)(x, y, u, p, clock)
+
+    def goes_on(*watched: Any) -> bool:
+        return not plant.ended and within(*watched)
+
+    return {"ask_plant": ask_plant, "within": goes_on}

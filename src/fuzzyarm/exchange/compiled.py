@@ -1,0 +1,314 @@
+"""Tables with a proved error, and the source text and programs that look them up or infer.
+
+What ``fuzzyarm compile`` makes, and the designer's exports: the same bytes from the same text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzyarm.base.diagnostic import MAX_LEVELS
+from fuzzyarm.base.errors import WordError
+from fuzzyarm.base.folders import MODULES
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map.tables import table_proof
+from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.table.axis import TableError
+from fuzzyarm.table.compiler import Levels, choose_output
+from fuzzyarm.table.fidelity import CompileReport, compile_with_report
+from fuzzyarm.table.levels import read_levels
+
+if TYPE_CHECKING:
+    from fuzzyarm.control.controllers.text import ControllerText
+    from fuzzyarm.exchange.export import ControllerProgram, Exported, ExportedController
+    from fuzzyarm.exchange.export.routine import Routine
+    from fuzzyarm.table import LookupTable
+
+__all__ = [
+    "Making",
+    "compiled",
+    "controller_program",
+    "infers",
+    "making_of",
+    "program_of",
+    "routines_for",
+    "source_of",
+]
+
+_DEFAULTS = {
+    **dict.fromkeys((".st", ".xml", ".scl"), "float32"),  # few PLCs have a double
+    **dict.fromkeys((".fmu", *MODULES), "float64"),
+}
+"""The precision of source text where none is asked for; elsewhere it is mixed."""
+
+Tell = Callable[[str], None]
+"""Called with the current step, in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class Making:
+    """Options for a table, source text or a program; None leaves the choice to the file.
+
+    Attributes
+    ----------
+    source : str
+        The file that it is made of, for the heads.
+    output : str or None
+        Which output, where there are several.
+    levels : int, sequence of float, mapping of str to either, or None
+        Of the inputs of tables.
+    tolerance : float or None
+        Instead of levels: what the smallest even grid has to meet.
+    rounding : float or None
+        Of the values of tables; 0 for none.
+    mode : str or None
+        How tables are looked up.
+    date : str or None
+        Goes into the provenance of tables.
+    direct : bool
+        Infer the rules, without a table; see `infers`.
+    table : bool
+        Look tables up.
+    q : int or None
+        15 or 7: tables in whole numbers.
+    precision : str or None
+        ``mixed``, ``float32`` or ``float64``; without meaning in whole numbers.
+    name : str or None
+        Begins every identifier.
+    fmi : int
+        Version of FMI.
+    platforms : str or None
+        Of an FMU: which machines it runs on, as in ``linux64,win64``.
+    xml : str
+        What an ``.xml`` is: ``plcopen`` or ``iec61131-10``.
+    proofs : tuple of str
+        Of a controller: what is proved of it in its loop, for the head.
+    """
+
+    source: str = ""
+    output: str | None = None
+    levels: Levels | Mapping[str, Levels] | None = None
+    tolerance: float | None = None
+    rounding: float | None = None
+    mode: str | None = None
+    date: str | None = None
+    direct: bool = False
+    table: bool = False
+    q: int | None = None
+    precision: str | None = None
+    name: str | None = None
+    fmi: int = 2
+    platforms: str | None = None
+    xml: str = "plcopen"
+    proofs: tuple[str, ...] = ()
+
+
+def making_of(request: ExportRequest) -> Making:
+    """Return the options of a request."""
+    if request.levels is not None and request.tolerance is not None:
+        raise RequestError("tolerance", "and levels exclude each other")
+    return Making(
+        source=request.file,
+        output=request.output,
+        levels=None if request.levels is None else _levels(request.levels),
+        tolerance=request.tolerance,
+        rounding=request.round,
+        mode=request.mode,
+        date=datetime.now(UTC).date().isoformat() if request.date else None,
+        direct=request.direct,
+        table=request.table,
+        q=request.q,
+        precision=request.precision,
+        name=request.name,
+        fmi=request.fmi or 2,
+        platforms=request.platforms,
+        xml=request.format or "plcopen",
+    )
+
+
+def _levels(text: str) -> Levels | Mapping[str, Levels]:
+    try:
+        levels = read_levels(text)
+    except TableError as error:
+        message = error.message.removeprefix("levels ")
+        raise RequestError("levels", message, hint=error.hint) from None
+    if isinstance(levels, int) and not 2 <= levels <= MAX_LEVELS:
+        raise RequestError("levels", f"must be 2 to {MAX_LEVELS:,}, not {levels:,}")
+    return levels
+
+
+def infers(model: RuleBase | LookupTable, how: Making) -> bool:
+    """Return whether source text infers the rules of a model instead of looking a table up.
+
+    Unless it is said, the rules are inferred but where the file has `lookup` settings, or
+    where something is asked of a table.
+    """
+    if how.direct or not isinstance(model, RuleBase):
+        return how.direct
+    of_a_table = (how.levels, how.tolerance, how.rounding, how.mode, how.date, how.q)
+    return model.lookup is None and not how.table and all(option is None for option in of_a_table)
+
+
+def compiled(
+    rulebase: RuleBase, output: str | None, how: Making, progress: Tell | None = None
+) -> CompileReport:
+    """Return the table of an output, and its error: proved, or at points where that takes long.
+
+    Raises
+    ------
+    FuzzyarmError
+        As :func:`fuzzyarm.table.compile_with_report`.
+    """
+    return compile_with_report(
+        rulebase,
+        output,
+        levels=how.levels,
+        rounding=how.rounding,
+        mode=how.mode,
+        tolerance=how.tolerance,
+        source=how.source or None,
+        date=how.date,
+        progress=progress,
+        proof=table_proof(rulebase, choose_output(rulebase, output).name),
+    )
+
+
+def source_of(
+    model: RuleBase | LookupTable, path: str | Path, how: Making, progress: Tell | None = None
+) -> tuple[Exported, tuple[CompileReport, ...]]:
+    """Return a rule base or a table as source text, not yet written, and its tables.
+
+    Parameters
+    ----------
+    model : RuleBase or LookupTable
+        Of a rule base every output is compiled, or inferred where `infers` says so.
+    path : str or Path
+        Its suffix is the language, one of `fuzzyarm.exchange.export.EXPORTS`.
+    how : Making
+        The wishes.
+    progress : callable, optional
+        Called with the current step, in words.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something cannot be exported so.
+    """
+    from fuzzyarm.exchange.export import ExportError, export_files
+    from fuzzyarm.exchange.export.sets import TABLE_HINT
+
+    try:
+        routines, reports = routines_for(model, path, how, progress)
+    except ExportError as error:
+        if how.direct or not infers(model, how):
+            raise
+        hint = error.hint if "--table" in error.hint else f"{error.hint}, or {TABLE_HINT}"
+        # The rules cannot be written, but a table of them can.
+        raise error.in_file("", hint) from error
+    exported = export_files(
+        routines, path, how.name, fmi=how.fmi, platforms=how.platforms, xml=how.xml
+    )
+    return exported, reports
+
+
+def routines_for(
+    model: RuleBase | LookupTable, path: str | Path, how: Making, progress: Tell | None = None
+) -> tuple[tuple[Routine, ...], tuple[CompileReport, ...]]:
+    """Return the routines of a rule base or a table, and its tables; as :func:`source_of`."""
+    from fuzzyarm.exchange.export import routines_of
+
+    direct = infers(model, how)
+    reports: tuple[CompileReport, ...] = ()
+    sources: RuleBase | list[LookupTable]
+    if not isinstance(model, RuleBase):
+        sources = [model]
+    elif direct:
+        sources = model
+    else:
+        names = (how.output,) if how.output else tuple(output.name for output in model.outputs)
+        # Without any output `compiled` says what is missing.
+        reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
+        sources = [report.table for report in reports]
+    suffix = Path(path).suffix.lower()
+    default = _DEFAULTS.get(suffix, "mixed")
+    _refuse_precision(suffix, how)
+    # Only the error in the mode in which the table is looked up goes into its head.
+    proved = {
+        report.table.output: fidelity.proved
+        for report in reports
+        for fidelity in report.fidelities
+        if fidelity.mode == (how.mode or report.table.default_mode)
+    }
+    routines = routines_of(
+        sources,
+        output=how.output if direct else None,
+        mode=how.mode,
+        q=how.q,
+        precision=how.precision or default,
+        source=how.source or None,
+        proved=proved,
+        widened=how.precision is None,
+    )
+    return routines, reports
+
+
+def _refuse_precision(suffix: str, how: Making) -> None:
+    """Refuse a precision of a module."""
+    if suffix in MODULES and how.precision not in (None, "float64"):
+        floats = "the floats of its port" if suffix == ".py" else "floats of 64 bits"
+        raise WordError(
+            f"--precision {how.precision} does not apply: a {suffix} computes in {floats}",
+            hint="leave it out",
+        )
+
+
+def program_of(
+    controller: ControllerText, path: str | Path, how: Making, progress: Tell | None = None
+) -> tuple[ExportedController, tuple[CompileReport, ...]]:
+    """Return a controller as a program, not yet written, and the tables that it looks up."""
+    from fuzzyarm.exchange.export import export_controller
+
+    suffix = Path(path).suffix.lower()
+    default = _DEFAULTS.get(suffix, "mixed")
+    _refuse_precision(suffix, how)
+    program, reports = controller_program(controller, how, default, progress)
+    if progress is not None:
+        progress("exporting")
+    exported = export_controller(
+        program, path, how.name, fmi=how.fmi, platforms=how.platforms, xml=how.xml
+    )
+    return exported, reports
+
+
+def controller_program(
+    controller: ControllerText, how: Making, default: str, progress: Tell | None = None
+) -> tuple[ControllerProgram, tuple[CompileReport, ...]]:
+    """Return a controller ready to be exported, and the tables that it looks up.
+
+    Parameters
+    ----------
+    controller, how, progress
+        As for :func:`program_of`.
+    default : str
+        The precision where none is asked for.
+    """
+    from fuzzyarm.exchange.export import ControllerProgram, with_tables
+
+    reports: list[CompileReport] = []
+
+    def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
+        report = compiled(rulebase, output, how, progress)
+        reports.append(report)
+        table = report.table
+        return table if how.mode is None else replace(table, mode=how.mode)
+
+    if how.table:
+        controller = with_tables(controller, compile_output)
+    precision, widened = how.precision or default, how.precision is None
+    program = ControllerProgram(controller, precision, how.q, how.proofs, widened)
+    return program, tuple(reports)

@@ -1,0 +1,595 @@
+"""Libraries for Arduino and projects for PlatformIO, with a sketch, a test and measured figures."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.exchange.export.avr import FLAGS, TOOLS, Measured, MeasuredStep, has_compiler, measure
+from fuzzyarm.exchange.export.boards import Board, Footprint, demand_fit
+from fuzzyarm.exchange.export.c import LIBRARY, CText, controller_c, routines_c
+from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
+from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError, Kind, c_number
+from fuzzyarm.exchange.export.pace import Pace, clock_of, demand_pace, pace_of, unchecked
+from fuzzyarm.exchange.export.routine import Routine, plain
+from fuzzyarm.exchange.export.steps import StepVariable
+from fuzzyarm.exchange.export.table_numbers import WholeNumberScale
+from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, Names, identifier
+from fuzzyarm.version import __version__
+
+__all__ = ["PLACES", "BoardFolder", "board_folder"]
+
+PLACES = ("arduino", "platformio")
+"""What folders are made for."""
+
+_IN_SKETCH = {"setup", "loop", "delay", "millis", "micros", "Serial", "pin"}
+
+_SECONDS_BETWEEN_LINES = 0.5
+"""How often the sketch of a controller prints."""
+
+_SKETCH_CALLS = 12
+"""Calls that are measured, of those of the self-test: a simulated second is a second."""
+
+
+@dataclass(frozen=True)
+class BoardFolder:
+    """A folder for an IDE, not yet written.
+
+    Attributes
+    ----------
+    files : dict of str to str
+        Texts by their paths in the folder.
+    library : CText
+        What is in it.
+    board : Board
+        What it was fitted to.
+    measured : Measured or None
+        What it takes there; None where nothing here can measure it.
+    constants, state : int
+        Bytes of tables, and of variables that a program holds for it.
+    doubt : str
+        A sentence on what could not be checked of it; empty where all was.
+    """
+
+    files: dict[str, str]
+    library: CText
+    board: Board
+    measured: Measured | None
+    constants: int
+    state: int
+    doubt: str = ""
+
+
+@dataclass(frozen=True)
+class _BoardPart:
+    """What routines and controllers have in common on a board."""
+
+    stem: str
+    words: str  # what it is, in one line
+    library: CText
+    call: MeasuredStep
+    sketch: list[str]
+    state: int
+    stack: int
+    notes: list[str]
+    period: float | None = None  # of a controller, in s
+    inputs: int = 0  # that the sketch reads from pins
+
+    def sources(self) -> dict[str, str]:
+        """Return the texts of the library by the names of their files."""
+        return {f"{self.stem}{end}": text for end, text in self.library.files.items()}
+
+    def measured(self, board: Board) -> Measured | None:
+        """Return what it takes on a board; None where nothing here can measure it."""
+        if not (board.avr and has_compiler()):
+            return None
+        return measure(board, self.sources(), self.stem, self.call)
+
+
+def board_folder(
+    exported: Sequence[Routine] | ControllerProgram,
+    stem: str,
+    board: Board,
+    place: str,
+    others: Mapping[str, Callable[[], ControllerProgram]] = MappingProxyType({}),
+) -> BoardFolder:
+    """Return the folder of routines or of a controller, measured where that can be done.
+
+    Parameters
+    ----------
+    exported : sequence of Routine, or ControllerProgram
+        What is computed there; in single precision for a board without more.
+    stem : str
+        The name of the library; begins every identifier.
+    board : Board
+        Where it runs.
+    place : str
+        ``arduino`` or ``platformio``.
+    others : mapping of str to callable
+        Of a controller: options of the command, and the program that they make. They are measured
+        where the program does not keep its period, for the hint.
+
+    Raises
+    ------
+    ExportError
+        If the board does not hold it, or does not keep its period.
+    """
+    if isinstance(exported, ControllerProgram):
+        part = _controller_part(exported, stem, board)
+    else:
+        part = _routines_part(exported, stem, board)
+    constants = part.library.printer.flash
+    largest = part.library.printer.largest
+    words = "its tables alone"
+    footprint = Footprint(constants, part.state, part.stack, words, constants, largest)
+    demand_fit(footprint, board, stem)
+    measured = part.measured(board)
+    if measured is not None:
+        demand_fit(measured.footprint, board, stem)
+    doubt = ""
+    if part.period is not None:
+        pace = pace_of(measured, board, part.inputs)
+        paces = {
+            option: lambda make=make: _other_pace(make, stem, board)
+            for option, make in others.items()
+        }
+        demand_pace(pace, part.period, stem, board, paces)
+        doubt = unchecked(measured, board, part.period)
+    files = dict(_files(part, board, place, measured, doubt))
+    return BoardFolder(files, part.library, board, measured, constants, part.state, doubt)
+
+
+def _other_pace(make: Callable[[], ControllerProgram], stem: str, board: Board) -> Pace | None:
+    """Return what a turn of another program takes; None where it cannot be, or is too large."""
+    try:
+        part = _controller_part(make(), stem, board)
+        measured = part.measured(board)
+        if measured is not None:
+            demand_fit(measured.footprint, board, stem)
+    except ExportError:
+        return None
+    return pace_of(measured, board, part.inputs)
+
+
+# --- What is on the board ---
+
+
+def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _BoardPart:
+    library = routines_c(routines, stem, stem, LIBRARY)
+    first = routines[0]
+    vectors = first.vectors()
+    rows = [list(row) for row in zip(*vectors.inputs, strict=True)][:_SKETCH_CALLS]
+    kind = C_TYPES[first.kind]
+    names = [f"x_{k}" for k in range(len(first.arguments))]
+    globals_ = [f"static volatile {kind} {', '.join([*names, 'result'])};"]
+    call = MeasuredStep(
+        header=f"{stem}.h",
+        declarations=["#include <stdint.h>", *globals_, *_rows("given", kind, rows, first.kind)],
+        start=[],
+        load=[f"{name} = given[k][{k}];" for k, name in enumerate(names)],
+        call=f"result = {_function(library.prototypes[0])}({', '.join(names)});",
+        count=len(rows),
+        arrays=(len(names) + 1) * np.dtype(first.kind).itemsize,
+        self_test=library.self_test,
+    )
+    words = f"{', '.join(r.output.name for r in routines)} of {_listed(first)}"
+    notes = [f"`{prototype}`" for prototype in library.prototypes]
+    stack = max(routine.cost().stack for routine in routines)
+    sketch = list(_routine_sketch(routines, library, stem, board))
+    return _BoardPart(stem, plain(words), library, call, sketch, 0, stack, notes)
+
+
+def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _BoardPart:
+    steps, trial_run = program.steps, program.tried
+    library = controller_c(steps, stem, stem, LIBRARY, trial_run.vectors, program.head())
+    kind = C_TYPES[steps.precision.outside]
+    rows = [list(row) or [0.0] for row in trial_run.vectors.inputs][:_SKETCH_CALLS]
+    sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
+    types = {"reference": "reference", "measured": "measured", "drive": "drives"}
+    declarations = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
+    variables = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+    arguments = ", ".join(["&state", *(f"&{sort}" for sort in sorts)])
+    call = MeasuredStep(
+        header=f"{stem}.h",
+        declarations=[
+            f"static {stem}_state state;",
+            *declarations,
+            *_rows("given", kind, rows, steps.precision.outside),
+        ],
+        start=[f"{stem}_init(&state);"],
+        load=[f"{library.place(port)} = given[k][{k}];" for k, port in enumerate(variables)],
+        call=f"{stem}_step({arguments});",
+        count=len(rows),
+        arrays=0,
+        self_test=library.self_test,
+    )
+    model = program.text.model
+    words = plain(f"{model.name}: {model.description}" if model.description else model.name)
+    notes = [f"`{prototype}`" for prototype in library.prototypes]
+    sketch = list(_controller_sketch(program, library, stem, board))
+    inputs = len(steps.of_sort("measured"))
+    return _BoardPart(
+        stem, words, library, call, sketch, library.printer.ram(), 0, notes, model.period, inputs
+    )
+
+
+def _function(prototype: str) -> str:
+    return prototype.partition("(")[0].split()[-1]
+
+
+def _listed(routine: Routine) -> str:
+    return ", ".join(argument.name for argument in routine.arguments)
+
+
+def _rows(name: str, kind: str, rows: Sequence[Sequence[float]], of: Kind) -> list[str]:
+    """Return an array of the numbers of calls, in flash where that is apart."""
+    lines = [f"    {{{', '.join(_number(x, of) for x in row)}}}," for row in rows]
+    macro = ["#ifdef __FLASH", "#define FLASH __flash", "#else", "#define FLASH", "#endif"]
+    return [*macro, f"static const FLASH {kind} {name}[{len(rows)}][{len(rows[0])}] = {{",
+            *lines, "};"]  # fmt: skip
+
+
+def _number(value: float, kind: Kind) -> str:
+    return '__builtin_nanf("")' if math.isnan(value) else c_number(value, kind)
+
+
+# --- The sketch ---
+
+
+def _routine_sketch(
+    routines: Sequence[Routine], library: CText, stem: str, board: Board
+) -> Iterator[str]:
+    """Yield the lines of a sketch that reads every input from a pin and prints every output."""
+    names = _sketch_names()
+    first = routines[0]
+    scales = _scales(first)
+    count = len(first.arguments)
+    last_values = [parameter for parameter in first.arguments if parameter.name.startswith("last ")]
+    variables = []
+    yield from _opening(stem, f"Reads {_listed(first)}, prints {_outputs(routines)}.")
+    for routine in routines:
+        if _holds(routine):
+            yield f"static {C_TYPES[routine.kind]} {identifier('last ' + routine.output.name)};"
+    yield from ["", "void loop()", "{"]
+    for number, argument in enumerate(first.arguments[: count - len(last_values)]):
+        name = names.new(argument.name)
+        variables.append(name)
+        text = _from_pin(argument.low, argument.high, number, scales[number], first.kind, board)
+        yield f"    const {C_TYPES[first.kind]} {name} = {text};"
+    for routine, prototype in zip(routines, library.prototypes, strict=True):
+        result = names.new(routine.output.name)
+        arguments = list(variables)
+        last = identifier("last " + routine.output.name)
+        if _holds(routine):
+            arguments.append(last)
+        kind = C_TYPES[routine.kind]
+        yield f"    const {kind} {result} = {_function(prototype)}({', '.join(arguments)});"
+        if _holds(routine):
+            yield f"    {last} = {result};"
+        yield f'    Serial.print("{_quoted(routine.output.name)} ");'
+        yield f"    Serial.println({_quantity(result, _scales(routine)[-1])}, 3);"
+    yield from ["    delay(100);", "}", ""]
+
+
+def _controller_sketch(
+    program: ControllerProgram, controller: CText, stem: str, board: Board
+) -> Iterator[str]:
+    """Yield the lines of a sketch that runs a controller at its period."""
+    steps, model = program.steps, program.text.model
+    measured, drives = steps.of_sort("measured"), steps.of_sort("drive")
+    clock = clock_of(model.period)
+    every = max(1, round(_SECONDS_BETWEEN_LINES / model.period))
+    yield from _opening(
+        stem,
+        f"Runs {model.name} every {number_text(model.period)} s; prints its drives, and how many"
+        " periods began too late.",
+        [f"{stem}_init(&state);", f"began = {clock.function}() - period;"],
+        [
+            f"static {stem}_state state;",
+            *([f"static {stem}_reference reference;"] if steps.of_sort("reference") else []),
+            *([f"static {stem}_drives drive;"] if drives else []),
+            f"static const unsigned long period = {clock.count}UL; // {clock.unit}",
+            f"static unsigned long began, overruns{', turns' if every > 1 else ''};",
+        ],
+    )
+    yield from _shown(program, controller, every)
+    yield from [
+        "",
+        "void loop()",
+        "{",
+        f"    const unsigned long passed = {clock.function}() - began; // right when it wraps, too",
+        "    if (passed < period) {",
+        "        return;",
+        "    }",
+        "    if (passed - period < period) {",
+        "        began += period; // so that a short delay does not add up",
+        "    } else {",
+        "        began += passed; // a whole period late: anew, nothing is made up for",
+        "        overruns++;",
+        "    }",
+        "",
+    ]
+    kind = steps.precision.outside
+    for port in steps.of_sort("reference"):
+        zero = c_number(0.0, kind)
+        member = controller.place(port)
+        yield f"    {member} = {zero}; /* what you want of {_said(program, port)} */"
+    arguments = ["&state"]
+    if steps.of_sort("reference"):
+        arguments.append("&reference")
+    if measured:
+        yield f"    {stem}_measured measured;"
+        arguments.append("&measured")
+    for number, port in enumerate(measured):
+        text = _from_pin(-1.0, 1.0, number, None, kind, board)
+        remark = f"/* {_said(program, port)}: the range of your sensor */"
+        yield f"    {controller.place(port)} = {text}; {remark}"
+    if drives:
+        arguments.append("&drive")
+    yield f"    {stem}_step({', '.join(arguments)});"
+    yield "    show();"
+    yield from ["}", ""]
+
+
+def _shown(program: ControllerProgram, controller: CText, every: int) -> Iterator[str]:
+    """Yield the function that prints, seldom: a line takes a millisecond at 115200 baud."""
+    yield from ["", "static void show()", "{"]
+    if every > 1:
+        yield from [
+            f"    if (++turns < {every}UL) {{",
+            "        return;",
+            "    }",
+            "    turns = 0;",
+        ]
+    for port in program.steps.of_sort("drive"):
+        yield f'    Serial.print("{_quoted(_said(program, port))} ");'
+        yield f"    Serial.println({controller.place(port)}, 3);"
+    yield from ["    if (overruns > 0) {", '        Serial.print("overruns ");']
+    yield from ["        Serial.println(overruns);", "    }", "}"]
+
+
+def _opening(
+    stem: str, words: str, setup: Sequence[str] = (), state_lines: Sequence[str] = ()
+) -> Iterator[str]:
+    yield f"// {plain(words)} Made by fuzzyarm; change it at will, in a copy."
+    yield f"#include <{stem}.h>"
+    yield from ["", *state_lines, *([""] if state_lines else [])]
+    yield from ["void setup()", "{", "    Serial.begin(115200);"]
+    yield from [f"    {line}" for line in setup]
+    yield "}"
+
+
+def _self_test_sketch(part: _BoardPart) -> list[str]:
+    return [
+        "// Reports whether this board agrees with the model.",
+        f"#include <{part.stem}.h>",
+        "",
+        "void setup()",
+        "{",
+        "    Serial.begin(115200);",
+        f'    Serial.println({part.library.self_test}() == 0 ? "the same" : "not the same");',
+        "}",
+        "",
+        "void loop()",
+        "{",
+        "}",
+        "",
+    ]
+
+
+def _sketch_names() -> Names:
+    return Names(reserved=set(_IN_SKETCH), refused=ARDUINO_MACROS)
+
+
+def _outputs(routines: Sequence[Routine]) -> str:
+    return ", ".join(routine.output.name for routine in routines)
+
+
+def _holds(routine: Routine) -> bool:
+    # A routine that holds its value has no state: its caller passes the last one.
+    return any(argument.name.startswith("last ") for argument in routine.arguments)
+
+
+def _scales(routine: Routine) -> list[WholeNumberScale | None]:
+    core = getattr(routine, "core", None)
+    return list(core.scales) if core is not None else [None] * (len(routine.arguments) + 1)
+
+
+def _from_pin(
+    low: float, high: float, number: int, scale: WholeNumberScale | None, kind: Kind, board: Board
+) -> str:
+    """Return what reads an input; of a board with too few pins the rest stays in the middle."""
+    ends = [x if math.isfinite(x) else 0.0 for x in (low, high)]
+    if number >= board.pins:
+        middle = 0.5 * (ends[0] + ends[1])
+        return c_number(scale.nearest(middle) if scale else middle, kind)
+    if scale is not None:
+        # From 0 .. analog_top to the whole range of the fixed-point number.
+        steps = f"analogRead(A{number}) * {1 << (scale.bits + 1)}L / {board.analog_top + 1}"
+        return f"({C_TYPES[kind]})({steps} - {1 << scale.bits})"
+    width = c_number(ends[1] - ends[0], kind)
+    top = c_number(float(board.analog_top), kind)
+    return f"{c_number(ends[0], kind)} + analogRead(A{number}) * ({width} / {top})"
+
+
+def _quantity(name: str, scale: WholeNumberScale | None) -> str:
+    """Return what a result stands for."""
+    if scale is None:
+        return name
+    text = f"{name} * {c_number(scale.step, np.float32)}"
+    return f"{text} + {c_number(scale.offset, np.float32)}" if scale.offset else text
+
+
+def _said(program: ControllerProgram, port: StepVariable) -> str:
+    return plain(port_name(program.steps, port))
+
+
+def _quoted(text: str) -> str:
+    return plain(text).replace("\\", "\\\\").replace('"', '\\"')
+
+
+# --- The files around it ---
+
+
+def _files(
+    part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
+) -> Iterator[tuple[str, str]]:
+    stem, sketch = part.stem, "\n".join(part.sketch)
+    testing = "\n".join(_self_test_sketch(part))
+    library = {
+        "library.properties": _properties(part, board),
+        "library.json": _library_json(part, board),
+        "keywords.txt": _keywords(part),
+        **{f"src/{name}": text for name, text in part.sources().items()},
+    }
+    if place == "arduino":
+        yield from library.items()
+        yield f"examples/{stem}_example/{stem}_example.ino", sketch
+        yield f"examples/{stem}_test/{stem}_test.ino", testing
+    else:
+        for name, text in library.items():
+            yield f"lib/{stem}/{name}", text
+        yield "platformio.ini", _platformio_ini(board)
+        yield "src/main.cpp", f"#include <Arduino.h>\n\n{sketch}"
+        yield f"lib/{stem}/examples/{stem}_test/{stem}_test.ino", testing
+    yield "README.md", "\n".join([*_readme(part, board, place, measured, doubt), ""])
+
+
+def _properties(part: _BoardPart, board: Board) -> str:
+    words = {
+        "name": part.stem,
+        "version": "1.0.0",
+        "author": "fuzzyarm",
+        "maintainer": "fuzzyarm",
+        "sentence": part.words,
+        "paragraph": f"Fuzzy inference in C, made by fuzzyarm {__version__}; tables stay in flash.",
+        "category": "Signal Input/Output",
+        "url": "",
+        # Single precision runs on any board; a double is a float on an AVR.
+        "architectures": "*" if board.avr else _architecture(board),
+        "includes": f"{part.stem}.h",
+    }
+    return "".join(f"{key}={value}\n" for key, value in words.items())
+
+
+def _architecture(board: Board) -> str:
+    """Return what the Arduino IDE calls what PlatformIO calls a platform."""
+    names = {"atmelsam": "sam", "raspberrypi": "rp2040,mbed_rp2040", "espressif32": "esp32"}
+    return names[board.platform]
+
+
+def _library_json(part: _BoardPart, board: Board) -> str:
+    content = {
+        "name": part.stem,
+        "version": "1.0.0",
+        "description": part.words,
+        "keywords": ["fuzzy", "control"],
+        "frameworks": "arduino",
+        "platforms": "*" if board.avr else board.platform,
+        "headers": f"{part.stem}.h",
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def _keywords(part: _BoardPart) -> str:
+    """Return the words that the IDE colours; the mark between is a tab."""
+    functions = [_function(prototype) for prototype in part.library.prototypes]
+    listed = [*functions, part.library.self_test]
+    return "".join(f"{name}\tKEYWORD2\n" for name in listed)
+
+
+def _platformio_ini(board: Board) -> str:
+    return "\n".join(
+        [
+            f"[env:{board.environment}]",
+            f"platform = {board.platform}",
+            f"board = {board.environment}",
+            "framework = arduino",
+            "monitor_speed = 115200",
+            "",
+        ]
+    )
+
+
+_MARKDOWN = re.compile(r"[\\`*\[<&~]|(?<!\w)_|_(?!\w)")
+"""Marks of Markdown and HTML within a line, which a backslash makes text."""
+
+
+def _readme(
+    part: _BoardPart, board: Board, place: str, measured: Measured | None, doubt: str
+) -> Iterator[str]:
+    words = _MARKDOWN.sub(r"\\\g<0>", part.words)
+    yield from [f"# {part.stem}", "", f"{words}. Made by fuzzyarm {__version__}.", ""]
+    yield from [*part.notes, ""]
+    if place == "arduino":
+        yield from _wrapped(
+            f"Put this folder into `libraries` of your sketchbook under the name `{part.stem}`"
+            " (or zip it: *Sketch, Include Library, Add .ZIP Library*), then open"
+            f" *File, Examples, {part.stem}, {part.stem}_example*. The other example,"
+            f" `{part.stem}_test`, says over the serial line at 115200 baud whether the board"
+            " computes what the model says."
+        )
+    else:
+        yield from _wrapped(
+            "Open this folder in PlatformIO, or call `pio run -t upload` in it;"
+            f" `src/main.cpp` is the sketch, `lib/{part.stem}` the library;"
+            f" `examples/{part.stem}_test` of the library says whether the board computes what the"
+            " model says."
+        )
+    yield from ["", f"## On {board.named}", ""]
+    yield from _figures(part, board, measured)
+    if doubt:
+        yield from ["", *_wrapped(doubt)]
+
+
+def _figures(part: _BoardPart, board: Board, measured: Measured | None) -> Iterator[str]:
+    constants = part.library.printer.flash
+    yield f"- tables: {constants} bytes of flash, no RAM"
+    if measured is None:
+        words = f"state: about {part.state} bytes of RAM; {board.ram:,} are there"
+        yield from [f"- {words}"] if part.state else []
+        yield ""
+        if board.avr:
+            yield from _wrapped(
+                f"Not measured: no avr-gcc was there. With `apt-get install {TOOLS}` the command"
+                " that made this folder measures and states bytes and cycles."
+            )
+        else:
+            yield f"Not measured: cycles are counted for AVR boards ({TOOLS})."
+        return
+    footprint = measured.footprint
+    share = 100.0 * footprint.flash / board.flash
+    yield (
+        f"- flash: {footprint.flash} bytes of {board.flash} ({share:.1f} %), arithmetic of the C"
+        " library included"
+    )
+    yield f"- object file of the library: {measured.object} bytes"
+    yield f"- RAM: {footprint.static} bytes of variables of {board.ram}"
+    if measured.cycles:
+        worst, least = max(measured.cycles), min(measured.cycles)
+        micros = worst / board.clock * 1e6
+        yield f"- stack of a call: {footprint.stack} bytes"
+        yield (
+            f"- cycles of a call: {least} to {worst} over {len(measured.cycles)} points;"
+            f" {worst} are {micros:.1f} µs at {board.clock // 1_000_000} MHz"
+        )
+        yield f"- self-test: {'passes' if measured.passes else 'FAILS'}"
+    yield ""
+    program = "; run in simavr" if measured.cycles else "; no simavr was there to count cycles"
+    yield from _wrapped(
+        f"Counted with avr-gcc {measured.compiler} `-mmcu={board.processor} {' '.join(FLAGS)}`"
+        f"{program}. Bytes are those of a program that calls it, less those of one that does"
+        " nothing; the Arduino core is not in them."
+    )
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, 110, break_on_hyphens=False, break_long_words=False)

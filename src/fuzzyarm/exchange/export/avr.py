@@ -1,0 +1,344 @@
+"""A library measured on an AVR: built with avr-gcc, run in simavr, cycles and bytes counted."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzzyarm.exchange.export.boards import Board, Footprint
+from fuzzyarm.exchange.export.numbers import ExportError
+
+__all__ = ["FLAGS", "TOOLS", "Measured", "MeasuredStep", "has_compiler", "has_simulator", "measure"]
+
+FLAGS = ("-Os", "-std=gnu11", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections")
+"""Those of the Arduino IDE, without its link-time optimisation."""
+
+TOOLS = "gcc-avr avr-libc binutils-avr simavr"
+"""Packages of Debian and Ubuntu that measuring needs."""
+
+_SECONDS = 120.0
+
+
+@dataclass(frozen=True)
+class MeasuredStep:
+    """A step to be measured, as parts of a C program.
+
+    Attributes
+    ----------
+    header : str
+        What it includes.
+    declarations : sequence of str
+        What stands outside of functions: variables, and the numbers of the calls.
+    start : sequence of str
+        Statements that are run once.
+    load : sequence of str
+        Statements that give the numbers of call `k`.
+    call : str
+        The statement that is measured.
+    count : int
+        How many calls there are.
+    arrays : int
+        Bytes of variables of the program around the library: no part of what it takes.
+    self_test : str
+        The function that tests the library.
+    """
+
+    header: str
+    declarations: Sequence[str]
+    start: Sequence[str]
+    load: Sequence[str]
+    call: str
+    count: int
+    arrays: int
+    self_test: str
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a library takes on a processor.
+
+    Attributes
+    ----------
+    compiler : str
+        Which avr-gcc.
+    footprint : Footprint
+        Bytes of a program that does nothing else, beyond those of one that does nothing.
+    object : int
+        Bytes of the library's own object file, tables included.
+    cycles : tuple of int or None
+        Of the calls; None where there is no simulator.
+    passes : bool or None
+        Whether the self-test passes.
+    """
+
+    compiler: str
+    footprint: Footprint
+    object: int
+    cycles: tuple[int, ...] | None
+    passes: bool | None
+
+
+def has_compiler() -> bool:
+    """Return whether AVR programs can be built here."""
+    return all(shutil.which(name) for name in ("avr-gcc", "avr-size"))
+
+
+def has_simulator() -> bool:
+    """Return whether AVR programs can be run here."""
+    return shutil.which("simavr") is not None
+
+
+def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredStep) -> Measured:
+    """Build a library for a board and count what it takes.
+
+    Parameters
+    ----------
+    board : Board
+        An AVR.
+    files : mapping of str to str
+        The library, its test as well, by the names of the files.
+    stem : str
+        Of these names.
+    call : MeasuredStep
+        The step.
+
+    Raises
+    ------
+    ExportError
+        If avr-gcc fails.
+    """
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as name:
+        folder = Path(name)
+        for file, text in files.items():
+            (folder / file).write_text(text, "utf-8")
+        (folder / "size.c").write_text(_size_program(call), "utf-8")
+        target = [f"-mmcu={board.processor}", f"-DF_CPU={board.clock}UL", *FLAGS]
+        compiler = _say(["avr-gcc", "-dumpversion"], folder).strip()
+        _say(["avr-gcc", *target, "-c", f"{stem}.c", "-o", "own.o"], folder)
+        size = sum(_sizes("own.o", folder)[:2])
+        # Room for what is too large: the answer is how large it is.
+        roomy = "-Wl,--defsym=__TEXT_REGION_LENGTH__=8192K"
+        for flag, program in (("-DNOTHING", "nothing"), ("-DCALL", "calling")):
+            sources = ["size.c", f"{stem}.c", "-o", program, "-lm", roomy]
+            _say(["avr-gcc", *target, flag, *sources], folder)
+        without, calling = _sizes("nothing", folder), _sizes("calling", folder)
+        code, data, bss = (a - b for a, b in zip(calling, without, strict=True))
+        flash, static = code + data, data + bss - call.arrays
+        what = "code, tables and arithmetic"
+        fits = flash <= board.flash and static < board.ram
+        if not has_simulator() or not fits:
+            return Measured(compiler, Footprint(flash, static, 0, what), size, None, None)
+        (folder / "run.c").write_text(_run_program(call), "utf-8")
+        sources = ["run.c", f"{stem}.c", f"{stem}_self_test.c", "-o", "run", "-lm"]
+        _say(["avr-gcc", *target, *sources], folder)
+        output = _say(["simavr", "-m", board.processor, "-f", str(board.clock), "run"], folder)
+        figures = _figures(output)
+        stack = max(figures.get("stack", [0])) - min(figures.get("empty", [0]))
+        # One more than the calls: the first is that of an empty one.
+        if len(figures.get("low", [])) != call.count + 1 or "test" not in figures:
+            raise ExportError(f"simavr ended early: {output.strip()[-200:]}")
+        footprint = Footprint(flash, static, stack, what)
+        return Measured(compiler, footprint, size, _cycles(figures), figures["test"] == [0])
+
+
+def _say(words: Sequence[str], folder: Path) -> str:
+    """Run a program and return what it says."""
+    process = run_tool(words, folder, _SECONDS, to="measure with")
+    return process.stdout + process.stderr
+
+
+_ERROR = re.compile(r"error\b", re.IGNORECASE)
+"""In the line of a tool's output that names the cause; those before it name the place."""
+
+
+def run_tool(
+    words: Sequence[str], folder: Path, seconds: float, *, to: str = "run"
+) -> subprocess.CompletedProcess[str]:
+    """Run a compiler, a simulator or the like in a folder; one that fails is an error.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The program and its arguments.
+    folder : Path
+        Where.
+    seconds : float
+        How long it may take.
+    to : str
+        What is wanted of it, for the message: *cannot run gcc*.
+
+    Raises
+    ------
+    ExportError
+        If it is not there, takes longer, or ends with an error.
+    """
+    try:
+        process = subprocess.run(
+            words, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise ExportError(f"cannot {to} {words[0]}: {error}") from None
+    if process.returncode != 0:
+        said = process.stderr.strip().splitlines()
+        text = next((line.strip() for line in [*filter(_ERROR.search, said), *said]), "no message")
+        raise ExportError(f"{words[0]} failed: {text}")
+    return process
+
+
+def _sizes(file: str, folder: Path) -> tuple[int, int, int]:
+    """Return text, data and bss of a file."""
+    numbers = _say(["avr-size", file], folder).splitlines()[1].split()
+    return int(numbers[0]), int(numbers[1]), int(numbers[2])
+
+
+def _size_program(call: MeasuredStep) -> str:
+    body = ["int k = 0;", *call.start, "for (;;) {", *call.load, call.call, "}"]
+    return "\n".join(
+        [
+            f'#include "{call.header}"',
+            "#ifdef CALL",
+            *call.declarations,
+            "int main(void)", "{", *body, "}",
+            "#else",
+            "int main(void)", "{", "for (;;) {", "}", "}",
+            "#endif", "",
+        ]
+    )  # fmt: skip
+
+
+# Timer 1 counts 16 bits: first every cycle, then every 1,024th. A call takes as many cycles each
+# time, so that both together tell how many; what an empty call takes is subtracted.
+_RUN = """#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+#include "HEADER"
+
+DECLARATIONS
+
+extern uint8_t _end;
+static volatile int k;
+
+static void letter(char letter)
+{
+    while (!(UCSR0A & (1 << UDRE0))) {
+    }
+    UDR0 = (uint8_t)letter;
+}
+
+static void say(const char *word, unsigned long number)
+{
+    char digits[12];
+    int n = 0;
+    while (*word) {
+        letter(*word++);
+    }
+    do {
+        digits[n++] = (char)('0' + number % 10);
+        number /= 10;
+    } while (number);
+    while (n) {
+        letter(digits[--n]);
+    }
+    letter('\\n');
+}
+
+static void __attribute__((noinline)) nothing(void)
+{
+    __asm__ volatile("");
+}
+
+static void __attribute__((noinline)) step(void)
+{
+    CALL
+}
+
+static uint16_t __attribute__((noinline)) ticks(void (*call)(void), uint8_t clock)
+{
+    TCCR1B = 0;
+    TCNT1 = 0;
+    GTCCR = 1 << PSRSYNC;
+    TCCR1B = clock;
+    call();
+    {
+        const uint16_t count = TCNT1;
+        TCCR1B = 0;
+        return count;
+    }
+}
+
+static uint16_t __attribute__((noinline)) depth(void (*call)(void))
+{
+    uint8_t *at;
+    uint8_t *const top = (uint8_t *)SP + 1; /* nothing interrupts: all below is free */
+    for (at = &_end; at < top; at++) {
+        *at = 0xA5;
+    }
+    call();
+    for (at = &_end; at < top && *at == 0xA5; at++) {
+    }
+    return (uint16_t)(top - at);
+}
+
+int main(void)
+{
+    UBRR0 = 8;
+    UCSR0B = 1 << TXEN0;
+    TCCR1A = 0;
+    say("test=", (unsigned long)TEST());
+    START
+    say("low=", ticks(nothing, 1));
+    say("empty=", depth(nothing));
+    for (k = 0; k < COUNT; k++) {
+        LOAD
+        say("low=", ticks(step, 1));
+    }
+    START
+    for (k = 0; k < COUNT; k++) {
+        LOAD
+        say("high=", ticks(step, 5));
+    }
+    START
+    for (k = 0; k < COUNT; k++) {
+        LOAD
+        say("stack=", depth(step));
+    }
+    letter('\\n');
+    letter('\\n'); /* what was said before is out */
+    cli();
+    sleep_enable();
+    sleep_cpu();
+    return 0;
+}
+"""
+
+
+def _run_program(call: MeasuredStep) -> str:
+    words = {
+        "HEADER": call.header, "DECLARATIONS": "\n".join(call.declarations), "CALL": call.call,
+        "TEST": call.self_test, "START": "\n    ".join(call.start), "COUNT": str(call.count),
+        "LOAD": "\n        ".join(call.load),
+    }  # fmt: skip
+    return re.sub(r"\b(" + "|".join(words) + r")\b", lambda match: words[match[0]], _RUN)
+
+
+def _figures(output: str) -> dict[str, list[int]]:
+    """Return the numbers that a program said, by their words."""
+    figures: dict[str, list[int]] = {}
+    for word, number in re.findall(r"(low|high|stack|empty|test)=(\d+)", output):
+        figures.setdefault(word, []).append(int(number))
+    return figures
+
+
+def _cycles(figures: dict[str, list[int]]) -> tuple[int, ...]:
+    empty, *lows = figures["low"]
+    cycles = []
+    for low, high in zip(lows, figures["high"], strict=True):
+        # How often the 16 bits of the quick count went round.
+        turns = round((high * 1024 - low) / 65536)
+        cycles.append(low + 65536 * turns - empty)
+    return tuple(cycles)

@@ -1,0 +1,280 @@
+"""Controllers ready to be exported: tables in place of rules, the self-test, what is said."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.exchange.export.c import TestSequence
+from fuzzyarm.exchange.export.controller_lowering import controller_program
+from fuzzyarm.exchange.export.evaluation import EvaluatedController
+from fuzzyarm.exchange.export.steps import RoutineOptions, Steps, StepVariable, steps_of
+from fuzzyarm.exchange.export.table_numbers import FixedTable
+from fuzzyarm.exchange.export.trial import trial
+from fuzzyarm.language.model.controller import Line, SignalLine, Source
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.table import LookupTable
+from fuzzyarm.table.compiler import over_inputs
+from fuzzyarm.version import __version__
+
+PERIODS = 160
+"""Periods of a self-test."""
+
+PERIODS_IN_SINGLE = 24
+"""Periods of a self-test in single precision, whose difference to the controller grows."""
+
+Compile = Callable[[RuleBase, str], LookupTable]
+"""From a rule base and one of its outputs to a table."""
+
+
+def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText:
+    """Return a controller that looks tables up where it asks rule bases.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    compile_output : callable
+        From a rule base and the name of an output to its table.
+
+    Returns
+    -------
+    ControllerText
+        A line ``a, b = rules R(e)`` becomes a line for each table ``R_a``, ``R_b``.
+    """
+    sheets = dict(text.sheets)
+    tables: dict[tuple[int, str], LookupTable] = {}
+
+    def table(rulebase: RuleBase, output: str) -> LookupTable:
+        # Axes may share a rule base: each output is compiled once.
+        key = (id(rulebase), output)
+        if key not in tables:
+            tables[key] = compile_output(rulebase, output)
+        return tables[key]
+
+    def lines_of(line: Line) -> list[Line]:
+        if not isinstance(line, SignalLine) or line.source is None or line.source.kind != "rules":
+            return [line]
+        source = line.source
+        lines: list[Line] = []
+        source_sheets = text.sheets[source.name]
+        for number, name in enumerate(line.names):
+            # Each axis may have its own rule base under the name, with other names of outputs.
+            outputs = [
+                sheet.outputs[number].name for sheet in source_sheets if isinstance(sheet, RuleBase)
+            ]
+            table_name = source.name if len(line.names) == 1 else f"{source.name}_{outputs[0]}"
+            rulebases = [sheet for sheet in source_sheets if isinstance(sheet, RuleBase)]
+            compiled = [table(*pair) for pair in zip(rulebases, outputs, strict=True)]
+            inputs, sheets[table_name] = _looked_up(rulebases, compiled, source.inputs)
+            looked_up = Source("table", table_name, inputs, source.options)
+            lines.append(replace(line, names=(name,), source=looked_up))
+        return lines
+
+    axes = tuple(
+        replace(axis, lines=tuple(new for line in axis.lines for new in lines_of(line)))
+        for axis in text.model.axes
+    )
+    return ControllerText(replace(text.model, axes=axes), sheets, text.path)
+
+
+def _looked_up(
+    rulebases: Sequence[RuleBase], tables: Sequence[LookupTable], inputs: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[LookupTable, ...]]:
+    """Return the inputs of a look-up, those that any of the tables needs, and tables over them."""
+    indices = [
+        k
+        for k in range(len(inputs))
+        if any(
+            rulebase.inputs[k].name in table.names
+            for rulebase, table in zip(rulebases, tables, strict=True)
+        )
+    ]
+    over = tuple(
+        over_inputs(table, [rulebase.inputs[k] for k in indices])
+        for rulebase, table in zip(rulebases, tables, strict=True)
+    )
+    return tuple(inputs[k] for k in indices), over
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What a controller does over a sequence of periods.
+
+    Attributes
+    ----------
+    vectors : TestSequence
+        Ports and drives.
+    worst : float
+        Largest difference of a drive to the controller in double precision.
+    largest : float
+        Largest drive.
+    truths : sequence of sequence of float
+        Drives of the controller in double precision.
+    """
+
+    vectors: TestSequence
+    worst: float
+    largest: float
+    truths: Sequence[Sequence[float]]
+
+
+def worst_of(found: Sequence[Sequence[float]], truths: Sequence[Sequence[float]]) -> float:
+    """Return the largest difference between drives; infinite where only one is not a number."""
+    worst = 0.0
+    for row, truth in zip(found, truths, strict=True):
+        for x, y in zip(row, truth, strict=True):
+            if math.isnan(x) != math.isnan(y):
+                return math.inf
+            worst = max(worst, 0.0 if math.isnan(x) or x == y else abs(x - y))
+    return worst
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerProgram:
+    """A controller, ready to be exported.
+
+    Attributes
+    ----------
+    text : ControllerText
+        As it is exported, with tables in place of rules where that is asked for.
+    precision : str
+        ``mixed``, ``float32`` or ``float64``.
+    q : int or None
+        Fraction bits of tables in whole numbers.
+    proofs : tuple of str
+        What is proved of it in its loop.
+    widened : bool
+        Whether rule bases compute in double precision within what is found in that only.
+    """
+
+    text: ControllerText
+    precision: str = "mixed"
+    q: int | None = None
+    proofs: tuple[str, ...] = ()
+    widened: bool = False
+
+    @cached_property
+    def steps(self) -> Steps:
+        """The steps of a period."""
+        return steps_of(self.text, self.precision, RoutineOptions(self.q, self.widened))
+
+    @cached_property
+    def tried(self) -> Tried:
+        """The sequence of the self-test, and how far the program that is printed is off.
+
+        What must come out is what the controller drives, in its precision; in single precision
+        throughout and with tables in whole numbers it is what the program drives.
+        """
+        steps, outside = self.steps, self.steps.precision.outside
+        evaluated = EvaluatedController(controller_program(steps))
+        exact = self.precision != "float32" and self.q is None
+        plain = self.text.run(compiled=False)
+        single = self.text.run(single=True, compiled=False) if self.precision == "mixed" else plain
+        names = [port_name(steps, drive) for drive in steps.of_sort("drive")]
+        inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+        periods = PERIODS if exact else PERIODS_IN_SINGLE
+        given, expected, truths, found = [], [], [], []
+        for period in trial(steps, periods, controller=evaluated):
+            ports = _by_port(steps, period)
+            row = [period[variable.symbol] for variable in inputs]
+            truth = plain.step(ports["measured"], ports["reference"])
+            own = truth if single is plain else single.step(ports["measured"], ports["reference"])
+            given.append(row)
+            found.append(list(evaluated.step(*row)))
+            truths.append([truth[name] for name in names])
+            expected.append([float(outside(own[name])) for name in names] if exact else found[-1])
+        drives = [abs(x) for row in expected for x in row if not math.isnan(x)]
+        largest = max(drives, default=0.0)
+        tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
+        vectors = TestSequence(given, expected, tolerance)
+        return Tried(vectors, worst_of(found, truths), largest, truths)
+
+    def measured(self, found: Sequence[Sequence[float]]) -> ControllerProgram:
+        """Return the same with the difference of the drives that an exported text gives."""
+        program = replace(self)
+        worst = worst_of(found, self.tried.truths)
+        vars(program).update(vars(self) | {"tried": replace(self.tried, worst=worst)})
+        return program
+
+    def _loose(self) -> float:
+        """Return how many last places of the largest drive a self-test forgives."""
+        loose = 4096.0 if self.precision == "float32" else 16.0
+        return loose * 16.0 if self.steps.calls_functions else loose
+
+    def head(self) -> list[str]:
+        """Return the lines at the head of an exported file."""
+        model, steps = self.text.model, self.steps
+        words = f"{model.name}: {model.description}" if model.description else model.name
+        lines = [
+            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+            "",
+            f"controller {words}",
+            f"runs every {number_text(model.period)} s",
+            *self._port_words(),
+            *self._sheet_words(),
+            steps.precision.words + (" for signals" if self.q is not None else ""),
+            f"worst difference to the controller in double precision: {self.tried.worst:.3g}"
+            f" ({len(self.tried.vectors.expected)} periods, drives up to {self.tried.largest:.3g})",
+        ]
+        if steps.calls_functions:
+            lines.append(
+                "functions of math.h are called, whose last bits may differ between machines"
+            )
+        return [*lines, *(f"{key}: {value}" for key, value in self.provenance())]
+
+    def _port_words(self) -> list[str]:
+        words = {"reference": "references", "measured": "measured", "drive": "drives"}
+        ports = {
+            sort: [port_name(self.steps, variable) for variable in self.steps.of_sort(sort)]
+            for sort in words
+        }
+        return [f"{words[sort]}: {', '.join(names)}" for sort, names in ports.items() if names]
+
+    def _sheet_words(self) -> list[str]:
+        lines = []
+        for name, routine in self.steps.routines.items():
+            rulebase = getattr(routine, "rulebase", None)
+            if isinstance(rulebase, RuleBase):
+                lines.append(f"{name}: direct inference of {len(rulebase.rules)} rules")
+            else:
+                core = routine.core  # type: ignore[attr-defined]
+                shape = " x ".join(map(str, core.table.shape))
+                whole = f", in q{self.q}" if isinstance(core, FixedTable) else ""
+                lines.append(f"{name}: table of {shape} cells, looked up by {core.mode}{whole}")
+        lines += [
+            f"{learning.axis} {learning.name}: table of {len(learning.values)} cells that learns"
+            for learning in self.steps.learned.values()
+        ]
+        return lines
+
+    def provenance(self) -> list[tuple[str, str]]:
+        """Return where it comes from."""
+        entries = [("proved in real arithmetic", words) for words in self.proofs]
+        if self.text.path:
+            entries.append(("source", Path(self.text.path).name))
+            content = Path(self.text.path).read_bytes() if Path(self.text.path).is_file() else b""
+            entries.append(("sha256", hashlib.sha256(content).hexdigest()))
+        return entries
+
+
+def port_name(steps: Steps, port: StepVariable) -> str:
+    """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
+    return port.name if steps.model.has_one_axis else f"{port.axis}.{port.name}"
+
+
+def _by_port(steps: Steps, values: dict[str, float]) -> dict[str, dict[str, float]]:
+    return {
+        sort: {
+            port_name(steps, variable): values[variable.symbol] for variable in steps.of_sort(sort)
+        }
+        for sort in ("measured", "reference")
+    }

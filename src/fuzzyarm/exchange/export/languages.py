@@ -1,0 +1,300 @@
+"""The languages of the exported program: a record of spellings and a frame around its parts each.
+
+MicroPython imports `math` and `array` alone, and its numbers stand in it so that no reader of
+decimals can round them: arrays as bytes, single numbers as the quotient of two whole ones.
+JavaScript is a module for browsers and node. Rust is one source file that needs `core` alone, or
+the crate `libm` where the rules have functions of mathematics and there is no `std`.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.exchange.export.numbers import Kind, c_number
+from fuzzyarm.exchange.export.printer import Printer, Target
+from fuzzyarm.exchange.export.routine import number_lines
+from fuzzyarm.exchange.export.typed_program import COUNT, INDEX, TRUTH
+from fuzzyarm.exchange.export.walk_modules import javascript_walk, python_walk, rust_walk
+from fuzzyarm.symbolic import operations
+from fuzzyarm.symbolic.operations import Operation
+from fuzzyarm.symbolic.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
+from fuzzyarm.symbolic.printing import PYTHON as PYTHON_EXPRESSIONS
+from fuzzyarm.symbolic.printing import javascript_number
+
+__all__ = ["JAVASCRIPT", "LETTERS", "PYTHON", "RUST"]
+
+
+def _is_float(kind: Kind) -> bool:
+    return kind in {np.float32, np.float64}
+
+
+# ── MicroPython ──────────────────────────────────────────────────────────────────────
+
+LETTERS = {
+    "float64": "d",
+    "float32": "f",
+    "int8": "b",
+    "int16": "h",
+    "int32": "i",
+    "uint32": "I",
+    "uint64": "i",
+}
+
+_QUIET = "_quiet(math.{})"
+_FUNCTIONS = {
+    "divide": "_divide", "power": "_power", "sinh": "_sinh",
+    "log": "_logarithm(math.log)", "log10": "_logarithm(math.log10)",
+    "floor": "_whole(math.floor)", "ceil": "_whole(math.ceil)", "round": "_whole(round)",
+    "truncate": "_whole(math.trunc)", "remainder": _QUIET.format("fmod"),
+    **{name: _QUIET.format(name) for name in ("sqrt", "sin", "cos", "tan", "asin", "acos")},
+    **{name: f"_endless(math.{name})" for name in ("exp", "cosh")},
+    **{name: f"math.{name}" for name in ("atan", "atan2", "tanh")},
+}  # fmt: skip
+"""How an operation that may fail is made here: of the functions that fuzzyarm itself has."""
+
+_ENDLESS = """def _endless(function):
+    # Too large a result is a ValueError in MicroPython, and an OverflowError elsewhere.
+    def endless(x):
+        try:
+            return float(function(x))
+        except (OverflowError, ValueError):
+            return math.inf
+    return endless
+"""
+
+
+def _python_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
+    name = operation.name
+    if name not in _FUNCTIONS:
+        return operation.python
+    text = _FUNCTIONS[name]
+    for helper_name in re.findall(r"_\w+", text):
+        _python_own(printer, helper_name)
+    function = text
+    if "(" in text:
+        function = f"_{name}_of" if f"_{name}" in text else f"_{name}"
+        printer.helper(function, f"{function} = {text}\n")
+    return f"{function}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
+
+
+def _python_own(printer: Printer, name: str) -> None:
+    """Write a function of fuzzyarm's own arithmetic, and those that it calls."""
+    text = _ENDLESS if name == "_endless" else _python_source(getattr(operations, name))
+    if name != "_endless":
+        for helper_name in re.findall(r"\b_[a-z]+\b", text):
+            if helper_name != name and hasattr(operations, helper_name):
+                _python_own(printer, helper_name)
+    printer.helper(name, text)
+
+
+def _python_source(function: Callable[..., Any]) -> str:
+    """Return the text of a function without what MicroPython does not need: types, wrappers."""
+    tree = ast.parse(inspect.getsource(function.__code__))  # not of what it wraps
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            node.decorator_list, node.returns = [], None
+            for argument in [*node.args.args, node.args.vararg]:
+                if argument is not None:
+                    argument.annotation = None
+    text = f"{ast.unparse(tree)}\n"
+    # A result that is too large is a ValueError in MicroPython, of a positive base as well.
+    return text.replace(
+        "if base != 0.0:", "if base > 0.0:\n            return math.inf\n        if base < 0.0:"
+    )
+
+
+def _python_number(printer: Printer, value: float, kind: Kind) -> str:
+    """Return the text of a float: whole numbers are plain, others constants with a name."""
+    if not math.isfinite(value):
+        return f'float("{value}")'
+    over, under = value.as_integer_ratio()
+    if under == 1 and abs(over) < 2**53:
+        return "-0.0" if math.copysign(1.0, value) < 0.0 and over == 0 else repr(value)
+    if value < 0.0:
+        return f"-{_python_number(printer, -value, kind)}"
+    if value not in printer.known:
+        name = printer.known[value] = f"K{len(printer.known)}"
+        # Both have to be floats themselves before they are divided.
+        exact = under < 2**1000 and over < 2**1000
+        text = f"{over} / {under}" if exact else repr(value)
+        printer.constants.append(f"{name} = {text}  # {value!r}")
+    return printer.known[value]
+
+
+def _python_array(
+    _printer: Printer, name: str, kind: Kind, values: Sequence[float], _columns: int
+) -> str:
+    data = np.asarray(values).astype(np.dtype(kind).newbyteorder("<")).tobytes()
+    parts = [data[i : i + 24] for i in range(0, len(data), 24)]
+    lines = "".join('\n    b"' + "".join(f"\\x{byte:02x}" for byte in part) + '"' for part in parts)
+    return f'{name} = array("{LETTERS[np.dtype(kind).name]}", ({lines}\n))'
+
+
+def _python_cast(text: str, before: Kind, after: Kind) -> str:
+    if _is_float(after):
+        return f"float({text})"
+    return f"int({text})" if _is_float(before) else text
+
+
+PYTHON = Target(
+    language=PYTHON_EXPRESSIONS, names="python", operation=_python_operation,
+    number=_python_number, array=_python_array, cast=_python_cast, truths=("False", "True"),
+    again="{name} = {value}", whole_tuple="{name} = {value}", several="{}", returned="return {}",
+    member="self.{}", private="_{}", late="{name}=False", quotient="{} // {}",
+    function=("def {name}({parameters}):", ""), when="if {}:", otherwise="else:", loop="while {}:",
+    repeat="for {index} in range({count}):", end="", remark="# {}",
+    walk=python_walk, room=('{name} = memoryview(array("d", bytes(8 * {count})))', "{}"),
+    flawed_floats=True,
+)  # fmt: skip
+
+
+# ── JavaScript ───────────────────────────────────────────────────────────────────────
+
+_JAVASCRIPT_HELPERS = {
+    "minimum": ("least", "const least = (a, b) => b < a ? b : a;"),
+    "maximum": ("greatest", "const greatest = (a, b) => b > a ? b : a;"),
+    "power": (
+        "power",
+        "// 1 to the power of NaN is 1 in C, and -1 to that of infinity.\n"
+        "const power = (a, b) => a === 1 || a === -1 && Math.abs(b) === Infinity ? 1 : a ** b;",
+    ),
+    "remainder": ("remainder", "const remainder = (a, b) => a % b;"),
+    "round": (
+        "rint",
+        "const rint = (a) => { // of two equally near whole numbers the even one\n"
+        "  const near = Math.round(a);\n"
+        "  return near - a === 0.5 && near % 2 !== 0 ? near - 1 : near;\n};",
+    ),
+}
+
+
+def _with_helpers(
+    helpers: dict[str, tuple[str, str]], text: Callable[[Operation], str]
+) -> Callable[[Printer, Operation, Kind], str]:
+    """Return the text of operations, of which some are functions that a file brings along."""
+
+    def operation_text(printer: Printer, operation: Operation, _kind: Kind) -> str:
+        if operation.name not in helpers:
+            return text(operation)
+        name = printer.helper(*helpers[operation.name])
+        return f"{name}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
+
+    return operation_text
+
+
+def _javascript_array(
+    _printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int
+) -> str:
+    texts = [javascript_number(x) if _is_float(kind) else str(x) for x in values]
+    return "\n".join([f"const {name} = [", *number_lines(texts, columns), "];"])
+
+
+def _javascript_cast(text: str, before: Kind, after: Kind) -> str:
+    return f"Math.trunc({text})" if _is_float(before) and not _is_float(after) else text
+
+
+JAVASCRIPT = Target(
+    language=JAVASCRIPT_EXPRESSIONS, names="javascript",
+    operation=_with_helpers(_JAVASCRIPT_HELPERS, JAVASCRIPT_EXPRESSIONS.text),
+    number=lambda _printer, value, _kind: javascript_number(value), array=_javascript_array,
+    cast=_javascript_cast, truths=("false", "true"), again="let {name} = {value};",
+    member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
+    function=("{public}function {name}({parameters}) {{", "}\n"),
+    repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
+    walk=javascript_walk, room=("const {name} = new Float64Array({count});", "{}"),
+    helpers=tuple(name for name, _ in _JAVASCRIPT_HELPERS.values()),
+)  # fmt: skip
+
+
+# ── Rust ─────────────────────────────────────────────────────────────────────────────
+
+_RUST_TYPES = {
+    np.float32: "f32", np.float64: "f64", np.int8: "i8", np.int16: "i16", np.int32: "i32",
+    np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool",
+}  # fmt: skip
+
+_RUST_HELPERS = {
+    "minimum": ("least", "b < a { b } else { a }"),
+    "maximum": ("greatest", "b > a { b } else { a }"),
+}
+
+_RUST_METHODS = {
+    "power": "powf", "exp": "exp", "log": "ln", "remainder": "%", "round": "round_ties_even",
+    "truncate": "trunc",
+}  # fmt: skip
+
+
+def _rust_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
+    """Return an operator, a method of floats, or a function of the file."""
+    name = operation.name
+    if name in _RUST_HELPERS:
+        function, body = _RUST_HELPERS[name]
+        text = f"fn {function}(a: f64, b: f64) -> f64 {{\n    if {body}\n}}\n"
+        printer.helper(function, text)
+        return f"{function}({{0}}, {{1}})"
+    if name == "where":
+        return "if {0} {{ {1} }} else {{ {2} }}"
+    if name == "remainder":
+        return "({0} % {1})"
+    if operation.binds < 9:
+        return operation.c
+    word = operation.c.removeprefix("@").partition("(")[0]
+    method = {"pow": "powf", "fabs": "abs", "log": "ln", "rint": "round_ties_even"}.get(word, word)
+    holes = ", ".join(f"{{{i}}}" for i in range(operation.arity))
+    listed = ", ".join(f"{letter}: f64" for letter in "xy"[: operation.arity])
+    rest = ", ".join("xy"[1 : operation.arity])
+    body = f"x.{method}({rest})"
+    if word == "fabs":  # `core` alone has it
+        text = (
+            "fn absolute(x: f64) -> f64 {\n    f64::from_bits(x.to_bits() & (u64::MAX >> 1))\n}\n"
+        )
+        return f"{printer.helper('absolute', text)}({{0}})"
+    text = (
+        f'#[cfg(not(feature = "libm"))]\nfn m_{word}({listed}) -> f64 {{\n    {body}\n}}\n\n'
+        f'#[cfg(feature = "libm")]\nfn m_{word}({listed}) -> f64 {{\n'
+        f"    libm::{word}({', '.join('xy'[: operation.arity])})\n}}\n"
+    )
+    return f"{printer.helper(f'm_{word}', text)}({holes})"
+
+
+def _rust_number(_printer: Printer, value: float, kind: Kind) -> str:
+    if math.isfinite(value):
+        return c_number(value, np.float64)
+    name = "NAN" if math.isnan(value) else "INFINITY"
+    return f"-f64::{name}" if value < 0.0 else f"f64::{name}"
+
+
+def _rust_array(
+    printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int
+) -> str:
+    texts = [_rust_number(printer, x, kind) if _is_float(kind) else str(x) for x in values]
+    head = f"static {name}: [{_RUST_TYPES[kind]}; {len(texts)}] = ["
+    return "\n".join([head, *number_lines(texts, columns), "];"])
+
+
+def _rust_cast(text: str, before: Kind, after: Kind) -> str:
+    return text if before is after else f"({text} as {_RUST_TYPES[after]})"
+
+
+_RUST_EXPRESSIONS = JAVASCRIPT_EXPRESSIONS._replace(
+    name="Rust", declare="let {name}: {type} = {value};", declare_only="let mut {name}: {type};",
+)  # fmt: skip
+
+RUST = Target(
+    language=_RUST_EXPRESSIONS, names="rust", operation=_rust_operation, number=_rust_number,
+    array=_rust_array, cast=_rust_cast, truths=("false", "true"), types=_RUST_TYPES,
+    again="let mut {name}: {type} = {value};", whole_tuple="let {name} = {value};", several="({})",
+    part="{}.{}", member="self.{}", public="pub ", returned="{}", parameter="{name}: {type}",
+    late="{name}: {type}", array_argument="&[{}]", argument="&{}",
+    function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
+    when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
+    walk=rust_walk, room=("let mut {name} = [0.0f64; {count}];", "&mut {}"),
+    helpers=("least", "greatest", "absolute"),
+)  # fmt: skip

@@ -1,0 +1,536 @@
+"""A program in a language: its parts as text, by a record of spellings.
+
+The records and the frames around the parts (a module, a class, a crate) are in `languages.py`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from fuzzyarm.exchange.export.numbers import ExportError, Kind
+from fuzzyarm.exchange.export.sets import TABLE_HINT
+from fuzzyarm.exchange.export.typed_program import (
+    INDEX,
+    TRUTH,
+    Called,
+    Cast,
+    Element,
+    Function,
+    Line,
+    Program,
+    Quotient,
+    Repeat,
+    Return,
+    Search,
+    SelfTest,
+    Stepped,
+    Store,
+    Truth,
+    Variable,
+    View,
+    Walk,
+    When,
+    While,
+    Whole,
+    at,
+    every_node,
+)
+from fuzzyarm.exchange.export.walk import DefuzzifierWalk
+from fuzzyarm.symbolic.identifiers import Names
+from fuzzyarm.symbolic.nodes import Constant, Node, Symbol, apply, constant, symbol
+from fuzzyarm.symbolic.op import where
+from fuzzyarm.symbolic.operations import Operation
+from fuzzyarm.symbolic.printing import Assign, Choose, Language
+
+__all__ = ["Printer", "Target"]
+
+
+@dataclass(frozen=True)
+class Target:
+    """The spellings of a language.
+
+    Attributes
+    ----------
+    language : Language
+        How it writes expressions, assignments and choices.
+    names : str
+        Which words are no names, of `fuzzyarm.symbolic.identifiers.RESERVED`.
+    operation : callable
+        From a printer, an operation and the kind of its floats to its text with holes; it may add
+        helpers.
+    number : callable
+        From a printer, a float and its kind to its text.
+    marks : mapping of kind to str
+        What follows a literal of a whole number of a kind.
+    truths : tuple of str
+        False and true.
+    types : mapping of kind to str
+        Empty in a language without declarations.
+    cast : callable
+        From a text and two kinds to the text of a conversion.
+    cast_binds : int
+        How tightly the text has to bind: 9 where a conversion is an operator before it.
+    element, argument, array_argument : str
+        An element of an array; an array that is handed over; the type of a parameter that is one.
+    member : str
+        A variable of the state.
+    quotient : str
+        The quotient of two whole numbers, which binds like a product.
+    again : str
+        Declares a variable that is set again later.
+    when, otherwise, repeat, loop, end : str
+        The lines of compound statements.
+    function : tuple of str
+        The line before the body, and the one after.
+    parameter : str
+        With holes ``name`` and ``type``.
+    array : callable
+        From a printer, a name and an array to its definition.
+    helpers : tuple of str
+        Names of helpers that `operation` adds.
+    public, hidden : str
+        In front of functions that others call, and of those that they do not.
+    unused : str
+        The statement that names a parameter that is not read, where a compiler asks for it.
+    refused : re.Pattern, optional
+        Names that are macros where the file is included.
+    walk : callable or None
+        From a printer and a walk to the name of its function.
+    room : tuple of str
+        The statement that makes the room of a walk, and how it is handed over.
+    flawed_floats : bool
+        Whether a port of the language may compute in floats of 32 bits.
+    """
+
+    language: Language
+    names: str
+    operation: Callable[[Printer, Operation, Kind], str]
+    number: Callable[[Printer, float, Kind], str]
+    truths: tuple[str, str]
+    cast: Callable[[str, Kind, Kind], str]
+    array: Callable[[Printer, str, Kind, Sequence[float], int], str]
+    member: str
+    again: str
+    function: tuple[str, str]
+    types: Mapping[Kind, str] = field(default_factory=dict)
+    parameter: str = "{name}"
+    late: str = "{name}"
+    array_argument: str = ""
+    argument: str = "{}"
+    element: str = "{0}[{1}]"
+    marks: Mapping[Kind, str] = field(default_factory=dict)
+    cast_binds: int = 0
+    quotient: str = "{} / {}"
+    view: str = ""
+    when: str = "if ({}) {{"
+    otherwise: str = "}} else {{"
+    repeat: str = "for ({index} = 0; {index} < {count}; {index}++) {{"
+    loop: str = "while ({}) {{"
+    end: str = "}"
+    end_repeat: str | None = None
+    end_loop: str | None = None
+    remark: str = "// {}"
+    returned: str = "return {};"
+    private: str = "{}"
+    public: str = ""
+    hidden: str = ""
+    unused: str = ""
+    refused: re.Pattern[str] | None = None
+    several: str = "[{}]"
+    part: str = "{}[{}]"
+    whole_tuple: str = "const {name} = {value};"
+    helpers: tuple[str, ...] = ()
+    flawed_floats: bool = False
+    walk: Callable[[Printer, DefuzzifierWalk], str] | None = None
+    room: tuple[str, str] = ("", "{}")
+
+
+@dataclass
+class Printer:
+    """The parts of a program as text.
+
+    Attributes
+    ----------
+    program : Program
+        What is printed.
+    target : Target
+        The language.
+    constants, helpers, functions : list of str
+        Definitions, in order.
+    """
+
+    program: Program
+    target: Target
+    taken: Iterable[str] = ()
+    constants: list[str] = field(default_factory=list)
+    helpers: list[str] = field(default_factory=list)
+    functions: list[str] = field(default_factory=list)
+    arrays: dict[str, str] = field(default_factory=dict)
+    members: dict[str, str] = field(default_factory=dict)
+    called: dict[str, str] = field(default_factory=dict)
+    known: dict[object, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        target = self.target
+        self.names = Names(target.names, {*self.taken, *target.helpers}, target.refused)
+        self.reserve()
+        functions = self.program.functions
+        for key in sorted(functions, key=lambda key: not functions[key].public):
+            stem, public = functions[key].stem, functions[key].public
+            self.called[key] = self.public(stem) if public else self.free(stem)
+        for key, array in self.program.arrays.items():
+            self.arrays[key] = self.constant(array.stem, array.kind, array.values, array.columns)
+        self.name_state()
+        # All names of the file are known before those of local variables.
+        for line in (line for function in functions.values() for line in function.body):
+            if isinstance(line, Walk) and target.walk is not None:
+                self.known[line.walk] = target.walk(self, line.walk)
+        for key, function in functions.items():
+            self.functions.append("\n".join(self.function_printer(function).text(self.called[key])))
+
+    def reserve(self) -> None:
+        """Take names that the frame of the file has."""
+
+    def name_state(self) -> None:
+        """Name the variables of the state."""
+        attributes = Names(self.target.names, {"step"})
+        for key, member in self.program.state.items():
+            name = attributes.new(member.stem)
+            text = self.members[key] = self.target.member.format(name)
+            if isinstance(member.start, tuple):
+                self.arrays[key] = text
+
+    def function_printer(self, function: Function, declared: Iterable[str] = ()) -> FunctionPrinter:
+        """Return the printer of a function."""
+        return FunctionPrinter(self, function, declared=declared)
+
+    def helper(self, name: str, text: str) -> str:
+        """Add a definition, once; return the name."""
+        if text not in self.helpers:
+            self.helpers.append(text)
+        return name
+
+    def constant(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
+        """Define an array of constants beside those of the program; return its name."""
+        name = self.free(stem)
+        self.constants.append(self.target.array(self, name, kind, values, columns))
+        return name
+
+    def public(self, stem: str) -> str:
+        """Return a name for others."""
+        return self.names.new(stem)
+
+    def free(self, stem: str) -> str:
+        """Return a name that nothing in the file has yet."""
+        return self.target.private.format(self.names.new(stem))
+
+    def call(self, key: str) -> str:
+        """Return how a function is called: its name and its parameters."""
+        function = self.program.functions[key]
+        return f"{self.called[key]}({', '.join(self.parameters(function).values())})"
+
+    def parameters(self, function: Function) -> dict[str, str]:
+        """Return the names of parameters, by their symbols."""
+        names = self.names.inner()
+        return {key: names.new(variable.stem) for key, variable in function.parameters.items()}
+
+    def test_lines(self, test: SelfTest, stem: str) -> list[str]:
+        """Return the statements of a test: where a result is off, ``failed`` becomes true."""
+        width = len(test.rows[0])
+        key = f"test {len(self.arrays)}"
+        data = [x for row in test.rows for x in row]
+        self.arrays[key] = self.constant(stem, test.kind, data, width)
+        first = symbol("k") * at(width)
+        row = [Element(key, first + at(i) if i else first) for i in range(width)]
+        given = tuple(row[: test.inputs])
+        found = tuple(f"found {i}" for i in range(width - test.inputs))
+        local = {"failed": Variable("failed", TRUTH), "k": Variable("k", INDEX)}
+        local |= {name: Variable("found", test.kind) for name in found}
+        local["within"] = Variable("within", test.kind)
+        if test.function:
+            lines: list[Line] = [Assign(found[0], Called(test.function, given))]
+        else:
+            lines = [Stepped(found, given + (Truth(False),) * test.late)]
+        pairs = zip(map(symbol, found), row[test.inputs :], strict=True)
+        lines += judged(test, list(pairs), self.target)
+        body = [Repeat("k", len(test.rows), tuple(lines))]
+        function = Function("", {}, TRUTH, body, local, test.kind)
+        return self.function_printer(function, {"failed"}).lines(body)
+
+
+def judged(test: SelfTest, pairs: Sequence[tuple[Node, Node]], target: Target) -> list[Line]:
+    """Return the statements that set ``failed`` where a result is off."""
+    if np.issubdtype(test.kind, np.integer):
+        return [When(~apply("equal", *pair), (Assign("failed", Truth(True)),)) for pair in pairs]
+    most: Node = constant(test.tolerance)
+    if target.flawed_floats:
+        flawed = apply("equal", constant(1.0) + 1e-10, 1.0)
+        most = where(flawed, constant(test.loose), constant(test.tolerance))
+    within = symbol("within")
+    lines: list[Line] = [Assign("within", most)]
+    for column, (found, expected) in enumerate(pairs):
+        off = found - expected
+        fine: Node = (off <= within) & (-within <= off)
+        if any(np.isnan(row[test.inputs + column]) for row in test.rows):
+            fine = fine | (~apply("equal", expected, expected) & ~apply("equal", found, found))
+        lines.append(When(~fine, (Assign("failed", Truth(True)),)))
+    return lines
+
+
+class FunctionPrinter:
+    """One function: the names of its variables and its lines."""
+
+    def __init__(
+        self, printer: Printer, function: Function, *, declared: Iterable[str] = ()
+    ) -> None:
+        self.printer, self.target, self.function = printer, printer.target, function
+        self.times_set = Counter(_set_in(function.body))
+        self.declared = {*function.parameters, *declared, *printer.members}
+        self.rename = dict(printer.members)
+        self.names = printer.names.inner()
+        self.name_variables()
+        self.arrays = {**printer.arrays, **self.rename}
+        self.language = self.target.language._replace(
+            text=lambda operation: self.target.operation(printer, operation, function.real),
+            number=lambda value: self.target.number(printer, value, function.real),
+            rename=self.rename,
+            leaf=self._leaf,
+        )
+
+    def name_variables(self) -> None:
+        """Name parameters and local variables."""
+        for key, variable in {**self.function.parameters, **self.function.variables}.items():
+            if key not in self.rename:
+                self.rename[key] = self.names.new(variable.stem)
+        for key in self.times_set:
+            if key not in self.rename:
+                self.rename[key] = self.names.new(key)
+
+    def kind_of(self, key: str) -> Kind:
+        """Return the kind of a variable."""
+        function = self.function
+        member = self.printer.program.state.get(key)
+        variable = function.variables.get(key) or function.parameters.get(key) or member
+        return variable.kind if variable else function.real
+
+    def parameter_texts(self) -> list[str]:
+        """Return the parameters, each with its type in a language that has some."""
+        target, texts = self.target, []
+        for key, variable in self.function.parameters.items():
+            kind = target.types.get(variable.kind, "")
+            template = target.array_argument if variable.of_array else ""
+            kind = template.format(kind) if template else kind
+            late = target.late if variable.kind is TRUTH else target.parameter
+            texts.append(late.format(name=self.rename[key], type=kind))
+        return texts
+
+    def text(self, name: str) -> list[str]:
+        """Return the definition."""
+        function = self.function
+        head, end = self.target.function
+        opening = head.format(
+            name=name, parameters=", ".join(self.parameter_texts()),
+            type=self.target.types.get(function.returned, ""),
+            public=self.target.public if function.public else self.target.hidden,
+        )  # fmt: skip
+        remark = [f"    {self.target.remark.format(function.remark)}"] if function.remark else []
+        unread: list[str] = []
+        if self.target.unused:
+            nodes = list(every_node(function.body))
+            read = {node.name for node in nodes if isinstance(node, Symbol)}
+            read |= {node.array for node in nodes if isinstance(node, Element | Search)}
+            unread = [f"    {self.target.unused.format(self.rename[key])}"
+                      for key in function.parameters if key not in read]  # fmt: skip
+        lines = [f"    {line}" for line in self.lines(function.body)]
+        return [opening, *remark, *unread, *lines, end]
+
+    # ── statements ───────────────────────────────────────────────────────────────────
+
+    def lines(self, body: Sequence[Line]) -> list[str]:
+        """Return the lines of some statements."""
+        return [text for line in body for text in self._line(line)]
+
+    def _inner(self, body: Sequence[Line]) -> list[str]:
+        declared = set(self.declared)
+        lines = [f"    {line}" for line in self.lines(body)]
+        self.declared = declared
+        return lines
+
+    def _line(self, line: Line) -> list[str]:
+        lines: list[str] = getattr(self, self._LINES[type(line)])(line)
+        return lines
+
+    def _assigned(self, line: Assign) -> list[str]:
+        if isinstance(line.value, Constant):
+            value = self.target.number(self.printer, line.value.value, self.kind_of(line.name))
+        else:
+            value = self.language.expression(line.value)
+        return [self._set(line.name, value, line.remark)]
+
+    def _returned(self, line: Return) -> list[str]:
+        values = list(map(self.language.expression, (line.value, *line.more)))
+        value = self.target.several.format(", ".join(values)) if line.more else values[0]
+        return [self.target.returned.format(value)]
+
+    def _viewed(self, line: View) -> list[str]:
+        """Name a part of an array."""
+        kind = self.target.types[self.printer.program.arrays[line.array].kind]
+        array, position = self.arrays[line.array], self.language.expression(line.position)
+        name = self.arrays[line.name] = self.names.new(line.name)
+        return [self.target.view.format(type=kind, name=name, array=array, position=position)]
+
+    def _stored(self, line: Store) -> list[str]:
+        index, value = map(self.language.expression, (line.position, line.value))
+        element = self.target.element.format(self.arrays[line.array], index)
+        return [self.language.assign.format(name=element, value=value)]
+
+    def _repeated(self, line: Repeat) -> list[str]:
+        count, kind = self._number(line.times), self.target.types.get(INDEX, "")
+        index = self.rename[line.variable]
+        opening = self.target.repeat.format(index=index, count=count, type=kind)
+        return [opening, *self._inner(line.body), *self._end(self.target.end_repeat)]
+
+    def _looped(self, line: While) -> list[str]:
+        opening = self.target.loop.format(self.language.expression(line.condition))
+        return [opening, *self._inner(line.body), *self._end(self.target.end_loop)]
+
+    def _stepped(self, line: Stepped) -> list[str]:
+        arguments = ", ".join(map(self.language.expression, line.arguments))
+        call = f"controller.step({arguments})"
+        if len(line.targets) == 1:
+            return [self._set(line.targets[0], call, "")]
+        drives = self.names.new("drives")
+        head = self.target.whole_tuple.format(name=drives, value=call)
+        parts = (self.target.part.format(drives, i) for i in range(len(line.targets)))
+        return [head, *map(self._set, line.targets, parts, [""] * len(line.targets))]
+
+    def _walk(self, line: Walk) -> list[str]:
+        target = self.target
+        if target.walk is None:
+            raise ExportError(
+                f"the defuzzifier of '{line.walk.output}' is not exported to {self.language.name}",
+                hint=TABLE_HINT,
+            )
+        function = self.printer.known[line.walk]
+        room, pair = self.names.new("room"), self.names.new("pair")
+        passed = target.room[1].format(room)
+        lines = [target.room[0].format(name=room, count=line.walk.room)]
+        for number, part in enumerate(line.parts):
+            element = target.element.format(room, number)
+            value = self.language.expression(part)
+            lines.append(self.language.assign.format(name=element, value=value))
+        lines.append(target.whole_tuple.format(name=pair, value=f"{function}({passed})"))
+        pairs = enumerate((line.total, line.value))
+        return [*lines, *(self._set(key, target.part.format(pair, i), "") for i, key in pairs)]
+
+    def _end(self, end: str | None = None) -> list[str]:
+        end = self.target.end if end is None else end
+        return [end] if end else []
+
+    def _set(self, key: str, value: str, remark: str) -> str:
+        template = self.language.assign
+        if key not in self.declared:
+            template = self.target.again if self.times_set[key] > 1 else self.language.declare
+            self.declared.add(key)
+        kind = self.target.types.get(self.kind_of(key), "")
+        text = template.format(name=self.rename[key], value=value, type=kind)
+        return text + (self.language.remark.format(remark) if remark else "")
+
+    def _branches(self, line: Choose | When) -> list[str]:
+        both = set(_set_in(line.then)) & set(_set_in(line.otherwise))
+        if isinstance(line, Choose):
+            both = {line.name}
+        lines = [self._declare(key) for key in sorted(both - self.declared)]
+        lines = lines if self.language.declare_only else []
+        remark = getattr(line, "remark", "")
+        opening = self.target.when.format(self.language.expression(line.condition))
+        lines.append(opening + (self.language.remark.format(remark) if remark else ""))
+        lines += self._inner(line.then)
+        if line.otherwise:
+            lines += [self.target.otherwise.format(), *self._inner(line.otherwise)]
+        return [*lines, *self._end()]
+
+    def _declare(self, key: str) -> str:
+        self.declared.add(key)
+        return self.language.declare_only.format(
+            name=self.rename[key], type=self.target.types.get(self.kind_of(key), "")
+        )
+
+    # ── expressions that only programs have ──────────────────────────────────────────
+
+    def _leaf(self, node: Node, binds: int) -> str:
+        return self._LEAVES[type(node)](self, node, binds)
+
+    def _whole(self, node: Whole, binds: int) -> str:
+        text = f"{node.value}{self.target.marks.get(node.kind, '')}"
+        return f"({text})" if node.value < 0 and binds > 5 else text
+
+    def _number(self, value: int) -> str:
+        return self._whole(Whole(value, INDEX), 0)
+
+    def _truth(self, node: Truth, _binds: int) -> str:
+        return self.target.truths[node.value]
+
+    def _element(self, node: Element, _binds: int) -> str:
+        index = self.language.expression(node.index)
+        return self.target.element.format(self.arrays[node.array], index)
+
+    def _called(self, node: Called, _binds: int) -> str:
+        arguments = ", ".join(map(self.language.expression, node.arguments))
+        return f"{self.printer.called[node.function]}({arguments})"
+
+    def _search(self, node: Search, _binds: int) -> str:
+        array, end = self.arrays[node.array], node.first + node.count
+        if self.printer.program.pointers and node.first:
+            array, end = f"&{array}[{self._number(node.first)}]", node.count
+        passed = self.target.argument.format(array), self._number(end)
+        arguments = ", ".join([*passed, self.language.expression(node.value)])
+        return f"{self.printer.called[node.function]}({arguments})"
+
+    def _quotient(self, node: Quotient, binds: int) -> str:
+        parts = (self.language.expression(part, 7) for part in (node.dividend, node.divisor))
+        text = self.target.quotient.format(*parts)
+        return f"({text})" if binds > 6 else text
+
+    def _cast(self, node: Cast, binds: int) -> str:
+        plain = not self.target.cast("", node.before, node.after)
+        text = self.language.expression(node.value, binds if plain else self.target.cast_binds)
+        return self.target.cast(text, node.before, node.after)
+
+    _LINES: ClassVar[Mapping[type, str]] = {
+        Assign: "_assigned", Choose: "_branches", When: "_branches", Return: "_returned",
+        Store: "_stored", Repeat: "_repeated", While: "_looped", Stepped: "_stepped",
+        View: "_viewed", Walk: "_walk",
+    }  # fmt: skip
+    _LEAVES: ClassVar[Mapping[type, Callable[[FunctionPrinter, Any, int], str]]] = {
+        Whole: _whole, Truth: _truth, Element: _element, Called: _called, Search: _search,
+        Quotient: _quotient, Cast: _cast,
+    }  # fmt: skip
+
+
+def _set_in(body: Sequence[Line]) -> list[str]:
+    """Return the variables that statements set, as often as they do so."""
+    names = []
+    for line in body:
+        if isinstance(line, Assign):
+            names.append(line.name)
+        elif isinstance(line, Choose):
+            names.append(line.name)
+            branches = {*_set_in(line.then), *_set_in(line.otherwise)} - {line.name}
+            names += branches
+        elif isinstance(line, When):
+            names += [*_set_in(line.then), *_set_in(line.otherwise)]
+        elif isinstance(line, Walk):
+            names += [line.total, line.value]
+        elif isinstance(line, Stepped):
+            names += line.targets
+        elif isinstance(line, Repeat | While):
+            names += [line.variable] if isinstance(line, Repeat) else []
+            names += _set_in(line.body)
+    return names

@@ -1,0 +1,332 @@
+"""Programs as IEC 61131-3 Structured Text: function blocks for PLCs.
+
+A rule base, a table and a controller are a block each, since the constants of a function would be
+copied at every call; what only calculates is a function. The language has no number for "none":
+where no rule fires and the rule base calls that an error, the output keeps its value and `fired` is
+false.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+
+from fuzzyarm.exchange.export.controller_lowering import controller_program
+from fuzzyarm.exchange.export.controllers import ControllerProgram
+from fuzzyarm.exchange.export.flattening import FIRED, RESULT, Call, flattened, result_of
+from fuzzyarm.exchange.export.listing import WALKED
+from fuzzyarm.exchange.export.lowering import routines_program
+from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
+from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target
+from fuzzyarm.exchange.export.routine import Routine, comment, number_lines, plain, routine_words
+from fuzzyarm.exchange.export.rulebase import DirectRoutine
+from fuzzyarm.exchange.export.typed_program import (
+    COUNT,
+    INDEX,
+    TRUTH,
+    Array,
+    Element,
+    Function,
+    Line,
+    Member,
+    Program,
+    Search,
+    Variable,
+    Walk,
+    every_node,
+)
+from fuzzyarm.exchange.export.walk_st import walk_in_st
+from fuzzyarm.symbolic.identifiers import Names, identifier
+from fuzzyarm.symbolic.nodes import symbol
+from fuzzyarm.symbolic.operations import Operation
+from fuzzyarm.symbolic.printing import STRUCTURED_TEXT, Assign, NotPrintableError
+from fuzzyarm.version import __version__
+
+__all__ = ["controller_st", "structured_text"]
+
+_TYPES = {**ST_TYPES, INDEX: "DINT", COUNT: "DINT", TRUTH: "BOOL"}
+
+
+def _operation(_printer: Printer, operation: Operation, _kind: Kind) -> str:
+    return {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}.get(
+        operation.name, operation.st
+    )
+
+
+def _number(_printer: Printer, value: float, kind: Kind) -> str:
+    if not math.isfinite(value):
+        raise ExportError("Structured Text has no infinite number", hint="export C")
+    return st_literal(value, kind)
+
+
+def _cast(text: str, before: Kind, after: Kind) -> str:
+    one, other = _TYPES[before], _TYPES[after]
+    if one == other:
+        return text
+    if np.issubdtype(before, np.floating) and not np.issubdtype(after, np.floating):
+        return f"TRUNC({text})"
+    return f"{one}_TO_{other}({text})"
+
+
+def _array(_printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int) -> str:
+    lines = number_lines([st_number(x, kind) for x in values], columns, indent="        ")
+    head = f"    {name} : ARRAY [0..{len(values) - 1}] OF {_TYPES[kind]} := ["
+    return "\n".join([head, *lines, "    ];"])
+
+
+TARGET = Target(
+    language=STRUCTURED_TEXT, names="st", operation=_operation, number=_number, array=_array,
+    cast=_cast, truths=("FALSE", "TRUE"), types=_TYPES, again="{name} := {value};", member="{}",
+    function=("", ""), when="IF {} THEN", otherwise="ELSE", end="END_IF;",
+    repeat="FOR {index} := 0 TO {count} - 1 DO", end_repeat="END_FOR;", loop="WHILE {} DO",
+    end_loop="END_WHILE;", remark="(* {} *)",
+)  # fmt: skip
+
+
+def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
+    """Return a file with a function block for every routine, and the names of the blocks."""
+    with printable_only():
+        program = routines_program(routines)
+        blocks = [key for key, function in program.functions.items() if function.public]
+        words = {
+            key: _routine_words(routine) for key, routine in zip(blocks, routines, strict=True)
+        }
+        file = _File(program, prefix, words)
+        text = file.text()
+        return text, [file.called[key] for key in blocks]
+
+
+def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
+    """Return the text of a controller as a function block, and the name of the block.
+
+    Parameters
+    ----------
+    program : ControllerProgram
+        The controller.
+    prefix : str
+        The name of the block; it begins the names of those that it calls.
+
+    Raises
+    ------
+    ExportError
+        If the language lacks something that the controller needs.
+    """
+    with printable_only():
+        steps = program.steps
+        words = {
+            f"routine {name}": _routine_words(routine) for name, routine in steps.routines.items()
+        }
+        file = _File(controller_program(steps), prefix, words)
+        period = steps.model.period
+        use = [f"call it every {period:g} s; gains are inputs, with their values"]
+        if steps.needs_last:
+            use.append(
+                f"a set point lasts {steps.model.every} periods; where the next one comes off"
+                " that count, set_point_ends is TRUE in the last period of the present one"
+            )
+        if steps.learned:
+            use.append("tables that learn are RETAIN: they survive a loss of power")
+        return file.text([*program.head(), "", *use]), file.controller
+
+
+@contextmanager
+def printable_only() -> Iterator[None]:
+    """Say so of a function that the language does not have."""
+    try:
+        yield
+    except NotPrintableError as error:
+        raise ExportError(str(error), hint="export C, or a table") from None
+
+
+def _routine_words(routine: Routine) -> list[str]:
+    """Return the comment of a block."""
+    words = routine_words(routine)
+    if isinstance(routine, DirectRoutine):
+        words = [line for line in words if line != routine.silence]
+        words.append("where no rule fires the output keeps its value, and fired is FALSE")
+    head = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
+    return [head, "", *words]
+
+
+class _File(Printer):
+    """The units of a file: functions, and blocks for what has constants of its own."""
+
+    def __init__(self, program: Program, prefix: str, words: Mapping[str, list[str]]) -> None:
+        self.program, self.target, self.words = program, TARGET, words
+        self.names, self.members, self.arrays = Names("st"), {}, {}
+        self.controller = self.names.new(prefix) if program.step is not None else prefix
+        self.called = {}
+        functions = {key: f for key, f in program.functions.items() if not _takes_array(f)}
+        for key in sorted(functions, key=lambda key: key not in words):
+            self.called[key] = self.names.new(f"{prefix}_{identifier(functions[key].stem)}")
+        self.blocks = {key for key, f in functions.items() if key in words or _has_arrays(f)}
+        self.ports: dict[str, tuple[list[str], str]] = {}  # of blocks: inputs and output
+
+    def text(self, words: Sequence[str] = ()) -> str:
+        """Return the file; `words` are those of the controller."""
+        units = [
+            _Unit(self, key, function, self.words.get(key, ())).unit()
+            for key, function in self.program.functions.items()
+            if key in self.called
+        ]
+        if self.program.step is not None:
+            units.append(_Unit(self, "", self.program.step, words).unit())
+        return "\n".join(units)
+
+
+def _takes_array(function: Function) -> bool:
+    return any(variable.of_array for variable in function.parameters.values())
+
+
+def _has_arrays(function: Function) -> bool:
+    return any(isinstance(node, Element | Search) for node in every_node(function.body))
+
+
+class _Unit(FunctionPrinter):
+    """A function or a block: its declarations in their sections, and its statements."""
+
+    file: _File
+
+    def __init__(self, file: _File, key: str, function: Function, words: Sequence[str]) -> None:
+        self.file, self.key, self.words = file, key, words
+        self.is_step = not key
+        self.is_block = self.is_step or key in file.blocks
+        self.name = file.called.get(key, file.controller)
+        titles = ("VAR_INPUT", "VAR_OUTPUT", "VAR CONSTANT", "VAR RETAIN", "VAR")
+        self.sections: dict[str, list[str]] = {title: [] for title in titles}
+        self.state_arrays: dict[str, str] = {}
+        self.instances: dict[str, str] = {}
+        self.before: list[str] = []
+        super().__init__(file, flattened(function, file.program, file.blocks.__contains__))
+        self.arrays = self.state_arrays
+        for node in every_node(self.function.body):
+            if isinstance(node, Element) and node.array not in self.arrays:
+                array = file.program.arrays[node.array]
+                self._array("VAR CONSTANT", node.array, array)
+
+    def unit(self) -> str:
+        """Return the unit, after the functions of its walks."""
+        body = self.lines(self.function.body)
+        sort = "FUNCTION_BLOCK" if self.is_block else "FUNCTION"
+        returned = "" if self.is_block else f" : {_TYPES[self.function.returned]}"
+        sections = [(title, lines) for title, lines in self.sections.items() if lines]
+        return "\n".join([
+            *self.before, *(comment(self.words, "(*", " *", " *)") if self.words else ()),
+            f"{sort} {self.name}{returned}",
+            *(line for title, lines in sections for line in (title, *lines, "END_VAR")),
+            "", *body, f"END_{sort}", "",
+        ])  # fmt: skip
+
+    # ── declarations ─────────────────────────────────────────────────────────────────
+
+    def name_variables(self) -> None:
+        """Name and declare ports, state and local variables."""
+        function = self.function
+        self.names = Names("st", {self.name})
+        for key, variable in function.parameters.items():
+            self._declare_one("VAR_INPUT", key, variable.stem, variable.kind)
+        if self.is_step:
+            self._declare_state()
+        elif self.is_block:
+            self._declare_one("VAR_OUTPUT", RESULT, function.result, function.returned)
+            inputs = [self.rename[key] for key in function.parameters]
+            self.file.ports[self.key] = inputs, self.rename[RESULT]
+            if function.may_be_silent:
+                self._declare_one("VAR_OUTPUT", FIRED, "fired", TRUTH)
+        else:
+            self.rename[RESULT] = self.name
+        for key in self.times_set:
+            if key not in self.rename:
+                variable = function.variables.get(key, Variable(key, function.real))
+                self._declare_one("VAR", key, variable.stem, variable.kind)
+
+    def _declare_one(
+        self, title: str, key: str, stem: str, kind: Kind, start: str = "", remark: str = ""
+    ) -> None:
+        name = self.rename[key] = self.names.new(stem)
+        start = f" := {start}" if start else ""
+        remark = f" (* {plain(remark)} *)" if remark else ""
+        self.sections[title].append(f"    {name} : {_TYPES[kind]}{start};{remark}")
+
+    def _array(self, title: str, key: str, array: Array) -> None:
+        name = self.arrays[key] = self.names.new(array.stem)
+        text = _array(self.file, name, array.kind, array.values, array.columns)
+        self.sections[title].append(text)
+
+    def _declare_state(self) -> None:
+        program, self.arrays = self.file.program, self.state_arrays
+        # A port has its name before what is inside.
+        for key, variable in program.drives.items():
+            held = program.state.get(f"held {key}")
+            start = _start(held) if held is not None and held.start else ""
+            self._declare_one("VAR_OUTPUT", key, variable.stem, variable.kind, start)
+            self.rename[f"held {key}"] = self.rename[key]
+        for key, member in program.state.items():
+            retained = member.role in {"table", "visits"}
+            title = "VAR_INPUT" if member.role == "gain" else "VAR RETAIN" if retained else "VAR"
+            if isinstance(member.start, tuple):
+                self._array(title, key, Array(member.stem, member.kind, member.start))
+            elif member.role != "held":
+                start = "" if member.role == "signal" else _start(member)
+                self._declare_one(title, key, member.stem, member.kind, start, member.remark)
+
+    # ── statements ───────────────────────────────────────────────────────────────────
+
+    def _line(self, line: Line) -> list[str]:
+        if isinstance(line, Call):
+            return [self._called_block(line)]
+        if isinstance(line, Walk):
+            return self._walked(line)
+        if isinstance(line, Assign) and line.value is symbol(f"held {line.name}"):
+            return []  # an output keeps its value by itself
+        return super()._line(line)
+
+    def _set(self, key: str, value: str, remark: str) -> str:
+        text = self.language.assign.format(name=self.rename[key], value=value)
+        return text + (self.language.remark.format(remark) if remark else "")
+
+    def _called_block(self, line: Call) -> str:
+        key = line.function
+        inputs, output = self.file.ports[key]
+        if key not in self.instances:
+            stem = self.file.program.functions[key].stem
+            taken = stem in {array.stem for array in self.file.program.arrays.values()}
+            name = self.instances[key] = self.names.new(f"the_{stem}" if taken else stem)
+            self.sections["VAR"].append(f"    {name} : {self.file.called[key]};")
+            self.rename[result_of(key)] = f"{name}.{output}"
+        values = map(self.language.expression, line.arguments)
+        passed = ", ".join(f"{x} := {value}" for x, value in zip(inputs, values, strict=True))
+        return f"{self.instances[key]}({passed});"
+
+    def _walked(self, line: Walk) -> list[str]:
+        """Return the call of the functions of a walk; its tables are variables of the block."""
+        stem = f"{self.name}_{identifier(line.walk.output)}_{WALKED}"
+        text = walk_in_st(line.walk, self.file.names, stem)
+        self.before += [*text.types, *text.functions]
+        arrays = {}
+        # Not constants: a function takes by reference what may be written to.
+        for array, literals in {**text.tables, "room": []}.items():
+            name = arrays[array] = self.names.new(f"{line.walk.output}_{array}")
+            body = "\n".join(number_lines(literals, indent="        ")) if literals else ""
+            start = f" := [\n{body}\n    ]" if body else ""
+            self.sections["VAR"].append(f"    {name} : {text.type_names[array]}{start};")
+        flag = self.names.new("done")
+        self.sections["VAR"].append(f"    {flag} : BOOL;")
+        lines = [
+            f"{arrays['room']}[{index}] := {self.language.expression(part)};"
+            for index, part in enumerate(line.parts)
+        ]
+        total, value = self.rename[line.total], self.rename[line.value]
+        return [*lines, text.call.format(**arrays, total=total, value=value, done=flag)]
+
+
+def _start(member: Member) -> str:
+    assert not isinstance(member.start, tuple)
+    if member.kind is TRUTH:
+        return TARGET.truths[bool(member.start)]
+    if not math.isfinite(member.start):
+        raise ExportError("Structured Text has no infinite number", hint="export C")
+    return st_number(member.start, member.kind)

@@ -1,0 +1,413 @@
+"""The exported program: functions over typed variables, a state, a self-test, in no language yet.
+
+Rule bases, tables and controllers are lowered to a `Program` once (`lowering.py`,
+`controller_lowering.py`); a target is a record of spellings (`languages.py`) that one printer
+(`printer.py`) reads.
+
+Expressions are those of :mod:`fuzzyarm.symbolic.nodes`: they have text in every language
+already, and so the formulas of shapes, norms and sources come in as they are. What only programs
+have (elements of arrays, calls, conversions, whole numbers) are further nodes. Python's own syntax
+tree, the form of the kernels, was the other candidate: it has no remarks and one kind of float, and
+would have been a third printer of formulas.
+
+A variable is a symbol of any spelling; `Variable` has the stem of its name and its kind, and the
+printer finds a free identifier in its language. So no lowering knows reserved words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.exchange.export.numbers import Kind
+from fuzzyarm.exchange.export.walk import DefuzzifierWalk
+from fuzzyarm.symbolic.nodes import Node, apply, symbol
+from fuzzyarm.symbolic.printing import Assign
+
+REAL, SINGLE, WHOLE, TRUTH = np.float64, np.float32, np.int32, bool
+"""Kinds of variables, beside the small whole numbers of fixed point."""
+
+INDEX, COUNT = np.uintp, np.uint32
+"""Kinds of what is never negative: numbers of elements, and how often something happened."""
+
+
+# ── expressions ──────────────────────────────────────────────────────────────────────
+
+
+@dataclass(frozen=True, eq=False)
+class Whole(Node):
+    """A whole number of a kind."""
+
+    value: int
+    kind: Kind = WHOLE
+
+
+@dataclass(frozen=True, eq=False)
+class Truth(Node):
+    """True or false."""
+
+    value: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Element(Node):
+    """An element of an array, by the key of the array."""
+
+    array: str
+    index: Node
+
+
+@dataclass(frozen=True, eq=False)
+class Called(Node):
+    """What a function of the program returns, by the key of the function."""
+
+    function: str
+    arguments: tuple[Node, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cast(Node):
+    """A value as one of another kind; floats are rounded, or cut off to a whole number."""
+
+    value: Node
+    before: Kind
+    after: Kind
+
+
+@dataclass(frozen=True, eq=False)
+class Quotient(Node):
+    """The quotient of two whole numbers that are not negative, cut off."""
+
+    dividend: Node
+    divisor: Node
+
+
+@dataclass(frozen=True, eq=False)
+class Search(Node):
+    """How many elements of a rising array, from `first` on, are below a value; 0 for NaN.
+
+    `function` counts them (`Program.search`), up to the end that it is given: those that equal the
+    value as well, or not.
+    """
+
+    function: str
+    array: str
+    first: int
+    count: int
+    value: Node
+    reached: bool = False
+
+
+def at(number: int) -> Node:
+    """Return the number of an element."""
+    return Whole(number, INDEX)
+
+
+def cast(value: Node, before: Kind, after: Kind) -> Node:
+    """Return a value as one of another kind; as it is where they are the same."""
+    return value if before is after else Cast(value, before, after)
+
+
+def parts(node: Node) -> tuple[Node, ...]:
+    """Return what a node is made of, those of programs included."""
+    if isinstance(node, Element):
+        return (node.index,)
+    if isinstance(node, Called):
+        return node.arguments
+    if isinstance(node, Cast | Search):
+        return (node.value,)
+    if isinstance(node, Quotient):
+        return (node.dividend, node.divisor)
+    return getattr(node, "arguments", ())
+
+
+# ── statements ───────────────────────────────────────────────────────────────────────
+
+
+class Store(NamedTuple):
+    """Set an element of an array of the state."""
+
+    array: str
+    position: Node
+    value: Node
+
+
+class When(NamedTuple):
+    """Run statements where a condition holds, others where it does not."""
+
+    condition: Node
+    then: tuple[Line, ...]
+    otherwise: tuple[Line, ...] = ()
+    remark: str = ""
+
+
+class View(NamedTuple):
+    """Name the part of an array of constants that begins at an element; for pointers alone."""
+
+    name: str
+    array: str
+    position: Node
+
+
+class Repeat(NamedTuple):
+    """Run statements with an index from 0 to `times` - 1."""
+
+    variable: str
+    times: int
+    body: tuple[Line, ...]
+
+
+class While(NamedTuple):
+    """Run statements as long as a condition holds."""
+
+    condition: Node
+    body: tuple[Line, ...]
+
+
+class Walk(NamedTuple):
+    """Set two variables to what a defuzzifier of the kernel makes of the parts."""
+
+    total: str
+    value: str
+    parts: tuple[Node, ...]
+    walk: DefuzzifierWalk
+
+
+class Return(NamedTuple):
+    """The result of a function, as its last line; of a step several."""
+
+    value: Node
+    more: tuple[Node, ...] = ()
+
+
+class Stepped(NamedTuple):
+    """Run a period of the controller that is tested; set variables to its drives."""
+
+    targets: tuple[str, ...]
+    arguments: tuple[Node, ...]
+
+
+Line = Any
+"""`Assign` and `Choose` of :mod:`fuzzyarm.symbolic.printing`, and the statements above."""
+
+
+# ── the parts of a program ───────────────────────────────────────────────────────────
+
+
+class Variable(NamedTuple):
+    """The stem of a name, and the kind: of it, or of the elements of an array handed over."""
+
+    stem: str
+    kind: Kind = REAL
+    of_array: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Array:
+    """Constants.
+
+    Attributes
+    ----------
+    stem : str
+        Of its name.
+    kind : type
+        Of its elements.
+    values : tuple of float
+        In order.
+    columns : int
+        How many stand on a line, where that matters.
+    """
+
+    stem: str
+    kind: Kind
+    values: tuple[float, ...]
+    columns: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A variable of the state.
+
+    Attributes
+    ----------
+    stem, name : str
+        Of its name, with its axis where there are several, and without.
+    kind : type
+        Of it, or of its elements.
+    start : float or tuple of float
+        Its value before the first period; of an array those of all elements.
+    axis : str
+        Where it belongs; empty of what all axes share.
+    remark : str
+        Its unit, or what it is for.
+    role : str
+        ``gain``, ``signal``, ``state``, ``table`` (which learns) or ``held``.
+    """
+
+    stem: str
+    kind: Kind
+    start: float | tuple[float, ...]
+    axis: str = ""
+    remark: str = ""
+    role: str = "state"
+    name: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A function.
+
+    Attributes
+    ----------
+    stem : str
+        Of its name.
+    parameters : mapping of str to Variable
+        By their symbols, in order.
+    returned : type
+        Kind of its result.
+    body : sequence of statement
+        The last one is `Return`.
+    variables : mapping of str to Variable
+        Local variables, by symbol; others have their symbol as the stem and `real` as the kind.
+    real : type
+        Kind of the arithmetic.
+    public : bool
+        Whether it is called from outside.
+    remark : str
+        What it returns.
+    result : str
+        Stem of the name of its result, where that is a variable.
+    may_be_silent : bool
+        Whether it is a rule base, which returns NaN where no rule fires.
+    """
+
+    stem: str
+    parameters: Mapping[str, Variable]
+    returned: Kind
+    body: Sequence[Line]
+    variables: Mapping[str, Variable] = field(default_factory=dict)
+    real: Kind = REAL
+    public: bool = False
+    remark: str = ""
+    result: str = ""
+    may_be_silent: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class SelfTest:
+    """Rows of inputs and of what has to come out.
+
+    Attributes
+    ----------
+    function : str
+        Key of the function; empty for the step.
+    rows : sequence of tuple of float
+        Inputs, then results.
+    inputs : int
+        How many of a row are inputs.
+    tolerance : float
+        The largest difference of a result.
+    loose : float
+        The same where a port computes in floats of 32 bits.
+    late : bool
+        Whether a step has a last argument for the end of a set point, which is false.
+    """
+
+    function: str
+    kind: Kind
+    rows: Sequence[tuple[float, ...]]
+    inputs: int
+    tolerance: float
+    loose: float
+    late: bool = False
+
+
+@dataclass
+class Program:
+    """What is exported.
+
+    Attributes
+    ----------
+    arrays, functions, state : dict
+        By key, in the order of their definition: what calls stands after what is called.
+    step : Function or None
+        Of a controller: its parameters are the ports; it returns the drives.
+    drives : dict of str to Variable
+        Of a controller, by symbol: what a step returns.
+    tests : list of SelfTest
+        Its self-test.
+    inputs, outputs : list of dict
+        Of rule bases and tables: ``name``, ``low``, ``high`` and ``description``.
+    pointers : bool
+        Whether it is for a language that has pointers: parts of arrays are handed over, and a step
+        finds the end of a set point in its state.
+    """
+
+    arrays: dict[str, Array] = field(default_factory=dict)
+    functions: dict[str, Function] = field(default_factory=dict)
+    state: dict[str, Member] = field(default_factory=dict)
+    step: Function | None = None
+    drives: dict[str, Variable] = field(default_factory=dict)
+    tests: list[SelfTest] = field(default_factory=list)
+    inputs: list[dict[str, Any]] = field(default_factory=list)
+    outputs: list[dict[str, Any]] = field(default_factory=list)
+    pointers: bool = False
+
+    def array(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
+        """Return the key of an array of constants; equal ones are one."""
+        data = np.asarray(values, np.dtype(kind))
+        key = f"array {data.dtype} {data.tobytes().hex()}"
+        if key not in self.arrays:
+            self.arrays[key] = Array(stem, kind, tuple(data.tolist()), columns)
+        return key
+
+    def function(self, key: str, function: Function) -> str:
+        """Add a function unless it is there; return its key."""
+        self.functions.setdefault(key, function)
+        return key
+
+    def search(
+        self, array: str, first: int, count: int, value: Node, *, kind: Kind, reached: bool
+    ) -> Search:
+        """Return the search of a value of a kind, counting what it has reached or passed."""
+        begin = 0 if self.pointers else first
+        key = f"count {np.dtype(kind)} {reached} {begin}"
+        function = self.function(key, _counting(kind, begin, reached=reached))
+        return Search(function, array, first, count, value, reached)
+
+
+def _counting(kind: Kind, first: int, *, reached: bool) -> Function:
+    """Return the function that counts the elements of an array from `first` on, by bisection."""
+    low, high, middle = (symbol(name) for name in ("low", "high", "middle"))
+    passed = apply("less_equal" if reached else "less", Element("points", middle), symbol("x"))
+    body = (
+        Assign("low", at(first)),
+        Assign("high", symbol("end")),
+        While(low < high, (
+            Assign("middle", low + Quotient(high - low, at(2))),
+            When(passed, (Assign("low", middle + at(1)),), (Assign("high", middle),)),
+        )),
+        Return(low - at(first) if first else low),
+    )  # fmt: skip
+    parameters = {
+        "points": Variable("points", kind, of_array=True), "end": Variable("end", INDEX),
+        "x": Variable("x", kind),
+    }  # fmt: skip
+    local = {name: Variable(name, INDEX) for name in ("low", "high", "middle")}
+    stem = "reached" if reached else "passed"
+    remark = "the number of elements that x has reached" if reached else (
+        "the number of elements smaller than x; none for NaN")  # fmt: skip
+    return Function(stem, parameters, INDEX, body, local, kind, remark=remark)
+
+
+def every_node(lines: Iterable[Any]) -> Iterator[Node]:
+    """Yield all nodes of some statements."""
+    for value in lines:
+        if isinstance(value, Node):
+            yield value
+            yield from every_node(parts(value))
+        elif isinstance(value, tuple | list):
+            yield from every_node(value)

@@ -1,0 +1,332 @@
+"""From rule bases, tables and controllers to exported files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from fuzzyarm.base.files import write_atomically
+from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.exchange.export.c import controller_c, routines_c
+from fuzzyarm.exchange.export.controllers import ControllerProgram
+from fuzzyarm.exchange.export.fmu import controller_fmu, platforms_named, routines_fmu
+from fuzzyarm.exchange.export.iec61131_10 import iec61131_10_xml
+from fuzzyarm.exchange.export.module_files import controller_module, routines_module
+from fuzzyarm.exchange.export.modules import MODULES
+from fuzzyarm.exchange.export.numbers import ExportError
+from fuzzyarm.exchange.export.plc_project import Project, controller_project, routines_project
+from fuzzyarm.exchange.export.plcopen import plcopen_xml
+from fuzzyarm.exchange.export.routine import Routine
+from fuzzyarm.exchange.export.rulebase import direct_routine
+from fuzzyarm.exchange.export.scl import scl_source
+from fuzzyarm.exchange.export.structured_text import controller_st, structured_text
+from fuzzyarm.exchange.export.table import MOST_CELLS, TableRoutine, fewer_levels
+from fuzzyarm.exchange.export.table_numbers import fixed_table, float_table
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.identifiers import C_RESERVED, DEVICES, ST_RESERVED, identifier
+from fuzzyarm.table import LookupTable
+
+XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
+    {"plcopen": plcopen_xml, "iec61131-10": iec61131_10_xml}
+)
+"""What an ``.xml`` may be: PLCopen's TC6 or its successor in the standard."""
+
+_STRUCTURED = (".st", ".xml", ".scl")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Exported:
+    """Files, not yet written.
+
+    Attributes
+    ----------
+    routines : tuple of Routine
+        The functions in them.
+    files : tuple of (Path, str or bytes)
+        Where and what.
+    calls : tuple of str
+        What each routine is called: a C prototype, the name of a function block, or its variables.
+    """
+
+    routines: tuple[Routine, ...]
+    files: tuple[tuple[Path, str | bytes], ...]
+    calls: tuple[str, ...]
+
+
+def routines_of(
+    model: RuleBase | LookupTable | Sequence[LookupTable],
+    *,
+    output: str | None = None,
+    mode: str | None = None,
+    q: int | None = None,
+    precision: str = "mixed",
+    source: str | Path | None = None,
+    proved: Mapping[str, float | None] = MappingProxyType({}),
+    widened: bool = False,
+) -> tuple[Routine, ...]:
+    """Return the routines that a file exports.
+
+    Parameters
+    ----------
+    model : RuleBase, LookupTable or sequence of LookupTable
+        A rule base is inferred directly, one routine for each output; a table is looked up.
+    output : str, optional
+        Only this output of a rule base.
+    mode : str, optional
+        How tables are looked up; their own way by default.
+    q : int, optional
+        15 or 7 for fixed point; tables only.
+    precision : str
+        ``mixed``, ``float32`` or ``float64``; without meaning in fixed point.
+    source : str or Path, optional
+        The file of a rule base, for the head.
+    proved : mapping of str to float or None
+        What the table of an output, looked up so, nowhere differs from its rules by.
+    widened : bool
+        Whether what is found in double precision only is computed so within, whatever `precision`.
+
+    Raises
+    ------
+    ExportError
+        If something cannot be exported so.
+    """
+    if isinstance(model, RuleBase):
+        if q is not None:
+            raise ExportError(
+                "direct inference is exported in floating point only",
+                hint="--table makes a table in fixed point",
+            )
+        if mode is not None:
+            raise ExportError("direct inference has no lookup mode", hint="leave out --mode")
+        names = [variable.name for variable in model.outputs] if output is None else [output]
+        if not names:
+            raise ExportError(
+                f"'{model.name}' has no outputs", hint="add a line like  output u -1 .. 1"
+            )
+        return tuple(
+            direct_routine(model, name, precision, source, widened=widened) for name in names
+        )
+    tables = [model] if isinstance(model, LookupTable) else list(model)
+    for table in tables:
+        if table.values.size > MOST_CELLS:
+            raise ExportError(
+                f"the table of '{table.output}' has {table.values.size:,} cells; at most"
+                f" {MOST_CELLS:,} are exported",
+                hint=fewer_levels(len(table.axes), MOST_CELLS),
+            )
+    if q is not None:
+        return tuple(
+            TableRoutine(fixed_table(table, q, mode), proved.get(table.output)) for table in tables
+        )
+    return tuple(
+        TableRoutine(float_table(table, mode, precision), proved.get(table.output))
+        for table in tables
+    )
+
+
+def export_files(
+    routines: Sequence[Routine],
+    path: str | Path,
+    name: str | None = None,
+    *,
+    fmi: int = 2,
+    platforms: str | None = None,
+    xml: str = "plcopen",
+) -> Exported:
+    """Return the files for a path, by its suffix.
+
+    Parameters
+    ----------
+    routines : sequence of Routine
+        What to export.
+    path : str or Path
+        Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
+    name : str, optional
+        Begins every identifier; the name of the file by default.
+    fmi : int
+        Version of FMI, 2 or 3.
+    platforms : str, optional
+        Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.exchange.export.fmu.PLATFORMS`. By
+        default the machine at hand.
+    xml : str
+        What an ``.xml`` is, of `XML_FORMATS`.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is none of these, `name` is not an identifier, or no C compiler is there.
+    """
+    path = Path(path)
+    suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
+    routine_list = tuple(routines)
+    if suffix in MODULES:
+        text, module_calls = routines_module(routine_list, MODULES[suffix], path.stem)
+        return Exported(routines=routine_list, files=((path, text),), calls=module_calls)
+    if suffix == ".st":
+        text, blocks = structured_text(routine_list, prefix)
+        return Exported(routines=routine_list, files=((path, text),), calls=tuple(blocks))
+    if suffix in _STRUCTURED:
+        project = routines_project(routine_list, prefix)
+        return Exported(
+            routines=routine_list,
+            files=((path, _project_text(project, suffix, xml)),),
+            calls=project.blocks,
+        )
+    if suffix == ".fmu":
+        targets = platforms_named(platforms, fmi) if platforms is not None else ()
+        unit = routines_fmu(routine_list, prefix, fmi, targets)
+        words = tuple(_variables_of(routine) for routine in routine_list)
+        return Exported(routines=routine_list, files=((path, unit),), calls=words)
+    # A header alone holds the functions as `static inline`; a source keeps them out of its header.
+    made = routines_c(routine_list, prefix, path.stem, suffix)
+    files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
+    return Exported(routines=routine_list, files=files, calls=made.prototypes)
+
+
+def _variables_of(routine: Routine) -> str:
+    inputs = ", ".join(argument.name for argument in routine.arguments if not argument.holds)
+    return f"{routine.output.name} of {inputs}"
+
+
+def write_export(
+    routines: Sequence[Routine], path: str | Path, name: str | None = None
+) -> Exported:
+    """Write exported files, each whole or not at all, and return them.
+
+    Parameters
+    ----------
+    routines : sequence of Routine
+        What the files hold, in order.
+    path : path-like
+        Its suffix says which language.
+    name : str, optional
+        Of the module; by default that of the file.
+
+    Raises
+    ------
+    ExportError
+        As :func:`export_files`.
+    OSError
+        If the folder cannot be written.
+    """
+    exported = export_files(routines, path, name)
+    for where, text in exported.files:
+        write_atomically(where, text)
+    return exported
+
+
+def _project_text(project: Project, suffix: str, xml: str) -> str:
+    """Return a project for a PLC as the text of a file."""
+    if suffix == ".scl":
+        return scl_source(project)
+    if xml not in XML_FORMATS:
+        raise ExportError(f"no format '{xml}' of XML", hint=f"there are {', '.join(XML_FORMATS)}")
+    return XML_FORMATS[xml](project)
+
+
+def _suffix_and_prefix(path: Path, name: str | None, suffixes: Sequence[str]) -> tuple[str, str]:
+    """Return the suffix of a path and what begins the identifiers; refuse what cannot be."""
+    suffix = path.suffix.lower()
+    if suffix not in suffixes:
+        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(suffixes))
+    # All that cannot be is refused here, before a routine is printed and measured.
+    if path.stem.upper() in DEVICES:
+        raise ExportError(
+            f"'{path.name}' is the name of a device on Windows, not of a file",
+            hint="take another name",
+        )
+    if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
+        raise ExportError(f"{path.name!r} cannot be used in an #include", hint="take another name")
+    if name is None:
+        return suffix, identifier(path.stem)
+    # Structured Text does not tell small letters from capitals.
+    reserved = name in C_RESERVED or (suffix in _STRUCTURED and name.lower() in ST_RESERVED)
+    if identifier(name) != name or reserved:
+        raise ExportError(
+            f"'{name}' cannot begin an identifier", hint=f"for instance {identifier(name)}_x"
+        )
+    return suffix, name
+
+
+# --- Controllers ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportedController:
+    """Files of a controller, not yet written.
+
+    Attributes
+    ----------
+    program : ControllerProgram
+        What is in them.
+    files : tuple of (Path, str or bytes)
+        Where and what.
+    calls : tuple of str
+        Prototypes, or the name of a function block.
+    """
+
+    program: ControllerProgram
+    files: tuple[tuple[Path, str | bytes], ...]
+    calls: tuple[str, ...]
+
+    def write(self) -> None:
+        """Write the files, each whole or not at all."""
+        for path, content in self.files:
+            write_atomically(path, content)
+
+
+def export_controller(
+    program: ControllerProgram,
+    path: str | Path,
+    name: str | None = None,
+    *,
+    fmi: int = 2,
+    platforms: str | None = None,
+    xml: str = "plcopen",
+) -> ExportedController:
+    """Return the files of a controller for a path, by its suffix.
+
+    Parameters
+    ----------
+    program : ControllerProgram
+        The controller.
+    path : str or Path
+        Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
+    name : str, optional
+        Begins every identifier; the name of the file by default.
+    fmi : int
+        Version of FMI, 2 or 3.
+    platforms : str, optional
+        Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.exchange.export.fmu.PLATFORMS`. By
+        default the machine at hand.
+    xml : str
+        What an ``.xml`` is, of `XML_FORMATS`.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is none of these, something cannot be exported, or no C compiler is there.
+    """
+    path = Path(path)
+    suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
+    if suffix == ".st":
+        content, block = controller_st(program, prefix)
+        return ExportedController(program=program, files=((path, content),), calls=(block,))
+    if suffix in _STRUCTURED:
+        project = controller_project(program, prefix)
+        content = _project_text(project, suffix, xml)
+        return ExportedController(program=program, files=((path, content),), calls=project.blocks)
+    if suffix in MODULES:
+        text, calls, program = controller_module(program, MODULES[suffix], path.stem)
+        return ExportedController(program=program, files=((path, text),), calls=calls)
+    if suffix == ".fmu":
+        targets = platforms_named(platforms, fmi) if platforms is not None else ()
+        unit = controller_fmu(program, prefix, fmi, targets)
+        return ExportedController(program=program, files=((path, unit),), calls=())
+    made = controller_c(
+        program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
+    )
+    listed_files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
+    return ExportedController(program=program, files=listed_files, calls=made.prototypes)

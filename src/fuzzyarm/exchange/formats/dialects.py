@@ -1,0 +1,359 @@
+"""Dialects: what each program takes for granted in the files it writes, a record for each.
+
+A kind of shape, norm or hedge has its names in its own record (`names` of
+:class:`fuzzyarm.symbolic.records.Kind`); a dialect says under which key they stand, and
+:func:`spellings` and :func:`words` read them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import chain
+from typing import NamedTuple
+
+from fuzzyarm.symbolic import formulas
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
+from fuzzyarm.symbolic.records import Kind
+
+MACHINE_EPSILON = 1e-6
+"""What the C++ program of fuzzylite takes for zero: a rule that fires less does not fire."""
+
+JFUZZYLOGIC_PAIRS = {
+    "min": "max",
+    "product": "probor",
+    "bounded": "bounded",
+    "drastic": "drastic",
+    "nilpotent": "nilpotent",
+    "hamacher": "einstein",
+}
+"""jFuzzyLogic sets OR by AND and AND by OR: T-norm → the S-norm that goes with it."""
+
+JFUZZYLOGIC_ACCUMULATIONS = ("max", "bounded", "normalized", "probor", "sum")
+"""S-norms that jFuzzyLogic has for ACCU; its other words are for OR."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dialect:
+    """How one program writes and means one format.
+
+    Attributes
+    ----------
+    suffix : str
+        Of the files.
+    producer : str
+        Short name of the program, as the command line takes it.
+    program : str
+        The same for messages.
+    kinds : str
+        Key of the names of shapes, norms and hedges in their records.
+    hedges : str
+        Key of the names of hedges that are read in a rule; that of `kinds` by default.
+    defuzzifiers : str
+        Key of the names of defuzzifiers; that of `kinds` by default.
+    samples : tuple of int and str
+        How many samples of an output, and where.
+    threshold : float
+        Firing strength up to which a rule counts as not firing.
+    activates : bool
+        Whether hedges of a conclusion change the activation degree and carry on to the next
+        conclusions, and an output in a condition is its activation so far (fuzzylite).
+    chains : bool
+        Whether a condition may be about an output that its own block has concluded.
+    thresholds : bool
+        Whether the file can say any threshold.
+    clamps : tuple of str
+        Of which variables the file can say that they are clamped to their range:
+        ``inputs``, ``outputs``.
+    outside : str
+        What the program makes of an input outside its range, unless the file says otherwise:
+        ``extend`` or ``error``.
+    negates : bool
+        Whether a conclusion may be negated.
+    formula : fuzzyarm.symbolic.formulas.FormulaDialect
+        How formulas are written.
+    assumed : str
+        What a reader says it took for granted.
+    equal_precedence : bool
+        Whether *and* and *or* bind alike, from the left.
+    commas : bool
+        Whether a comma between two conditions is an *and*.
+    any_case : bool
+        Whether the words of a rule may be in capitals, and names may differ in case.
+    separators : tuple of str
+        What may stand between two conclusions.
+    ties : str
+        Which of two points at one x counts: ``first`` or ``last``.
+    heights : bool
+        Whether the number after those of a shape is its height (fuzzylite).
+    drops_numbers : bool
+        Whether the program takes the first numbers of a shape where there are too many.
+    unordered : bool
+        Whether the program computes with corners that are not in order rather than refuse them.
+    case : str
+        How words of norms and methods are compared: as they stand, in ``lower`` or in ``upper``
+        case.
+    norms : tuple of str
+        Keys of the names of norms that are read; that of `kinds` by default.
+    no_norm : tuple of str
+        Words that stand for none.
+    repeated_term : str
+        Which of two terms with one name counts: ``first`` or ``last``.
+    method : str
+        The defuzzifier of an output for which the file names none.
+    methods_of_others : dict of str
+        Words of other programs for defuzzifiers, and by which they are read.
+    samplings : dict of str
+        Methods that have a sampling of their own.
+    silent : str
+        What an output is where no rule fires, unless the file says: ``nan``, the ``middle`` of
+        its range, the ``maximum`` of nothing, or that whatever the file says (``nothing``).
+    has_ties : bool
+        Whether the last bit decides among samples that are all the highest.
+    holds : bool
+        Whether the file can say that an output holds its value where no rule fires.
+    defaults : bool
+        Whether the file can say another value for that.
+    instead_of_error : str
+        What a message says of an output that is an error there.
+    resolutions : bool
+        Whether the file can say any number of samples.
+    says_inference : bool
+        Whether the file says if values are taken by Tsukamoto's method.
+    inverts : bool
+        Whether values that can be inverted are taken by Tsukamoto's method.
+    sums_values : bool
+        Whether every rule of a weighted output counts for itself, whatever the aggregation.
+    estimates : bool
+        Whether a range that the file does not name is that of the terms.
+    needs_range : bool
+        Whether an output that is integrated is at fault without a range.
+    values_hint : str
+        What to write instead where values are integrated.
+    """
+
+    suffix: str
+    producer: str
+    program: str
+    kinds: str
+    hedges: str = ""
+    defuzzifiers: str = ""
+    samples: tuple[int, str]
+    threshold: float = 0.0
+    activates: bool = False
+    chains: bool = False
+    thresholds: bool = False
+    clamps: tuple[str, ...] = ()
+    outside: str = "extend"
+    negates: bool = True
+    formula: formulas.FormulaDialect = formulas.FUZZYLITE
+    assumed: str = ""
+    equal_precedence: bool = False
+    commas: bool = False
+    any_case: bool = False
+    separators: tuple[str, ...] = ("and",)
+    ties: str = "last"
+    heights: bool = False
+    drops_numbers: bool = False
+    unordered: bool = False
+    case: str = ""
+    norms: tuple[str, ...] = ()
+    no_norm: tuple[str, ...] = ()
+    repeated_term: str = "first"
+    method: str = ""
+    methods_of_others: Mapping[str, str] = field(default_factory=dict)
+    samplings: Mapping[str, str] = field(default_factory=dict)
+    silent: str = "nan"
+    has_ties: bool = False
+    holds: bool = False
+    defaults: bool = False
+    instead_of_error: str = ""
+    resolutions: bool = False
+    says_inference: bool = False
+    inverts: bool = False
+    sums_values: bool = False
+    estimates: bool = False
+    needs_range: bool = False
+    values_hint: str = ""
+
+    def folded(self, word: str) -> str:
+        """Return a word in the case in which the names of norms and methods stand."""
+        return {"": word, "lower": word.lower(), "upper": word.upper()}[self.case]
+
+    @property
+    def integral(self) -> dict[str, str]:
+        """Words for defuzzifiers of sets, and what the model calls them."""
+        return self._those_that(weighs=False)
+
+    @property
+    def weighted(self) -> dict[str, str]:
+        """Words for defuzzifiers of values."""
+        return self._those_that(weighs=True)
+
+    def _those_that(self, *, weighs: bool) -> dict[str, str]:
+        methods = words(DEFUZZIFIERS, self.methods)
+        return {word: name for word, name in methods.items() if DEFUZZIFIERS[name].weighs == weighs}
+
+    @property
+    def methods(self) -> str:
+        """Key of the names of defuzzifiers."""
+        return self.defuzzifiers or self.kinds
+
+
+# docs/formats.md has these records as one table, in words, and the releases that were measured.
+FLL = Dialect(
+    suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
+    samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
+    activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
+    unordered=True, no_norm=("", "none"), repeated_term="last", has_ties=True, inverts=True,
+    holds=True, defaults=True, instead_of_error="fuzzylite gives nan", resolutions=True,
+    says_inference=True,
+)  # fmt: skip
+
+_OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
+"""Words of other programs for the methods of FCL."""
+
+METHODS_MEANT = {"CM": "COG"}
+"""Methods that no program has, and which one is meant."""
+
+FCL = {
+    "jfuzzylogic": Dialect(
+        suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
+        hedges="fcl",  # jFuzzyLogic has none; those of fuzzylite are read with a warning
+        samples=(1000, "left"),
+        formula=formulas.JFUZZYLOGIC,
+        assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
+        negates=False, equal_precedence=True, any_case=True, separators=(",", "and"),
+        ties="first",
+        case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), repeated_term="last", method="COG",
+        methods_of_others=_OF_OTHERS, estimates=True, holds=True, defaults=True,
+        values_hint="METHOD : COGS is for singletons",
+    ),
+    "fuzzylite": Dialect(
+        suffix=".fcl", producer="fuzzylite", program="fuzzylite", kinds="fcl",
+        samples=(1000, "midpoints"),
+        threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
+        assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires and no DEFAULT is "
+        "given",
+        any_case=True, separators=("and", ","), heights=True, unordered=True,
+        case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), method="COG",
+        methods_of_others=_OF_OTHERS, silent="nothing", has_ties=True, inverts=True, estimates=True,
+        holds=True, defaults=True,
+    ),
+    "scikit-fuzzy": Dialect(
+        suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
+        hedges="fml", defuzzifiers="fcl-scikit", samples=(0, "joined"), outside="clamp",
+        negates=False,
+        assumed="read as fcl-for-scikit-fuzzy does: straight lines between the points of each "
+        "RANGE, clamped inputs, min and max beneath the rules",
+        commas=True, any_case=True, separators=("and", ","),
+        case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), repeated_term="last", method="COG",
+        values_hint="METHOD : COGS is for singletons",
+    ),
+}  # fmt: skip
+
+_FIS_NORMS = ("fis", "octave", "matlab")
+"""Keys of norms: the words of all programs are read in each."""
+
+_FIS_SAMPLINGS = {"centroid_integral": "trapezoid"}
+
+FIS = {
+    "matlab": Dialect(
+        suffix=".fis", producer="matlab", program="MATLAB", kinds="matlab",
+        samples=(101, "endpoints"),
+        assumed="read with the defaults of MATLAB: sums over 101 points, the middle of the "
+        "range where no rule fires",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="middle",
+        inverts=True, samplings=_FIS_SAMPLINGS, sums_values=True, needs_range=True,
+        drops_numbers=True,
+    ),
+    "octave": Dialect(
+        suffix=".fis", producer="octave", program="Octave's toolkit", kinds="octave",
+        samples=(101, "endpoints"),
+        outside="error",
+        assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
+        "where no rule fires, no values outside a range",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="maximum",
+        inverts=True, samplings=_FIS_SAMPLINGS, needs_range=True,
+    ),
+    "fuzzylite": Dialect(
+        suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
+        samples=(1000, "midpoints"),
+        threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",), heights=True,
+        unordered=True,
+        assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
+        "fires and no Default is given",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="nothing",
+        holds=True, defaults=True, has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS,
+        needs_range=True,
+    ),
+}  # fmt: skip
+
+FML = Dialect(
+    suffix=".fml", producer="ieee1855", program="the standard IEEE 1855", kinds="fml",
+    samples=(0, "endpoints"), unordered=True,
+    assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
+    "points)",
+    case="upper", method="COG", defaults=True, says_inference=True,
+)  # fmt: skip
+
+
+# --- Names of kinds ---
+
+
+PRODUCERS = {
+    ".fll": (FLL.producer,),
+    ".fcl": ("jfuzzylogic", "fuzzylite"),
+    ".fis": tuple(FIS),
+    ".fml": (FML.producer,),
+}
+"""Programs that a file of that suffix can be written for."""
+
+MEANINGS = PRODUCERS | {".fcl": tuple(FCL), ".t2fis": tuple(FIS)}
+"""Programs whose meaning a file of that suffix can have."""
+
+
+class Spelling(NamedTuple):
+    """What a program calls a kind, and which parameter each number in its text is."""
+
+    kind: str
+    word: str
+    order: tuple[int, ...]
+
+
+@lru_cache(maxsize=1000)
+def spellings(kind: Kind, key: str) -> tuple[Spelling, ...]:
+    """Return the names of a kind under one key, the one to write first."""
+    variants = []
+    for text in filter(None, kind.names.get(key, "").split(",")):
+        word, *numbers = text.split()
+        order = map(kind.parameters.index, numbers or kind.parameters)
+        variants.append(Spelling(kind.name, word, tuple(order)))
+    return tuple(variants)
+
+
+def all_spellings(kinds: Mapping[str, Kind], *keys: str) -> Mapping[str, Spelling]:
+    """Return word → spelling of all kinds of a registry; of equal words the first."""
+    return _table(tuple(kinds.values()), keys)
+
+
+@lru_cache(maxsize=100)
+def _table(kinds: tuple[Kind, ...], keys: tuple[str, ...]) -> Mapping[str, Spelling]:
+    # Of records, not of the registry: a kind of a user's own may be replaced by another.
+    table: dict[str, Spelling] = {}
+    for key in keys:
+        for spelling in chain.from_iterable(spellings(kind, key) for kind in kinds):
+            table.setdefault(spelling.word, spelling)
+    return table
+
+
+def words(kinds: Mapping[str, Kind], *keys: str) -> dict[str, str]:
+    """Return word → kind, for reading."""
+    return {word: spelling.kind for word, spelling in all_spellings(kinds, *keys).items()}
+
+
+def word_of(kinds: Mapping[str, Kind], name: str, key: str) -> str | None:
+    """Return the word to write for a kind, or None where the program does not know it."""
+    variants = spellings(kinds[name], key) if name in kinds else []
+    return variants[0].word if variants else None

@@ -1,0 +1,466 @@
+"""What a reader or writer of a foreign format hands back, and what it collects on the way.
+
+:class:`Imported` and :class:`Exported` are the results, :class:`Findings` gathers what is
+found; numbers are read and written without loss.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import islice
+
+from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.shown import one_line
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.evaluation import evaluate
+from fuzzyarm.symbolic.formulas import FormulaError, read_formula
+
+# --- What a reader or writer of a foreign format hands back, and how it collects findings ---
+
+MAX_CHARACTERS = 1_000_000
+"""Longest foreign text that is read: four times the largest that programs write."""
+
+MAX_FINDINGS = 300
+"""Most findings that one reading lists; the rest is counted."""
+
+MAX_HINTS = 20
+"""Findings that get a guess of what was meant (a guess costs time)."""
+
+MAX_CHOICES = 300
+"""Names that are compared for such a guess."""
+
+MAX_LISTED = 12
+"""Names that a hint lists."""
+
+MAX_VARIABLES = 200
+MAX_RULES = 10_000
+
+LOSSY_HINT = "--lossy continues anyway"
+
+
+class FormatError(FuzzyarmError, ValueError):
+    """A suffix or a producer that is not known."""
+
+
+def demand_program(
+    producer: str | None, suffix: str, does: str, known_by: Mapping[str, tuple[str, ...]]
+) -> None:
+    """Refuse a program that does not read or write files of a suffix."""
+    programs = known_by.get(suffix, ())
+    if producer is not None and producer not in programs:
+        names = ", ".join(programs) or "none"
+        raise FormatError(f"{suffix} files are not {does} '{producer}' (known: {names})")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Imported:
+    """A foreign file, read.
+
+    Attributes
+    ----------
+    rulebase : RuleBase or None
+        None where any diagnostic is an error.
+    diagnostics : tuple of Diagnostic
+        Faults of the file and what could not be carried, in the order of the text.
+    producer : str
+        The program whose defaults were taken: ``fuzzylite``, ``jfuzzylogic``, ``scikit-fuzzy``,
+        ``matlab``, ``octave``, ``ieee1855`` (FML) or ``fuzzyarm``; of a live object its library.
+    """
+
+    rulebase: RuleBase | None
+    diagnostics: tuple[Diagnostic, ...] = ()
+    producer: str = ""
+
+    def __repr__(self) -> str:
+        what = "no rule base" if self.rulebase is None else repr(self.rulebase)
+        return one_line(self, f"{what}, {len(self.diagnostics)} findings, as of {self.producer}")
+
+    @property
+    def errors(self) -> tuple[Diagnostic, ...]:
+        """The findings that keep the file from being used."""
+        return tuple(d for d in self.diagnostics if d.is_error)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Exported:
+    """A rule base, written in a foreign format.
+
+    Attributes
+    ----------
+    text : str or None
+        None where any diagnostic is an error.
+    diagnostics : tuple of Diagnostic
+        What the format cannot express.
+    """
+
+    text: str | None
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    def __repr__(self) -> str:
+        size = "no text" if self.text is None else f"{len(self.text):,} characters"
+        return one_line(self, f"{size}, {len(self.diagnostics)} findings")
+
+    @property
+    def errors(self) -> tuple[Diagnostic, ...]:
+        """The findings that kept the text from being written."""
+        return tuple(d for d in self.diagnostics if d.is_error)
+
+
+@dataclass(frozen=True, slots=True)
+class TextPiece:
+    """A piece of text and where it stood."""
+
+    text: str
+    span: Span = NOWHERE
+
+    def part(self, start: int, end: int) -> TextPiece:
+        """Return the characters from index `start` to `end` of a word on one line."""
+        line, column = self.span.line, self.span.column
+        return TextPiece(self.text[start:end], Span(line, column + start, line, column + end))
+
+    def parts(self, pattern: re.Pattern[str]) -> list[TextPiece]:
+        """Return the pieces that match a pattern."""
+        return [self.part(*match.span()) for match in pattern.finditer(self.text)]
+
+    def around(self, sign: str) -> tuple[TextPiece, TextPiece] | None:
+        """Return what stands before and after a sign, without space; None if it is not there."""
+        before, sign_, after = self.text.partition(sign)
+        if not sign_:
+            return None
+        start = len(self.text) - len(after.lstrip())
+        return self.part(0, len(before.rstrip())), self.part(start, len(self.text))
+
+
+class UnreadableError(Exception):
+    """A part of an object of another library that could not be read, and why.
+
+    Parameters
+    ----------
+    what : str
+        The part, as a message calls it.
+    error : Exception
+        What reading it raised.
+    """
+
+    def __init__(self, what: str, error: Exception) -> None:
+        super().__init__(f"{what} cannot be read: {type(error).__name__}: {error}")
+
+
+@contextmanager
+def reading(what: str) -> Iterator[None]:
+    """Let whatever is raised within name the part of an object that was read."""
+    try:
+        yield
+    except (UnreadableError, FuzzyarmError):
+        raise
+    except Exception as error:
+        raise UnreadableError(what, error) from error
+
+
+class FaultError(ValueError):
+    """What keeps a text from being read further, at which word, and the name of the finding."""
+
+    def __init__(self, message: str, word: TextPiece, name: str = "syntax") -> None:
+        super().__init__(message)
+        self.word = word
+        self.name = name
+
+
+class Findings:
+    """Collects the diagnostics of one file.
+
+    Parameters
+    ----------
+    path : str
+        The file, as the caller named it.
+    lossy : bool
+        Whether a loss that changes numbers is a warning rather than an error.
+    strict : bool
+        Whether a slight loss is an error too.
+    """
+
+    def __init__(self, path: str = "", *, lossy: bool = False, strict: bool = False) -> None:
+        self.path = path
+        self.lossy = lossy
+        self.strict = strict
+        self._items: list[Diagnostic] = []
+        self._left_out = 0
+        self._errors = 0
+        self._hints = 0
+        self._full: set[str] = set()
+        self._unknown: dict[tuple[str, str, str], tuple[int, int]] = {}
+
+    @property
+    def failed(self) -> bool:
+        """Whether there was an error."""
+        return self._errors > 0
+
+    def has(self, *names: str) -> bool:
+        """Whether there is an error of one of these names."""
+        return any(item.name in names and item.is_error for item in self._items)
+
+    @property
+    def is_damaged(self) -> bool:
+        """Whether parts of the file are missing, from which other faults follow."""
+        return self.has("syntax", "wrong-count")
+
+    def error(
+        self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = ""
+    ) -> None:
+        """Record a fault that keeps the file from being used."""
+        self._add(name, message, at, Severity.ERROR, hint)
+
+    def fault(self, fault: FaultError) -> None:
+        """Record what ended the reading of a part."""
+        self.error(fault.name, str(fault), fault.word)
+
+    def loss(
+        self,
+        name: str,
+        message: str,
+        at: TextPiece | Span = NOWHERE,
+        hint: str = "",
+        *,
+        slight: bool = False,
+    ) -> None:
+        """Record what cannot be carried and changes numbers.
+
+        A `slight` loss, such as another sampling, is a warning unless the caller is strict.
+        """
+        allowed = self.lossy or (slight and not self.strict)
+        severity = Severity.WARNING if allowed else Severity.ERROR
+        self._add(name, message, at, severity, hint or ("" if allowed else LOSSY_HINT))
+
+    def warn(self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = "") -> None:
+        """Record a doubt that changes no number."""
+        self._add(name, message, at, Severity.WARNING, hint)
+
+    def info(self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = "") -> None:
+        """Record a choice or a piece of text that was left out."""
+        self._add(name, message, at, Severity.INFO, hint)
+
+    def no_term(
+        self, variable: str, word: TextPiece, terms: Iterable[str], before: str = ""
+    ) -> None:
+        """Record an error about a word that is none of the terms of a variable."""
+        self.unknown("undefined-term", f"{before}'{variable}' has no term", word, terms, ending="")
+
+    def unknown(
+        self,
+        name: str,
+        what: str,
+        word: TextPiece,
+        choices: Iterable[str],
+        *,
+        ending: str = " is not known",
+    ) -> None:
+        """Record an error about a word that is none of `choices`, with a guess of what was meant.
+
+        The same word is said once, with how often it stands there. Names of the file are listed;
+        words of the format only where nothing is near.
+        """
+        key = (name, what, word.text)
+        if key in self._unknown:
+            index, times = self._unknown[key]
+            # An error though it is not listed again: `failed` counts it.
+            self._unknown[key] = index, times + 1
+            self._errors += 1
+            return
+        names = list(islice(choices, MAX_CHOICES))
+        hint, replacement = "", None
+        if self._hints < MAX_HINTS:
+            self._hints += 1
+            hint, replacement = near_hint(word.text, names)
+        # Names of the file are few; a list of all words of a format helps only as a last resort.
+        if not hint or name.startswith("undefined"):
+            hint = "; ".join(filter(None, (hint, listed(names))))
+        message = f"{what} '{shortened(word.text)}'{ending}"
+        if len(self._items) < MAX_FINDINGS:
+            self._unknown[key] = len(self._items), 1
+        self._add(name, message, word, Severity.ERROR, hint, replacement)
+
+    def ignored_key(self, word: TextPiece, choices: Sequence[str]) -> None:
+        """Record a key that has no effect: an error where one of `choices` may be meant."""
+        hint, _ = near_hint(word.text.lower(), [choice.lower() for choice in choices])
+        if hint:
+            self.unknown("unknown-key", "the key", word, choices)
+        else:
+            message = f"the key '{shortened(word.text)}' is not known; it is left out"
+            self.warn("unknown-key", message, word)
+
+    def norm(
+        self, what: str, word: TextPiece, table: Mapping[str, str], key: str = ""
+    ) -> str | None:
+        """Return the norm that `key` (the word itself) names in a table of words."""
+        name = table.get(key or word.text)
+        if name is None:
+            self.unknown("unknown-norm", what, word, table)
+        return name
+
+    def room(self, count: int, most: int, what: str, at: TextPiece | Span) -> bool:
+        """Whether one more than `count` is allowed; the first time it is not, say so."""
+        if count < most:
+            return True
+        if what not in self._full:
+            self._full.add(what)
+            self.error("too-many", f"more than {most} {what} are not read", at)
+        return False
+
+    def duplicate(self, name: str, message: str, at: TextPiece | Span, first: Span) -> None:
+        """Record a warning that also points at the first of two."""
+        related = (Related("the first one", first),)
+        self._add(name, message, at, Severity.WARNING, "", None, related)
+
+    def _add(
+        self,
+        name: str,
+        message: str,
+        at: TextPiece | Span,
+        severity: Severity,
+        hint: str,
+        replacement: str | None = None,
+        related: tuple[Related, ...] = (),
+    ) -> None:
+        span = at.span if isinstance(at, TextPiece) else at
+        self._errors += severity is Severity.ERROR
+        if len(self._items) >= MAX_FINDINGS:
+            self._left_out += 1
+            return
+        self._items.append(
+            Diagnostic(name, message, span, severity, hint, replacement, self.path, related)
+        )
+
+    def imported(self, rulebase: RuleBase | None, producer: str) -> Imported:
+        """Return what was read with all findings; after an error, these alone."""
+        return Imported(None if self.failed else rulebase, self.all(), producer)
+
+    def exported(self, text: str) -> Exported:
+        """Return what was written with all findings; after an error, these alone."""
+        return Exported(None if self.failed else text, self.all())
+
+    def all(self) -> tuple[Diagnostic, ...]:
+        """Return everything found, in the order of the text."""
+        items = list(self._items)
+        for index, times in self._unknown.values():
+            if times > 1:
+                message = f"{items[index].message} (here and {times - 1} more times)"
+                items[index] = replace(items[index], message=message)
+        diagnostics = sorted(items, key=lambda d: (d.span, d.name))
+        if self._left_out:
+            severity = Severity.ERROR if self.failed else Severity.INFO
+            message = f"{self._left_out} more findings are not listed"
+            diagnostics.append(
+                Diagnostic("more-findings", message, NOWHERE, severity, path=self.path)
+            )
+        return tuple(diagnostics)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as the end of a hint, the first of many."""
+    names = [name for name in names if name]
+    if not names:
+        return ""
+    some = ", ".join(map(shortened, names[:MAX_LISTED]))
+    return f"known: {some}, …" if len(names) > MAX_LISTED else f"known: {some}"
+
+
+def shortened(text: str) -> str:
+    """Return `text`, cut in the middle where it is longer than 60 characters."""
+    if len(text) <= 60:
+        return text
+    half = 29  # with the ellipsis, 59 characters
+    return f"{text[:half]}…{text[-half:]}"
+
+
+def unique_name(name: str, names: set[str]) -> str:
+    """Return `name`, or `name` with the first number that makes it unique."""
+    if name not in names:
+        return name
+    number = 2
+    while f"{name}_{number}" in names:
+        number += 1
+    return f"{name}_{number}"
+
+
+# --- Numbers as the formats write them, in and out without loss ---
+
+_PLAIN = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\Z", re.ASCII)
+_SPECIAL = {
+    "nan": math.nan, "+nan": math.nan, "-nan": math.nan, "na": math.nan,
+    "inf": math.inf, "+inf": math.inf, "-inf": -math.inf,
+    "infinity": math.inf, "-infinity": -math.inf,
+}  # fmt: skip
+_PRODUCT = re.compile(r"[+-]*(?:[\d.pi*/]|e[+-]?\d)+", re.ASCII)
+
+
+def number(text: str) -> float | None:
+    """Return the value of `text`, or None where it is not a number.
+
+    Besides decimal numbers: ``nan``, ``inf`` and products and quotients with ``pi`` as in
+    ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
+    """
+    if _PLAIN.match(text):
+        # `1d3` is a number to MATLAB and Octave.
+        return float(text.replace("d", "e").replace("D", "e"))
+    if len(text) > 60:
+        return None
+    lowered = text.lower()
+    if lowered in _SPECIAL:
+        return _SPECIAL[lowered]
+    if "pi" not in lowered or not _PRODUCT.fullmatch(lowered):
+        return None
+    try:
+        value = evaluate(read_formula(lowered).with_constants(()), {})
+    except FormulaError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def numbers(words: list[TextPiece], findings: Findings) -> list[float] | None:
+    """Return the values of `words`; None, with findings, where one is not a number."""
+    values: list[float] = []
+    failed = False
+    for word in words:
+        value = number(word.text)
+        if value is None:
+            findings.error("not-a-number", f"'{word.text[:60]}' is not a number", word)
+            failed = True
+        else:
+            values.append(value)
+    return None if failed else values
+
+
+def written(value: float) -> str:
+    """Return the shortest text that reads back as exactly `value`."""
+    if math.isnan(value):
+        return "nan"
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    text = repr(float(value))
+    return text.removesuffix(".0")
+
+
+def all_written(values: tuple[float, ...]) -> str:
+    """Return the numbers with spaces between them."""
+    return " ".join(map(written, values))
+
+
+_THREE = re.compile(r"(?<![\w.])-?\d+\.\d{3}(?![\w.])", re.ASCII)
+_OTHER = re.compile(r"(?<![\w.])-?\d+\.(\d{1,2}|\d{4,})(?![\w.])", re.ASCII)
+
+
+def rounded(text: str) -> re.Match[str] | None:
+    """Return the first number that looks cut to three decimals, where all of them are.
+
+    fuzzylite prints three decimals unless told otherwise; a file with nothing but such
+    numbers may give other outputs than the program object it came from.
+    """
+    if _OTHER.search(text):
+        return None
+    return next((m for m in _THREE.finditer(text) if not m.group().endswith("0")), None)

@@ -1,0 +1,307 @@
+"""From the words that a reader of a format finds to a rule base, by the dialect of the program.
+
+A reader of a format knows its text: it finds the words of variables, terms, norms, methods and
+rules, and hands them to a :class:`SystemReader` with their places. What they mean is the same
+for all formats except for what the :class:`~fuzzyarm.exchange.formats.dialects.Dialect` says.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from fuzzyarm.base.diagnostic import MAX_TERMS
+from fuzzyarm.exchange.formats.dialects import METHODS_MEANT, Dialect, words
+from fuzzyarm.exchange.formats.drafts import (
+    INFERENCES,
+    VALUES,
+    VariableDraft,
+    all_invertible,
+    maximum_of_nothing,
+)
+from fuzzyarm.exchange.formats.findings import MAX_VARIABLES, Findings, TextPiece, number
+from fuzzyarm.exchange.formats.meaning import BlockDraft, blocks_in_model
+from fuzzyarm.exchange.formats.shapes import estimated_range
+from fuzzyarm.exchange.formats.values import formulas_of_input, values_as_sets
+from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, RuleBlock, Shape, Term
+from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
+from fuzzyarm.symbolic.records import Norm
+
+__all__ = ["SystemReader"]
+
+
+class SystemReader:
+    """Makes a rule base of words; a reader of a format inherits from it and finds the words.
+
+    Parameters
+    ----------
+    dialect : Dialect
+        The program whose meaning counts.
+    findings : Findings
+        What is found on the way.
+    """
+
+    def __init__(self, dialect: Dialect, findings: Findings) -> None:
+        self.dialect = dialect
+        self.findings = findings
+        self.variables: dict[str, VariableDraft] = {}
+        self.blocks: list[BlockDraft] = []
+
+    # --- Variables, their terms and norms, word by word ---
+
+    def variable(self, word: TextPiece, *, is_output: bool) -> VariableDraft:
+        """Return a new variable; one that has no room, or a name that is taken, counts nowhere."""
+        draft = VariableDraft(word, is_output)
+        if not is_output:
+            draft.outside = self.dialect.outside
+        if word.text in self.variables:
+            message = f"there are two variables called '{word.text}'"
+            self.findings.error("duplicate-variable", message, word)
+        elif self.findings.room(len(self.variables), MAX_VARIABLES, "variables", word):
+            self.variables[word.text] = draft
+        return draft
+
+    @property
+    def outputs(self) -> list[VariableDraft]:
+        """The outputs so far."""
+        return [draft for draft in self.variables.values() if draft.is_output]
+
+    @property
+    def inputs(self) -> list[VariableDraft]:
+        """The inputs so far."""
+        return [draft for draft in self.variables.values() if not draft.is_output]
+
+    def term(self, draft: VariableDraft, word: TextPiece, shape: Shape | None) -> None:
+        """Add a term; of two with one name the first or the last counts, as the dialect says.
+
+        Without a shape, which has its finding, the rules know the name all the same.
+        """
+        if shape is None:
+            draft.refused.add(word.text)
+            return
+        term = Term(word.text, shape, word.span)
+        earlier = draft.term(word.text)
+        if earlier is None:
+            if self.findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
+                draft.add(term)
+            else:
+                draft.refused.add(term.name)
+            return
+        which = self.dialect.repeated_term
+        message = f"'{draft.name}' has two terms called '{word.text}'; the {which} counts"
+        self.findings.duplicate("duplicate-term-name", message, word, earlier.span)
+        if which == "last":
+            draft.put(draft.terms.index(earlier), term)
+
+    def default(self, draft: VariableDraft, word: TextPiece) -> None:
+        """Take the value of an output where no rule fires; one that is held stays held."""
+        value = number(word.text)
+        if value is None:
+            self.findings.error("not-a-number", f"'{word.text[:40]}' is not a number", word)
+        elif draft.no_rule != "hold":
+            draft.no_rule = value
+
+    def tnorm(self, word: TextPiece, what: str = "the T-norm") -> str | None:
+        """Return the T-norm that a word names; None where it names none or is not known."""
+        return self._norm(TNORMS, word, what)
+
+    def snorm(self, word: TextPiece, what: str = "the S-norm") -> str | None:
+        """Return the S-norm that a word names; None where it names none or is not known."""
+        return self._norm(SNORMS, word, what)
+
+    def _norm(self, kinds: Mapping[str, Norm], word: TextPiece, what: str) -> str | None:
+        text = word.text.strip()
+        table = words(kinds, *(self.dialect.norms or (self.dialect.kinds,)))
+        if text not in table:
+            text = self.dialect.folded(text)
+        return None if text in self.dialect.no_norm else self.findings.norm(what, word, table, text)
+
+    # --- The variables as a whole ---
+
+    def settle(self) -> None:
+        """Settle ranges, defuzzifiers and what stands for no rule, once all words are there."""
+        for draft in self.variables.values():
+            self.settle_variable(draft)
+
+    def settle_variable(self, draft: VariableDraft) -> None:
+        """Settle one variable."""
+        name = self.method_name(draft) if draft.is_output else ""
+        if self.dialect.estimates and math.isinf(draft.low) and math.isinf(draft.high):
+            self._estimate(draft, integrated=name in self.dialect.integral)
+        draft.settle_range(self.findings)
+        if draft.is_output:
+            self.finish_output(draft, name)
+        else:
+            formulas_of_input(draft, self.findings)
+
+    def _estimate(self, draft: VariableDraft, *, integrated: bool) -> None:
+        """Take the range from the terms where the file has none."""
+        estimate = estimated_range([term.shape for term in draft.terms])
+        if estimate is not None and all(map(math.isfinite, estimate)):
+            draft.low, draft.high = estimate
+            if integrated:
+                message = (
+                    f"'{draft.name}' has no RANGE; its terms reach from {estimate[0]} to "
+                    f"{estimate[1]}"
+                )
+                self.findings.info("estimated-range", message, draft.word)
+        elif integrated and draft.terms:
+            message = f"the output '{draft.name}' needs a RANGE to be integrated over"
+            self.findings.error("bad-range", message, draft.word)
+        elif integrated:
+            draft.low, draft.high = -0.5, 0.5
+
+    # --- The defuzzifier of an output ---
+
+    def finish_output(self, draft: VariableDraft, name: str) -> None:
+        """Set the defuzzifier that a word names, and the value without rules."""
+        dialect = self.dialect
+        at = draft.method or draft.word
+        # Whether it is integrated or weighed: MATLAB gives the middle for both.
+        if dialect.silent == "middle" and _is_nan(draft.no_rule) and draft.bounded:
+            draft.no_rule = 0.5 * (draft.low + draft.high)
+        if name in dialect.weighted:
+            self._weigh(draft, name, at)
+        elif name in dialect.integral:
+            self._integrate(draft, name, at)
+        elif not name:
+            message = f"the output '{draft.name}' has no defuzzifier"
+            self.findings.error("no-defuzzifier", message, at)
+        elif (meant := METHODS_MEANT.get(name)) in dialect.integral:
+            message = f"the method '{at.text}' is not known"
+            self.findings.error("unknown-defuzzifier", message, at, f"write {meant}")
+        else:
+            methods = (*dialect.integral, *dialect.weighted)
+            self.findings.unknown("unknown-defuzzifier", "the method", at, methods)
+
+    def method_name(self, draft: VariableDraft) -> str:
+        """Return the word for the method of an output, for that of another program one it has."""
+        dialect = self.dialect
+        if draft.method is None:
+            return dialect.method
+        name = dialect.folded(draft.method.text)
+        other = dialect.methods_of_others.get(name)
+        if other is None or name in dialect.integral:
+            return name
+        message = f"{dialect.program} has no method {name}; it is read as {other}"
+        self.findings.warn("guessed-defuzzifier", message, draft.method)
+        return other
+
+    def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
+        """Say in what a method of the program differs from that of the model."""
+        if self.dialect.has_ties and draft.defuzzifier.record.of == "top":
+            self.note_ties(draft, at)
+
+    def note_ties(self, draft: VariableDraft, at: TextPiece) -> None:
+        """Say that the last bit of a product may decide among samples that are all the highest."""
+        message = (
+            f"'{draft.name}' takes a maximum: of samples that are equally high the last bit "
+            "decides, so that single points may fall on another one"
+        )
+        self.findings.loss("ties-of-maxima", message, at, slight=True)
+
+    def _weigh(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
+        """Set a defuzzifier of values."""
+        method, dialect = self.dialect.weighted[name], self.dialect
+        invertible = bool(draft.kinds) and all_invertible(draft.kinds)
+        if dialect.sums_values:
+            draft.aggregation = "sum"  # every rule counts for itself
+        kind = INFERENCES[0] if draft.inference is None else draft.inference.text
+        if draft.inference is not None and kind not in INFERENCES:
+            self.findings.unknown("unknown-defuzzifier", "the type", draft.inference, INFERENCES)
+            return
+        if dialect.inverts and (kind == "Tsukamoto" or (kind == "Automatic" and invertible)):
+            if DEFUZZIFIERS[method].of == "sum" and dialect.activates:
+                message = "a weighted sum of Tsukamoto terms cannot be carried"
+                self.findings.loss("weighted-sum-of-tsukamoto", message, at)
+            draft.defuzzifier = Defuzzifier("tsukamoto")
+            return
+        if not draft.kinds <= VALUES:
+            self._refuse_sets(draft, name, at)
+        draft.defuzzifier = Defuzzifier(method)
+
+    def _refuse_sets(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
+        """Report sets where a method needs values; fuzzylite goes on with them."""
+        if self.dialect.activates:
+            message = (
+                f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "
+                "of the firing strength, which cannot be converted"
+            )
+            self.findings.loss("set-as-value", message, at)
+        else:
+            message = f"'{draft.name}' has sets where {name} needs values"
+            self.findings.error("set-as-value", message, at)
+
+    def _integrate(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
+        """Set a defuzzifier of sets."""
+        resolution, sampling = self.dialect.samples
+        sampling = self.dialect.samplings.get(name, sampling)
+        draft.defuzzifier = Defuzzifier(self.dialect.integral[name])
+        # 0 samples stand for the exact integral.
+        if resolution:
+            resolution = draft.resolution or resolution
+            draft.defuzzifier = Defuzzifier(draft.defuzzifier.method, resolution, sampling)
+        self.note_method(draft, name, at)
+        if self.dialect.silent == "nothing":
+            self._take_maximum_of_nothing(draft, at)
+        elif self.dialect.silent in ("middle", "maximum") and _is_nan(draft.no_rule):
+            draft.no_rule = maximum_of_nothing(draft)
+        if self.dialect.activates:
+            values_as_sets(draft, self.implication(), at, self.findings)
+        else:
+            self._refuse_values(draft, at)
+        if self.dialect.needs_range and not draft.bounded and not self.findings.is_damaged:
+            message = f"the output '{draft.name}' needs a range to be integrated over"
+            self.findings.error("bad-range", message, draft.word)
+
+    def _refuse_values(self, draft: VariableDraft, at: TextPiece) -> None:
+        for term in draft.terms:
+            if term.shape.kind in VALUES:
+                message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
+                self.findings.loss("value-as-set", message, at, self.dialect.values_hint)
+
+    def _take_maximum_of_nothing(self, draft: VariableDraft, at: TextPiece) -> None:
+        """Set what the C++ program of fuzzylite takes for an output that no rule concludes.
+
+        A maximum is then that of nothing, which is a number, so that neither a default nor the
+        value before ever counts.
+        """
+        if draft.defuzzifier.record.of != "top" or not draft.bounded:
+            return
+        value = maximum_of_nothing(draft)
+        if draft.no_rule == "hold" or not _is_nan(draft.no_rule):
+            what = "holds" if draft.no_rule == "hold" else "has a default"
+            message = (
+                f"'{draft.name}' {what}, but the maximum of an empty set is {value:g} in fuzzylite "
+                "7, which is used here; version 6 follows the file"
+            )
+            self.findings.loss("maximum-of-nothing", message, at, slight=True)
+        draft.no_rule = value
+
+    def implication(self) -> str | None:
+        """Return the implication of all blocks that are on, if it is the same."""
+        implications = {block.implication for block in self.blocks if block.enabled}
+        return implications.pop() if len(implications) == 1 else None
+
+    # --- Rules, and the whole ---
+
+    def is_on(self, block: BlockDraft) -> bool:
+        """Whether a block is not switched off; say so where it is."""
+        if not block.enabled:
+            message = f"the block '{block.name}' is switched off; its rules are left out"
+            self.findings.warn("disabled-block", message, block.span)
+        return block.enabled
+
+    def in_model(self, blocks: Iterable[BlockDraft]) -> tuple[RuleBlock, ...]:
+        """Return blocks with the meaning that the program gives to their rules."""
+        return blocks_in_model(list(blocks), self.variables, self.dialect, self.findings)
+
+    def rulebase(self, name: str, blocks: tuple[RuleBlock, ...], description: str = "") -> RuleBase:
+        """Return the rule base of all variables, and of finished blocks."""
+        inputs = tuple(draft.input() for draft in self.inputs)
+        outputs = tuple(draft.output() for draft in self.outputs)
+        return RuleBase(name, inputs, outputs, blocks, description)
+
+
+def _is_nan(value: float | str) -> bool:
+    return isinstance(value, float) and math.isnan(value)

@@ -1,0 +1,320 @@
+"""Names that a format allows, and rules as FLL and FCL write them.
+
+:func:`written_sentences` writes the rules of a block, :func:`as_sentences` undoes what
+:mod:`fuzzyarm.exchange.formats.meaning` does with hedges.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.exchange.formats.dialects import MACHINE_EPSILON, Dialect, word_of, words
+from fuzzyarm.exchange.formats.findings import Findings, unique_name, written
+from fuzzyarm.exchange.formats.meaning import (
+    POWERS,
+    hedged_weight,
+    hedges_of_conclusion,
+    threshold_under,
+    without_hedges,
+)
+from fuzzyarm.exchange.formats.sentences import NOT, hedged
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Consequent,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Rule,
+    RuleBase,
+    RuleBlock,
+)
+from fuzzyarm.symbolic import formulas
+from fuzzyarm.symbolic.kinds import HEDGES, TNORMS
+
+FUZZYLITE_WORDS = frozenset(
+    {"if", "is", "then", "and", "or", "with", "pi"}
+    | set(words(HEDGES, "fll"))
+    | set(formulas.FUZZYLITE.functions)
+    | {"gt", "ge", "eq", "neq", "le", "lt", "log1p", "acosh", "asinh", "atanh"}
+)
+"""Names that fuzzylite's rule parser takes for itself."""
+
+# --- Names that a format allows ---
+
+
+@dataclass(slots=True)
+class WrittenNames:
+    """What variables, and terms by (variable, term), are called in the written file."""
+
+    variables: dict[str, str] = field(default_factory=dict)
+    terms: dict[tuple[str, str], str] = field(default_factory=dict)
+
+    def variable(self, name: str) -> str:
+        """Return the name of a variable in the file."""
+        return self.variables.get(name, name)
+
+    def term(self, variable: str, name: str) -> str:
+        """Return the name of a term in the file."""
+        return self.terms.get((variable, name), name)
+
+
+def identifier(name: str, reserved: frozenset[str], *, ignore_case: bool) -> str:
+    """Return a name as an identifier that is not reserved."""
+    # A fraction or a raised digit is a word character, but no reader takes it for a letter.
+    plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
+    word = re.sub(r"\W+", "_", plain).strip("_") or "_"
+    if name.isidentifier() and re.fullmatch(r"\w+", name):
+        word = name
+    elif word[0].isnumeric():
+        word = f"_{word}"
+    if (word.lower() if ignore_case else word) in reserved:
+        word = f"{word}_"
+    return word
+
+
+def identifiers(
+    rulebase: RuleBase,
+    findings: Findings,
+    reserved: frozenset[str],
+    *,
+    ignore_case: bool = False,
+) -> WrittenNames:
+    """Return names that are identifiers and not reserved; report every change."""
+
+    def fitted(name: str, names: set[str], what: str) -> str:
+        word = unique_name(identifier(name, reserved, ignore_case=ignore_case), names)
+        names.add(word)
+        if word != name:
+            findings.warn("renamed", f"the {what} '{name}' is written as {word}")
+        return word
+
+    names = WrittenNames()
+    variables: set[str] = set()
+    for variable in (*rulebase.inputs, *rulebase.outputs):
+        names.variables[variable.name] = fitted(variable.name, variables, "variable")
+        terms: set[str] = set()
+        for term in variable.terms:
+            names.terms[variable.name, term.name] = fitted(term.name, terms, "term")
+    return names
+
+
+# --- Rules ---
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """A rule as fuzzylite says it: each conclusion with the hedges that stand before it."""
+
+    antecedent: Expression
+    conclusions: tuple[tuple[Consequent, tuple[Hedge, ...]], ...]
+    weight: float
+    rule: Rule
+    hedges: tuple[Hedge, ...] = ()
+
+
+def plain_sentence(rule: Rule) -> Sentence:
+    """Return a rule as it stands, for programs that have no hedges before conclusions."""
+    conclusions = tuple((consequent, ()) for consequent in rule.consequents)
+    return Sentence(rule.antecedent, conclusions, rule.weight, rule)
+
+
+def as_sentences(
+    block: RuleBlock,
+    dialect: Dialect,
+    findings: Findings,
+    order: dict[str, int] | None = None,
+) -> list[Sentence]:
+    """Return the rules of a block; those that differ in outer hedges alone become one again.
+
+    Hedges of a conclusion carry on to the conclusions after it, so that rules over one
+    antecedent whose hedges grow can be said as one. With `order`, the index of every
+    output, only where the conclusions then stand in that order.
+    """
+    sentences: list[Sentence] = []
+    for rule in block.rules:
+        sentence = _as_sentence(rule, block, dialect, findings)
+        last = sentences[-1] if sentences else None
+        if last is not None and _carries_on(last, sentence, order):
+            (first, _), *others = sentence.conclusions
+            new = sentence.hedges[: len(sentence.hedges) - len(last.hedges)]
+            conclusions = (*last.conclusions, (first, new), *others)
+            sentences[-1] = replace(sentence, conclusions=conclusions, rule=last.rule)
+        else:
+            sentences.append(sentence)
+    return sentences
+
+
+def _as_sentence(rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings) -> Sentence:
+    """Put the hedges around a whole antecedent before the first conclusion, where that can be.
+
+    A hedge around a parenthesis has no other place; it then makes its own threshold.
+    """
+    antecedent, weight = rule.antecedent, rule.weight
+    hedges = hedges_of_conclusion(rule, block, dialect)
+    if not hedges and isinstance(antecedent, Hedged) and isinstance(antecedent.operand, And | Or):
+        above = block.threshold if dialect.thresholds else dialect.threshold
+        under = threshold_under(antecedent.hedges, above)
+        if under is not None:
+            hedges = antecedent.hedges
+            message = f"the rule fires above {block.threshold:g}, to {dialect.program} {under:g}"
+            slight = max(under, block.threshold) <= MACHINE_EPSILON
+            findings.loss("threshold", message, rule.span, slight=slight)
+    before = weight_before(weight, hedges) if hedges else None
+    if before is None:
+        hedges = ()
+    else:
+        weight, antecedent = before, without_hedges(antecedent, hedges)
+    conclusions = tuple((c, () if i else hedges) for i, c in enumerate(rule.consequents))
+    return Sentence(antecedent, conclusions, weight, rule, hedges)
+
+
+def _carries_on(last: Sentence, sentence: Sentence, order: dict[str, int] | None) -> bool:
+    """Whether a rule can be said as further conclusions of the last one."""
+    more = len(sentence.hedges) - len(last.hedges)
+    if more <= 0 or sentence.hedges[more:] != last.hedges:
+        return False
+    if order is not None:
+        before = order[last.conclusions[-1][0].variable]
+        if order[sentence.conclusions[0][0].variable] <= before:
+            return False
+    return last.antecedent == sentence.antecedent and last.weight == sentence.weight
+
+
+def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
+    """Return w with ``hedged_weight(w, hedges) == weight`` to the last bit, or None."""
+    if weight == 1.0:
+        return 1.0
+    guess = weight
+    for hedge in hedges:
+        if hedge.name not in POWERS or guess <= 0.0:
+            return None
+        guess = guess ** (1.0 / (hedge.exponent or POWERS[hedge.name]))
+    # The root is rounded: maybe only its neighbour leads back to the weight.
+    for candidate in (guess, math.nextafter(guess, math.inf), math.nextafter(guess, 0.0)):
+        if hedged_weight(candidate, hedges) == weight:
+            return candidate
+    return None
+
+
+def written_sentences(
+    block: RuleBlock, dialect: Dialect, names: WrittenNames, findings: Findings
+) -> list[str]:
+    """Return the rules of a block as ``if … then …``; report what cannot be said so."""
+    as_they_stand = map(plain_sentence, block.rules)
+    sentences = as_sentences(block, dialect, findings) if dialect.activates else as_they_stand
+    writer = _SentenceWriter(block, dialect, names, findings)
+    return [writer.text(sentence) for sentence in sentences]
+
+
+@dataclass(frozen=True, slots=True)
+class _SentenceWriter:
+    """Writes the rules of one block.
+
+    fuzzylite has hedges after *is* and nowhere else; jFuzzyLogic has *not* alone, before a
+    proposition or a parenthesis, and writes key words in capitals.
+    """
+
+    block: RuleBlock
+    dialect: Dialect
+    names: WrittenNames
+    findings: Findings
+
+    def key(self, word: str) -> str:
+        return word if self.dialect.activates else word.upper()
+
+    def closed(self, text: str) -> str:
+        return f"( {text} )" if self.dialect.activates else f"({text})"
+
+    def text(self, sentence: Sentence) -> str:
+        condition = self.condition(sentence.antecedent, sentence.rule)
+        conclusions = [
+            self.conclusion(*conclusion, sentence.rule) for conclusion in sentence.conclusions
+        ]
+        joint = " and " if self.dialect.activates else ", "
+        ending = "" if sentence.weight == 1.0 else f" {self.key('with')} {written(sentence.weight)}"
+        head, then = self.key("if"), self.key("then")
+        return f"{head} {condition} {then} {joint.join(conclusions)}{ending}"
+
+    def conclusion(self, consequent: Consequent, hedges: tuple[Hedge, ...], rule: Rule) -> str:
+        if consequent.hedges:
+            message = (
+                "hedges on the set of a conclusion have another meaning to fuzzylite"
+                if self.dialect.activates
+                else "jFuzzyLogic has no hedges in conclusions"
+            )
+            self.findings.loss("set-hedge", message, rule.span)
+        variable = self.names.variable(consequent.variable)
+        term = self.names.term(consequent.variable, consequent.term)
+        return " ".join([variable, self.key("is"), *self.hedge_words(hedges), term])
+
+    def condition(self, expression: Expression, rule: Rule) -> str:
+        if isinstance(expression, Is):
+            return self.proposition(expression, rule)
+        if isinstance(expression, Hedged):
+            if self.dialect.activates:
+                return self.condition(self.pushed_in(expression), rule)
+            inner = self.closed(self.condition(expression.operand, rule))
+            return " ".join([*self.negations(expression.hedges, rule), inner])
+        parts = []
+        for part in expression.operands:
+            operand = part
+            if isinstance(part, Hedged) and self.dialect.activates:
+                operand = self.pushed_in(part)
+            text = self.condition(operand, rule)
+            # To fuzzylite `and` binds tighter than `or`, to jFuzzyLogic they bind alike.
+            apart = isinstance(operand, Or) or type(operand) is type(expression)
+            if not self.dialect.activates:
+                apart = isinstance(operand, And | Or)
+            parts.append(self.closed(text) if apart else text)
+        return f" {self.key('and' if isinstance(expression, And) else 'or')} ".join(parts)
+
+    def proposition(self, proposition: Is, rule: Rule) -> str:
+        variable = self.names.variable(proposition.variable)
+        term = self.names.term(proposition.variable, proposition.term)
+        if not self.dialect.activates:
+            return " ".join([*self.negations(proposition.hedges, rule), variable, "IS", term])
+        names = [hedge.name for hedge in proposition.hedges]
+        if "any" in names:  # inside of which nothing matters, and no term is named
+            hedges = proposition.hedges[: names.index("any") + 1]
+            return " ".join([variable, "is", *self.hedge_words(hedges)])
+        return " ".join([variable, "is", *self.hedge_words(proposition.hedges), term])
+
+    def hedge_words(self, hedges: tuple[Hedge, ...]) -> list[str]:
+        words = []
+        for hedge in hedges:
+            word = word_of(HEDGES, hedge.name, self.dialect.kinds)
+            if word is None:
+                name = hedge.name if hedge.exponent is None else f"power({hedge.exponent})"
+                message = f"{self.dialect.program} has no hedge '{name}'"
+                self.findings.loss("unsupported-hedge", message)
+            else:
+                words.append(word)
+        return words
+
+    def negations(self, hedges: tuple[Hedge, ...], rule: Rule) -> list[str]:
+        for hedge in hedges:
+            if hedge != NOT:
+                message = f"jFuzzyLogic has no hedge '{hedge.name}'"
+                self.findings.loss("unsupported-hedge", message, rule.span)
+        # Two of them cancel.
+        return ["NOT"] * (sum(hedge == NOT for hedge in hedges) % 2)
+
+    def pushed_in(self, expression: Hedged) -> Expression:
+        """Return the same without hedges on an ``and`` or ``or``, where that can be."""
+        operand = expression.operand
+        if isinstance(operand, Is | Hedged):
+            return hedged(expression.hedges, operand)
+        block = self.block
+        if all(hedge == NOT for hedge in expression.hedges):
+            if len(expression.hedges) % 2 == 0:
+                return operand
+            if block.conjunction in TNORMS and TNORMS[block.conjunction].dual == block.disjunction:
+                kind = Or if isinstance(operand, And) else And
+                return kind(tuple(hedged((NOT,), inner) for inner in operand.operands))
+        message = "fuzzylite has no hedges on expressions in parentheses"
+        self.findings.loss("hedged-expression", message)
+        return operand

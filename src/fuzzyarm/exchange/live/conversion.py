@@ -1,0 +1,121 @@
+"""From the file of one program to that of another: what ``fuzzyarm convert`` writes."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError, Severity
+from fuzzyarm.base.made import MARK
+from fuzzyarm.exchange.formats.findings import Exported, Imported
+from fuzzyarm.exchange.formats.registry import suffix_of, write
+from fuzzyarm.exchange.formats.tables import in_tables
+from fuzzyarm.exchange.live.comparison import measure
+from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
+from fuzzyarm.language.reading import format_text
+from fuzzyarm.language.tokens import tokenize
+
+__all__ = ["converted", "findings_of", "text_in", "written"]
+
+
+def written(
+    rulebase: AnyRuleBase,
+    suffix: str,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
+    """Return a rule base in the format of `suffix`; what is only warned about is measured.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any.
+    suffix, producer, lossy, strict
+        As for :func:`fuzzyarm.exchange.formats.write`.
+    """
+    model = model_of(rulebase)
+    exported = write(model, suffix, producer=producer, lossy=lossy, strict=strict)
+    return measure(model, exported, suffix, producer=producer, lossy=lossy, strict=strict)
+
+
+def converted(
+    rulebase: RuleBase,
+    source: str,
+    target: str,
+    own_text: str = "",
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
+    """Return a rule base that was read as the text of another file.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What was read.
+    source : str
+        The file it was read from; its name is that of a rule base without one.
+    target : str
+        The suffix of the format to write.
+    own_text : str
+        The text that was read, where it is of the language: from ``.frb`` to ``.frb`` it is
+        formatted and keeps its comments; elsewhere they are counted.
+    producer, lossy, strict
+        As for :func:`fuzzyarm.exchange.formats.write`.
+    """
+    is_own = Path(source).suffix.lower() == ".frb"
+    if is_own and target == ".frb":
+        return Exported(format_text(own_text, source))
+    titled = rulebase if rulebase.name.strip() else replace(rulebase, name=Path(source).stem)
+    exported = written(
+        in_tables(titled) if target == ".frb" else titled,
+        target,
+        producer=producer,
+        lossy=lossy,
+        strict=strict,
+    )
+    lines = tokenize(own_text, [])
+    comments = sum(bool(line.comment) and MARK not in line.comment for line in lines)
+    if not comments:
+        return exported
+    message = f"{comments} comment{'' if comments == 1 else 's'} left out"
+    loss = Diagnostic("dropped-comments", message, severity=Severity.INFO)
+    return replace(exported, diagnostics=(loss, *exported.diagnostics))
+
+
+def findings_of(imported: Imported, exported: Exported | None, source: str) -> list[Diagnostic]:
+    """Return what was found in reading and in writing; a rule knows where it stood in `source`."""
+    diagnostics = () if exported is None else exported.diagnostics
+    return [
+        *imported.diagnostics,
+        *(replace(diagnostic, path=source) for diagnostic in diagnostics),
+    ]
+
+
+def text_in(rulebase: AnyRuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
+    """Return `rulebase` in the format that the suffix of `path` names.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to write.
+    path : path-like
+        Its suffix is the format.
+    lossy : bool
+        Whether to go on where numbers would change.
+
+    Raises
+    ------
+    FormatError
+        If the suffix is not that of a format of rule bases.
+    RuleBaseError
+        If the format cannot express the rule base, with every finding.
+    """
+    exported = written(rulebase, suffix_of(path), lossy=lossy)
+    if exported.text is None:
+        raise RuleBaseError(exported.diagnostics)
+    return exported.text

@@ -1,0 +1,118 @@
+"""Terms that libraries keep as functions: their shapes, inputs made of them, averages of values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from fuzzyarm.exchange.formats.findings import Findings
+from fuzzyarm.exchange.formats.recovery import constant_beyond, even_family, joined, shape_of
+from fuzzyarm.exchange.formats.shapes import range_of_values
+from fuzzyarm.language.model.rulebase import Defuzzifier, Input, Output, Shape, Term
+
+__all__ = ["input_of", "output_of_values", "shape_or_points", "terms_of"]
+
+_SAMPLED_AT = 1001
+"""Points over a range at which a function is sampled that is not a shape of the language."""
+
+_ENDS = 97
+"""Points at which the terms of an input are compared with an evenly spread family."""
+
+
+def shape_or_points(
+    function: Callable[[float], float], low: float, high: float, words: str, findings: Findings
+) -> Shape:
+    """Return the shape of a function, or straight lines through its degrees, a slight loss.
+
+    Parameters
+    ----------
+    function : callable
+        From a position to a degree.
+    low, high : float
+        A finite range.
+    words : str
+        What a message says of it in front of *taken at 1001 points*.
+    findings : Findings
+        Where that is said.
+    """
+    shape = shape_of(function, low, high)
+    if shape is not None:
+        return shape
+    message = f"{words} taken at {_SAMPLED_AT} points"
+    findings.loss("unsupported-shape", message, slight=True)
+    xs = [low + (high - low) * i / (_SAMPLED_AT - 1) for i in range(_SAMPLED_AT)]
+    return joined(xs, [min(1.0, max(0.0, function(x))) for x in xs])
+
+
+def terms_of(shapes: Mapping[str, Shape]) -> tuple[Term, ...]:
+    """Return terms by their names."""
+    return tuple(Term(name, shape) for name, shape in shapes.items())
+
+
+def input_of(
+    name: str,
+    low: float,
+    high: float,
+    shapes: Mapping[str, Shape],
+    description: str = "",
+    *,
+    read_beyond: bool = False,
+) -> Input:
+    """Return an input; it is clamped where that makes no difference to its terms.
+
+    Parameters
+    ----------
+    name, low, high, description
+        Of the input.
+    shapes : mapping of str to Shape
+        Its terms; those of an evenly spread family get its numbers.
+    read_beyond : bool, optional
+        Whether conclusions take its value as it is, so that a clamp would make a difference.
+    """
+    outside = "extend"
+    if not read_beyond and all(constant_beyond(shape, low, high) for shape in shapes.values()):
+        outside = "clamp"
+        xs = [low + (high - low) * i / (_ENDS - 1) for i in range(_ENDS)]
+        even = even_family(list(shapes.values()), low, high, xs)
+        shapes = dict(zip(shapes, even, strict=True)) if even else shapes
+    return Input(name, low, high, terms_of(shapes), description, outside)
+
+
+def output_of_values(
+    name: str,
+    terms: tuple[Term, ...],
+    inputs: Iterable[Input],
+    findings: Findings,
+    defuzzifier: Defuzzifier | None = None,
+    no_rule: float = 0.0,
+) -> Output:
+    """Return an output that averages values, each rule for itself; its range is theirs.
+
+    Parameters
+    ----------
+    name : str
+        Of the output.
+    terms : tuple of Term
+        Its values.
+    inputs : iterable of Input
+        Over whose ranges they move.
+    findings : Findings
+        Where the range is said.
+    defuzzifier : Defuzzifier, optional
+        ``weighted-average`` by default.
+    no_rule : float, optional
+        Where no rule fires.
+    """
+    ends = {variable.name: (variable.low, variable.high) for variable in inputs}
+    low, high = range_of_values((term.shape for term in terms), ends) or (0.0, 1.0)
+    message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
+    findings.info("estimated-range", message)
+    return Output(
+        name,
+        low,
+        high,
+        terms,
+        outside="extend",
+        aggregation="sum",
+        defuzzifier=defuzzifier or Defuzzifier("weighted-average"),
+        no_rule=no_rule,
+    )

@@ -1,0 +1,215 @@
+"""Live objects of other libraries: whose one is, the rule base that it is, its own numbers.
+
+A library is known by the name of its module and of the classes that are systems; nothing of it
+is imported here.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic
+from fuzzyarm.base.keywords import ArgumentError
+from fuzzyarm.exchange.formats.findings import Imported, UnreadableError
+from fuzzyarm.exchange.formats.fll import parse_fll
+from fuzzyarm.exchange.live.comparison import comparison_points
+from fuzzyarm.exchange.live.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
+from fuzzyarm.exchange.live.pyit2fls import KINDS, from_pyit2fls, pyit2fls_numbers
+from fuzzyarm.exchange.live.simpful import from_simpful, simpful_numbers
+from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy, skfuzzy_numbers
+from fuzzyarm.language.model.rulebase import RuleBase
+
+__all__ = [
+    "LIBRARIES",
+    "Library",
+    "library_of",
+    "measured",
+    "read_object",
+]
+
+
+@dataclass(frozen=True)
+class Library:
+    """A library whose objects are read.
+
+    Attributes
+    ----------
+    name : str
+        As people call it.
+    module : str
+        Its top module.
+    classes : tuple of str
+        Names of the classes that are systems.
+    read : callable
+        ``read(object, name, lossy=…, strict=…)`` gives an :class:`Imported`.
+    numbers : callable
+        ``numbers(object)`` gives a function from the inputs by name to the outputs that have a
+        value, as the library computes them.
+    """
+
+    name: str
+    module: str
+    classes: tuple[str, ...]
+    read: Callable[..., Imported]
+    numbers: Callable[[Any], Callable[[Mapping[str, float]], dict[str, float]]]
+
+
+# --- pyfuzzylite: it writes its engine as FLL, which is read like any file ---
+
+
+def _from_pyfuzzylite(
+    engine: Any, name: str, *, lossy: bool = False, strict: bool = False
+) -> Imported:
+    """Return the rule base of an engine, from the text that its own exporter makes."""
+    module = sys.modules[type(engine).__module__.partition(".")[0]]
+    settings = module.settings
+    before = {key: getattr(settings, key) for key in ("decimals", "atol")}
+    # Three decimals unless told otherwise; heights and weights within `atol` of 1 are left out.
+    settings.decimals, settings.atol = 25, 0.0
+    try:
+        text = module.FllExporter().to_string(engine)
+    finally:
+        for key, value in before.items():
+            setattr(settings, key, value)
+    imported = parse_fll(text, lossy=lossy, strict=strict)
+    # There is no text for the user to find a position in.
+    diagnostics = tuple(replace(d, span=NOWHERE, path="") for d in imported.diagnostics)
+    rulebase = imported.rulebase
+    if rulebase is not None and not rulebase.name.strip():
+        rulebase = replace(rulebase, name=name)
+    return Imported(rulebase, diagnostics, "pyfuzzylite")
+
+
+def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks an engine for its own numbers."""
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        engine.restart()
+        for variable in engine.input_variables:
+            variable.value = values[variable.name]
+        engine.process()
+        outputs = {
+            output_variable.name: float(output_variable.value)
+            for output_variable in engine.output_variables
+            if output_variable.enabled
+        }
+        return {name: value for name, value in outputs.items() if not math.isnan(value)}
+
+    return numbers
+
+
+# --- The libraries ---
+
+LIBRARIES = (
+    Library(
+        "scikit-fuzzy",
+        "skfuzzy",
+        ("ControlSystem", "ControlSystemSimulation"),
+        from_skfuzzy,
+        skfuzzy_numbers,
+    ),
+    Library(
+        "pyfuzzylite", "fuzzylite", ("Engine",), _from_pyfuzzylite, _pyfuzzylite_numbers
+    ),
+    Library("simpful", "simpful", ("FuzzySystem",), from_simpful, simpful_numbers),
+    Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, fuzzylogic_numbers),
+    Library("pyit2fls", "pyit2fls", KINDS, from_pyit2fls, pyit2fls_numbers),
+)  # fmt: skip
+"""Libraries whose live objects are read."""
+
+
+def library_of(system: object) -> Library | None:
+    """Return the library that an object is a system of, or None."""
+    for base in type(system).__mro__:
+        module = str(base.__module__).partition(".")[0]
+        for library in LIBRARIES:
+            if library.module == module and base.__name__ in library.classes:
+                return library
+    return None
+
+
+def read_object(
+    system: object,
+    name: str = "system",
+    *,
+    points: bool = False,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Imported:
+    """Return the rule base that a live object of another library is.
+
+    Parameters
+    ----------
+    system : object
+        A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
+        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
+        pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
+    name : str
+        What the rule base is called.
+    points : bool
+        Of scikit-fuzzy: whether terms stay straight lines between the points of their universe.
+    lossy, strict : bool
+        As for :func:`fuzzyarm.exchange.formats.read`.
+
+    Raises
+    ------
+    ArgumentError
+        If it is none of these.
+    """
+    library = library_of(system)
+    if library is None:
+        raise ArgumentError(
+            f"{type(system).__module__}.{type(system).__qualname__} is not a system of "
+            f"{', '.join(record.name for record in LIBRARIES)}",
+            argument="found",
+        )
+    options = {"points": points} if library.module == "skfuzzy" else {}
+    try:
+        return library.read(system, name, lossy=lossy, strict=strict, **options)
+    except UnreadableError as error:
+        return Imported(None, (Diagnostic("unreadable-object", str(error)[:500]),), library.name)
+    except Exception as error:  # whatever the library raises over an object that is half made
+        message = f"the object cannot be read: {type(error).__name__}: {error}"
+        return Imported(None, (Diagnostic("unreadable-object", message[:500]),), library.name)
+
+
+# --- Its numbers at points that stand for all ---
+
+_SECONDS = 15.0
+"""Time for the numbers of one object; fewer points are compared where it is slow."""
+
+
+def measured(
+    system: object, rulebase: RuleBase, deadline: float = math.inf
+) -> list[tuple[dict[str, float], dict[str, float] | None]]:
+    """Return points and what a live object computes there itself, None where it raises.
+
+    Parameters
+    ----------
+    system : object
+        A system of one of the :data:`LIBRARIES`.
+    rulebase : RuleBase
+        What it was read as.
+    deadline : float
+        On the monotonic clock: no further point is taken after it.
+    """
+    if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
+        return []
+    library = library_of(system)
+    assert library is not None
+    numbers = library.numbers(system)
+    until = min(deadline, time.monotonic() + _SECONDS)
+    results: list[tuple[dict[str, float], dict[str, float] | None]] = []
+    for point in comparison_points(rulebase):
+        if time.monotonic() > until:
+            break
+        try:
+            results.append((point, numbers(point)))
+        except Exception:  # whatever the library, or a function of the user's in it, raises
+            results.append((point, None))
+    return results

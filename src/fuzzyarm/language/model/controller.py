@@ -1,0 +1,494 @@
+"""The meaning of a controller as text: uses, gains, signals and drives. Plain frozen data.
+
+A controller is a list of definitions, evaluated once in each control period for each of its
+axes, in the order of the text. The possible sources of a signal are the table :data:`SOURCES`
+(:mod:`fuzzyarm.symbolic.sources`); the reader, the checks, the kernel and the exported program
+know no other.
+
+The records are the nodes of the syntax tree as well: names and numbers of a text carry their place
+(:mod:`fuzzyarm.base.placed`), which equality ignores.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.placed import Figure
+from fuzzyarm.base.shown import one_line
+from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.sources import SOURCES, OptionKind, Setting, SourceKind
+
+__all__ = [
+    "SOURCES",
+    "TIMES",
+    "Amount",
+    "Axes",
+    "ControllerModel",
+    "Drive",
+    "Factor",
+    "GainModel",
+    "Learn",
+    "Line",
+    "OptionKind",
+    "Partner",
+    "Product",
+    "SignalLine",
+    "Source",
+    "SourceKind",
+    "Time",
+    "Tune",
+    "Use",
+    "Zoom",
+]
+
+TIMES = {
+    "us": (1.0, 1e6),
+    "ms": (1.0, 1e3),
+    "s": (1.0, 1.0),
+    "min": (60.0, 1.0),
+    "h": (3600.0, 1.0),
+}
+"""Units of time as a multiplier and a divisor of seconds, so that 0.6 ms is the nearest float."""
+
+
+class Time(float):
+    """A time, s; of one in a text the number and the unit that stand there."""
+
+    __slots__ = ("figure", "unit")
+
+    figure: Figure
+    unit: str
+
+    def __new__(cls, figure: Figure, unit: str) -> Time:
+        """Return the time that a number of a unit is."""
+        number, of_a_second = TIMES[unit]
+        time = super().__new__(cls, float(figure) * number / of_a_second)
+        time.figure, time.unit = figure, unit
+        return time
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.figure, self.unit)
+
+
+# --- Numbers by name ---
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number as it is written: numbers and π between ``*`` and ``/``.
+
+    Parameters
+    ----------
+    factors : tuple of (float or None, bool)
+        From left to right; None stands for π, true for what divides.
+    """
+
+    factors: tuple[tuple[float | None, bool], ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @classmethod
+    def of(cls, number: float) -> Amount:
+        """Return a number as it is written by itself."""
+        return cls(((float(number), False),))
+
+    def value(self, pi: float) -> float:
+        """Return the number, with the π that a run counts with."""
+        (first, _), *rest = self.factors
+        value = pi if first is None else first
+        for number, divides in rest:
+            factor = pi if number is None else number
+            value = value / factor if divides else value * factor
+        return value
+
+
+class Tune(NamedTuple):
+    """The range in which a gain may move when it is tuned, and whether its scale is logarithmic."""
+
+    low: float
+    high: float
+    log: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class GainModel:
+    """``gain NAME = VALUE "unit"``: one number for all axes, or one for each.
+
+    Parameters
+    ----------
+    name : str
+        Of the gain.
+    values : tuple of Amount
+        One, or one for each axis.
+    unit : str
+        May be empty.
+    tune : Tune or None
+        Low, high, and whether in steps of the logarithm.
+    """
+
+    name: str
+    values: tuple[Amount, ...]
+    unit: str = ""
+    tune: Tune | None = None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """``use NAME from "FILE"``: a rule base or a table, for all axes or one for each."""
+
+    name: str
+    files: tuple[str, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Partner:
+    """``partner NAME = LAW``: a law of the catalogue, with some of its gains set."""
+
+    name: str
+    law: str
+    gains: tuple[tuple[str, float], ...] = ()
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+# --- The lines of an axis ---
+
+
+class Factor(NamedTuple):
+    """A signal, a gain or a partner by name, or a number; whether it divides.
+
+    `partner` says that the word stands in front of the name.
+    """
+
+    value: str | float
+    divides: bool = False
+    partner: bool = False
+
+
+class Product(NamedTuple):
+    """Factors from left to right; subtracted where it is negative."""
+
+    factors: tuple[Factor, ...]
+    negative: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a signal comes from.
+
+    Parameters
+    ----------
+    kind : str
+        A key of :data:`SOURCES`.
+    name : str
+        The port, the signal, the rule base or the table.
+    inputs : tuple of str
+        Of a call: its signals, in the order of the text.
+    options : dict
+        By their words: a number or the name of a gain; s; a pair; true; ``"hold"`` or s.
+    """
+
+    kind: str
+    name: str
+    inputs: tuple[str, ...] = ()
+    options: tuple[tuple[str, Setting], ...] = ()
+
+    @property
+    def record(self) -> SourceKind:
+        """The record of its kind; KindError if it is unknown."""
+        return SOURCES[self.kind]
+
+    def sized(self, period: float) -> SourceKind:
+        """Return the record of its kind, with as many states as its options have periods."""
+        return self.record.sized(dict(self.options), period)
+
+    def option(self, word: str) -> Setting | None:
+        """Return an option; None without it."""
+        return dict(self.options).get(word)
+
+
+@dataclass(frozen=True, slots=True)
+class SignalLine:
+    """``NAME = SOURCE * FACTOR …``, or a sum of products.
+
+    Each signal is stored once, in the precision of the run. `names` has more than one where a
+    rule base has several outputs. With a source there is one product: its factors.
+    """
+
+    names: tuple[str, ...]
+    source: Source | None
+    products: tuple[Product, ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def reads(self) -> Iterator[str]:
+        """Yield the signals, gains and partners that it is made of."""
+        yield from _names_in(self.products)
+        if self.source is not None:
+            yield from self.source.inputs
+            if self.source.record.of == "signal":
+                yield self.source.name
+
+
+@dataclass(frozen=True, slots=True)
+class Zoom:
+    """``zoom e, ce by 2 inside 3 [, edge wait]``: signals magnified while all are small."""
+
+    signals: tuple[str, ...]
+    by: str | float
+    inside: str | float
+    wait: bool = False
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Learn:
+    """``learn F by P(e, ce), delay 1, rate 1, bound 6``: a table that corrects itself.
+
+    The cell of F that was in use `delay` periods ago is changed by `rate` times what the
+    performance table P says of now, and kept within ± `bound`.
+
+    Parameters
+    ----------
+    table, judge : str
+        The table that learns, the performance table.
+    inputs : tuple of str
+        Of the performance table.
+    options : tuple of (str, float or str)
+        As written: ``delay``, periods; ``rate`` and ``bound``, numbers or names of gains.
+    """
+
+    table: str
+    judge: str
+    inputs: tuple[str, ...]
+    options: tuple[tuple[str, Setting], ...] = ()
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def delay(self) -> int:
+        """How many periods ago the cell was in use."""
+        return int(float(self._option("delay", 1.0)))
+
+    @property
+    def rate(self) -> str | float:
+        """The share of the performance value that corrects, or the gain that says it."""
+        return self._option("rate", 1.0)
+
+    @property
+    def bound(self) -> str | float:
+        """The largest magnitude of a cell, or the gain that says it."""
+        return self._option("bound", 6.0)
+
+    def _option(self, word: str, usual: float) -> str | float:
+        value = dict(self.options).get(word, usual)
+        return value if isinstance(value, str | float) else usual
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """``drive PORT = SUM [, within A .. B] [, slew N] [, on nan N]``; drives of a port add up.
+
+    First the limits hold, then the rate of change, per second. `on_nan` is what the port gets in a
+    period that is skipped, in place of its last value.
+    """
+
+    port: str
+    products: tuple[Product, ...]
+    within: tuple[float, float] | None = None
+    slew: float | None = None
+    on_nan: float | None = None
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def idle(self) -> float:
+        """The value before the first period: 0, brought into the limits."""
+        low, high = self.within or (-math.inf, math.inf)
+        return min(max(0.0, low), high)
+
+
+Line = SignalLine | Zoom | Learn | Drive
+
+
+@dataclass(frozen=True, slots=True)
+class Axes:
+    """``axis A, B``: the lines that are evaluated for each of them, in order.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the axes.
+    lines : tuple of SignalLine, Zoom, Learn or Drive
+        In the order of the text.
+    """
+
+    names: tuple[str, ...]
+    lines: tuple[Line, ...] = ()
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def ports(self, kind: str) -> tuple[str, ...]:
+        """Return the ports of a kind that the lines name, in order.
+
+        Parameters
+        ----------
+        kind : str
+            ``reference``, ``measured`` or ``drive``.
+        """
+        ports: dict[str, None] = {}
+        for line in self.lines:
+            if isinstance(line, Drive):
+                if kind == "drive":
+                    ports[line.port] = None
+            elif isinstance(line, SignalLine) and line.source is not None:
+                ports |= dict.fromkeys(
+                    [line.source.name] if kind in line.source.record.ports else []
+                )
+        return tuple(ports)
+
+    def driven_by(self, name: str) -> Drive | None:
+        """Return the first drive that depends on a signal."""
+        names = {name}
+        for line in self.lines:
+            if isinstance(line, SignalLine) and names & set(line.reads()):
+                names |= set(line.names)
+            elif isinstance(line, Drive) and names & set(_names_in(line.products)):
+                return line
+        return None
+
+    def gain_of(self, name: str, drive: Drive, constants: Collection[str]) -> Products | None:
+        """Return by how much a drive grows with what the source of a signal gives.
+
+        Parameters
+        ----------
+        name : str
+            Of a signal with a source.
+        drive : Drive
+            One that depends on it, before its limits.
+        constants : collection of str
+            The gains, which are known beforehand.
+
+        Returns
+        -------
+        tuple of Product or None
+            Their sum is the gain; None where it is not constant.
+        """
+        gains: dict[str, Products | None] = {}
+        for line in self.lines:
+            if isinstance(line, SignalLine) and line.source is not None and name in line.names:
+                gains[name] = _times((Product(()),), line.products, constants)
+            elif isinstance(line, SignalLine) and gains.keys() & set(line.reads()):
+                # A filter, a rule base or a table in between: no constant gain.
+                through = None if line.source is not None else line.products
+                gains |= dict.fromkeys(line.names, _gain_through(through, gains, constants))
+            elif isinstance(line, Zoom):
+                # A zoom changes the gain with the signal: None.
+                gains |= dict.fromkeys(gains.keys() & set(line.signals))
+            if line is drive:
+                return _gain_through(drive.products, gains, constants)
+        return None
+
+
+Products = tuple[Product, ...]
+"""A sum of products."""
+
+
+def _gain_through(
+    products: Products | None, gains: Mapping[str, Products | None], constants: Collection[str]
+) -> Products | None:
+    """Return the gain of a sum of products, where those of some of its signals are known."""
+    if products is None:
+        return None
+    gain: list[Product] = []
+    for product in products:
+        inside = [factor for factor in product.factors if factor.value in gains]
+        if not inside:
+            continue
+        before = gains[str(inside[0].value)]
+        others = tuple(factor for factor in product.factors if factor is not inside[0])
+        # Products of two such signals, and quotients by one, are not linear.
+        if before is None or len(inside) > 1 or inside[0].divides:
+            return None
+        gain_here = _times(before, (Product(others, product.negative),), constants)
+        if gain_here is None:
+            return None
+        gain += gain_here
+    return tuple(gain)
+
+
+def _times(first: Products, second: Products, constants: Collection[str]) -> Products | None:
+    """Multiply two sums of products, no products for 1; None where a factor is not constant."""
+    products = tuple(
+        Product((*a.factors, *b.factors), a.negative != b.negative)
+        for a in first
+        for b in second or (Product(()),)
+    )
+    values = [factor.value for product in products for factor in product.factors]
+    constant = all(not isinstance(value, str) or value in constants for value in values)
+    return products if constant else None
+
+
+def _names_in(products: tuple[Product, ...]) -> Iterator[str]:
+    """Yield the names in a sum of products."""
+    for product in products:
+        for factor in product.factors:
+            if isinstance(factor.value, str):
+                yield factor.value
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class ControllerModel(OfKind):
+    """A controller as text.
+
+    Parameters
+    ----------
+    name, description : str
+        Of its first line.
+    period : float
+        How often it runs, s.
+    every : int
+        Periods from one set point to the next; 1 where the text does not say.
+    uses, gains, partners, axes : tuple
+        In the order of the text.
+    rulebases : tuple of RuleBase
+        In the same file; the controller refers to them by name.
+    claims : tuple of LoopClaim
+        Claims to be proved of its loop.
+    """
+
+    kind_of_value = CONTROLLER
+
+    name: str
+    period: float
+    axes: tuple[Axes, ...]
+    gains: tuple[GainModel, ...] = ()
+    uses: tuple[Use, ...] = ()
+    partners: tuple[Partner, ...] = ()
+    every: int = 1
+    description: str = ""
+    rulebases: tuple[RuleBase, ...] = ()
+    claims: tuple[LoopClaim, ...] = ()
+
+    def __repr__(self) -> str:
+        axes, gains = ", ".join(self.axis_names), ", ".join(gain.name for gain in self.gains)
+        words = f"every {self.period:g} s, axes {axes}, gains {gains or 'none'}"
+        return one_line(self, f"{self.name}: {words}")
+
+    def lines(self) -> Iterator[tuple[Axes, Line]]:
+        """Iterate over the lines of all axes."""
+        for axes in self.axes:
+            for line in axes.lines:
+                yield axes, line
+
+    @property
+    def axis_names(self) -> tuple[str, ...]:
+        """The axes, in order."""
+        return tuple(name for axes in self.axes for name in axes.names)
+
+    @property
+    def has_one_axis(self) -> bool:
+        """Whether there is one axis only, whose ports need no prefix."""
+        return len(self.axes) == len(self.axes[0].names) == 1

@@ -1,0 +1,48 @@
+"""Proofs of a controller together with its plant: stable, inside, reached.
+
+:func:`prove` takes a rule base or a controller; of a controller a claim about its loop, of which
+:func:`check_certificate` checks the certificate.
+"""
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.base.lazy import lazily
+from fuzzyarm.proof.loop.call import prove
+from fuzzyarm.proof.loop.certificate import Certificate, CertificateError
+from fuzzyarm.proof.loop.claims import claim_text, read_claim
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.problem import LoopProofError, loop_problem
+from fuzzyarm.proof.loop.timed import loop_tube
+from fuzzyarm.proof.loop.tube import Demand, Tube, tube
+from fuzzyarm.proof.loop.tube_certificate import (
+    TubeCertificate,
+    certify_tube,
+    read_certificate,
+    write_certificate,
+)
+from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
+
+__all__ = [
+    "Certificate",
+    "CertificateError",
+    "Demand",
+    "EnclosureError",
+    "LoopProofError",
+    "LoopVerdict",
+    "Tube",
+    "TubeCertificate",
+    "certify_tube",
+    "check_certificate",
+    "claim_text",
+    "loop_problem",
+    "loop_tube",
+    "prove",
+    "prove_loop",
+    "read_certificate",
+    "read_claim",
+    "tube",
+    "write_certificate",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

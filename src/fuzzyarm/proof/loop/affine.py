@@ -1,0 +1,386 @@
+"""Affine forms over rationals: a control period as a linear part, uncertain gains, and limits.
+
+A signal is a constant plus a sum of state variables and of *answers* w of blocks. A block is a
+gain that is not known: its answer is some δ times a signal v, |δ| ≤ 1, whatever the block is (a
+rule base within its sector, a limit, a slope of the plant). All numbers of the file are taken as
+the rationals that they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.loop.evidence import Gains
+from fuzzyarm.proof.loop.period import LoopAlgebra
+from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.loop.spans import FUNCTIONS, SpanError, exactly, function
+from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Affine", "AffineAlgebra", "NotAffineError", "SignalBound", "UncertainGain"]
+
+ZERO, ONE = Fraction(0), Fraction(1)
+
+INFINITY, NO_VALUE = "infinity", "a division by 0"
+VALUELESS = (INFINITY, NO_VALUE)
+"""Variables of what is not a number: it may stand in a comparison, or in a branch not taken."""
+
+
+class NotAffineError(LoopProofError):
+    """A loop is not affine where it has to be."""
+
+
+class MovingError(NotAffineError):
+    """Where the loop should rest something moves."""
+
+
+@dataclass(frozen=True)
+class Affine:
+    """A constant and a sum of variables.
+
+    Attributes
+    ----------
+    constant : Fraction
+        Its value at rest.
+    parts : dict of str to Fraction
+        Weights of the variables; none is 0.
+    low, high : Fraction or None
+        What the signal cannot leave whatever the variables are, where that is known.
+    """
+
+    constant: Fraction
+    parts: Mapping[str, Fraction] = field(default_factory=dict)
+    low: Fraction | None = None
+    high: Fraction | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is a number."""
+        return not self.parts
+
+    def scaled(self, by: Fraction) -> Affine:
+        """Return it times a number."""
+        ends = self.low, self.high
+        if by < 0:
+            ends = self.high, self.low
+        low, high = (None if end is None else end * by for end in ends)
+        parts = {name: weight * by for name, weight in self.parts.items()}
+        if not by:  # what has no value has none times 0
+            parts = {name: ONE for name in self.parts if name in VALUELESS}
+        return Affine(self.constant * by, parts, *((ZERO, ZERO) if not by else (low, high)))
+
+    def plus(self, other: Affine) -> Affine:
+        """Return the sum of two."""
+        parts = dict(self.parts)
+        for name, weight in other.parts.items():
+            total = parts.get(name, ZERO) + weight
+            if total:
+                parts[name] = total
+            else:
+                parts.pop(name, None)
+        low, high = (
+            None if a is None or b is None else a + b
+            for a, b in ((self.low, other.low), (self.high, other.high))
+        )
+        return Affine(self.constant + other.constant, parts, low, high)
+
+    @property
+    def deviation(self) -> Affine:
+        """It without its constant."""
+        return Affine(ZERO, self.parts)
+
+
+def number(value: float | Fraction) -> Affine:
+    """Return the form of a number."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise NotAffineError(f"{value} is not a number")
+    exact = Fraction(value)
+    return Affine(exact, {}, exact, exact)
+
+
+def variable(name: str, rest: Fraction = ZERO) -> Affine:
+    """Return the form of a state that is `rest` at rest."""
+    return Affine(rest, {name: ONE})
+
+
+@dataclass(frozen=True)
+class UncertainGain:
+    """An uncertain gain: the answer w of the variable `name` has |w| ≤ |v|.
+
+    Attributes
+    ----------
+    name : str
+        Of the variable of its answer.
+    v : Affine
+        What it answers, times the radius of the gain; without a constant.
+    words : str
+        What it is.
+    """
+
+    name: str
+    v: Affine
+    words: str
+
+
+@dataclass(frozen=True)
+class SignalBound:
+    """Where the form is the loop: a signal must stay between two numbers.
+
+    Attributes
+    ----------
+    signal : Affine
+        Which; without a constant.
+    low, high : Fraction or None
+        Below and above 0; None for no end.
+    words : str
+        What it is.
+    """
+
+    signal: Affine
+    low: Fraction | None
+    high: Fraction | None
+    words: str
+
+
+Rules = Callable[["AffineAlgebra", RuleBase, Mapping[str, Affine]], list[Affine]]
+"""What stands for rule bases."""
+
+
+class AffineAlgebra(LoopAlgebra[Affine]):
+    """A control period in affine forms; an :class:`~fuzzyarm.proof.loop.period.LoopAlgebra`.
+
+    Where a limit may hold or a choice be made, the branch at rest is taken, and what has to be
+    true for it is noted as a :class:`SignalBound`; or, by `grip`, a limit may take away all but
+    that share of a deviation, which makes an :class:`UncertainGain` of it.
+
+    Parameters
+    ----------
+    rules, table : callable
+        What rule bases and tables are.
+    grip : Fraction
+        1: no limit is reached.
+    is_search : bool
+        While the rest is looked for: nothing is noted, and limits are not there.
+
+    Attributes
+    ----------
+    blocks, bounds : list
+        What has been noted.
+    gains, spread : list
+        The same for a certificate, see :class:`fuzzyarm.proof.loop.evidence.Evidence`.
+    """
+
+    def __init__(
+        self,
+        rules: Rules,
+        table: Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine],
+        *,
+        grip: Fraction = ONE,
+        is_search: bool = False,
+    ) -> None:
+        self._rules, self._table = rules, table
+        self.grip, self.is_search = grip, is_search
+        self.blocks: list[UncertainGain] = []
+        self.bounds: list[SignalBound] = []
+        self.gains: list[Gains] = []
+        self.spread: list[tuple[int, int, Fraction, Fraction]] = []
+
+    # --- arithmetic ---
+
+    def number(self, value: float) -> Affine:
+        """Return the form of a number."""
+        if math.isinf(value):  # the end of a range that has none
+            return Affine(Fraction(0), {INFINITY: Fraction(1 if value > 0 else -1)})
+        return number(value)
+
+    def add(self, a: Affine, b: Affine) -> Affine:
+        """Return a sum."""
+        return a.plus(b)
+
+    def subtract(self, a: Affine, b: Affine) -> Affine:
+        """Return a difference."""
+        return a.plus(b.scaled(-ONE))
+
+    def multiply(self, a: Affine, b: Affine) -> Affine:
+        """Return a product, of which one factor is a number."""
+        for one, other in ((a, b), (b, a)):
+            if one.is_constant:
+                return other.scaled(one.constant)
+        raise NotAffineError("two signals are multiplied")
+
+    def divide(self, a: Affine, b: Affine) -> Affine:
+        """Return a quotient by a number."""
+        if not b.is_constant:
+            raise NotAffineError("a signal is divided by one that is not constant")
+        if not b.constant:  # no value, in a branch that is not taken
+            return Affine(ZERO, {NO_VALUE: ONE})
+        return a.scaled(ONE / b.constant)
+
+    def error(self, x: Affine, size: float) -> Affine:
+        """Refuse an error that does not vanish at rest."""
+        raise NotAffineError(
+            "a sensor with steps leaves a loop wandering between them: it is not asymptotically"
+            " stable"
+        )
+
+    # --- limits ---
+
+    def limit(self, x: Affine, low: float, high: float) -> Affine:
+        """Return a signal between limits."""
+        if x.is_constant:
+            return number(min(max(x.constant, _end(low)), _end(high)))
+        if self.is_search:
+            return x
+        ends = [None if math.isinf(end) else Fraction(end) for end in (low, high)]
+        return self._held(x, ends[0], ends[1], f"a limit, {low:g} .. {high:g}")
+
+    def near(self, x: Affine, before: Affine, most: float) -> Affine:
+        """Return a signal whose change in one period is limited."""
+        change = self.subtract(x, before)
+        if change.is_constant or self.is_search:
+            return x
+        if change.constant:
+            raise MovingError("a drive that is limited in its change moves")
+        self._note(change, -Fraction(most), Fraction(most), f"a slew, {most:g} in a period")
+        return x
+
+    def _held(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> Affine:
+        """Return a signal between limits: it is within them, or loses a share of its deviation."""
+        inside = (low is None or (x.low is not None and low <= x.low)) and (
+            high is None or (x.high is not None and x.high <= high)
+        )
+        if inside:
+            return x
+        rest = x.constant
+        for end, sign in ((low, 1), (high, -1)):
+            if end is not None and sign * (rest - end) <= 0:
+                raise NotAffineError(f"at rest a signal is {float(rest):.6g}, at {words}")
+        # What is cut off is still this share of the deviation, wherever the signal can go.
+        least = ONE
+        for end, most in ((low, x.low), (high, x.high)):
+            if end is not None:
+                share = ZERO if most is None else (end - rest) / (most - rest)
+                least = min(least, share if most is not None and _beyond(end, most, rest) else ONE)
+                if most is None:
+                    least = ZERO
+        if least < self.grip:
+            least = self.grip
+            room = [None if end is None else (end - rest) / least for end in (low, high)]
+            self._note(x.deviation, room[0], room[1], words)
+        if least == ONE:
+            return x
+        answer = self.block(x.deviation.scaled((ONE - least) / 2), words)
+        middle = x.deviation.scaled((ONE + least) / 2)
+        form = middle.plus(answer)
+        return Affine(rest, form.parts, low, high)
+
+    def block(self, v: Affine, words: str) -> Affine:
+        """Add a block with |w| ≤ |v|; return its answer."""
+        name = f"w{len(self.blocks)}"
+        self.blocks.append(UncertainGain(name, v, words))
+        return variable(name)
+
+    def _note(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
+        self.bounds.append(SignalBound(x.deviation, low, high, words))
+
+    def require(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
+        """Note that the deviation of a signal stays between two numbers around 0."""
+        self._note(x, low, high, words)
+
+    # --- rule bases, tables, expressions ---
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, Affine]) -> list[Affine]:
+        """Return what a rule base concludes."""
+        return self._rules(self, sheet, inputs)
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, Affine]) -> Affine:
+        """Return what a table says."""
+        return self._table(self, sheet, inputs)
+
+    def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:
+        """Return an expression that is affine, or is so beside choices that are made at rest."""
+        forms: dict[Node, Affine] = {}
+        for node in postorder(root):
+            if isinstance(node, Constant):
+                forms[node] = self.number(node.value)
+            elif isinstance(node, Symbol):
+                forms[node] = values[node.name]
+            else:
+                assert isinstance(node, Apply)
+                forms[node] = self._applied(node.operation, [forms[a] for a in node.arguments])
+        return forms[root]
+
+    def _applied(self, operation: str, arguments: list[Affine]) -> Affine:
+        functions: dict[str, Callable[..., Affine]] = {
+            "add": self.add,
+            "subtract": self.subtract,
+            "multiply": self.multiply,
+            "divide": self.divide,
+            "negative": lambda a: a.scaled(-ONE),
+            "minimum": lambda a, b: a if self._is_less(a, b) else b,
+            "maximum": lambda a, b: b if self._is_less(a, b) else a,
+            "less": lambda a, b: number(float(self._is_less(a, b))),
+            "less_equal": lambda a, b: number(float(self._is_less(a, b, or_equal=True))),
+            "where": lambda condition, then, other: then if condition.constant else other,
+        }
+        if operation in functions:
+            return functions[operation](*arguments)
+        if all(argument.is_constant for argument in arguments):
+            return number(_exactly(operation, [argument.constant for argument in arguments]))
+        raise NotAffineError(f"'{operation}' of a signal is not linear")
+
+    def _is_less(self, a: Affine, b: Affine, *, or_equal: bool = False) -> bool:
+        """Tell whether a is below b at rest; note that it has to stay so."""
+        way = self.subtract(b, a)
+        endless = way.parts.get(INFINITY, ZERO)
+        if endless:
+            return endless > 0
+        if way.is_constant:
+            return way.constant > 0 or (or_equal and not way.constant)
+        if self.is_search:
+            # A limit: it does not hold, whichever side is a number.
+            return a.is_constant or b.is_constant
+        if not way.constant:
+            raise NotAffineError("at rest two signals are equal, of which the greater one counts")
+        least, most = (-way.constant, None) if way.constant > 0 else (None, -way.constant)
+        self._note(way, least, most, "a choice")
+        return way.constant > 0
+
+
+def _beyond(end: Fraction, most: Fraction, rest: Fraction) -> bool:
+    return abs(most - rest) > abs(end - rest)
+
+
+def _end(value: float) -> Fraction:
+    """Return a limit as a number that may stand for infinity in a comparison."""
+    return (
+        Fraction(value) if math.isfinite(value) else Fraction(10) ** 400 * (1 if value > 0 else -1)
+    )
+
+
+def _exactly(operation: str, values: list[Fraction]) -> Fraction:
+    """Return an operation of numbers where it is rational."""
+    exact: dict[str, Callable[..., Fraction | bool]] = {
+        "absolute": abs,
+        "equal": lambda a, b: a == b,
+        "both": lambda a, b: bool(a) and bool(b),
+        "either": lambda a, b: bool(a) or bool(b),
+        "negation": lambda a: not a,
+    }
+    if operation in exact:
+        return Fraction(exact[operation](*values))
+    if operation in FUNCTIONS:
+        with suppress(SpanError):
+            value = function(operation, exactly(values[0]))
+            if value.is_point:  # the sine of 0, the root of 4
+                return value.low
+    if operation == "sqrt" and values[0] >= 0:
+        root = Fraction(math.isqrt(values[0].numerator), math.isqrt(values[0].denominator))
+        if root * root == values[0]:
+            return root
+    raise NotAffineError(f"'{operation}' of {float(values[0]):.6g} is not rational")

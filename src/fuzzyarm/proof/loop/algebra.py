@@ -1,0 +1,176 @@
+"""One control period over zonotopes: the kind of number that a controller is computed with.
+
+Every line of a controller, every source and limit is read as it is (see
+:class:`fuzzyarm.control.controllers.period.ControlPeriod`); only what numbers mean is said here.
+Numbers of the file stay floats until they meet a form, so that a gain is a multiple and loses
+nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+
+import numpy as np
+
+from fuzzyarm.language.model.rulebase import RuleBase, Variable
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.period import LoopAlgebra
+from fuzzyarm.proof.loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
+from fuzzyarm.proof.loop.problem import LostRunError
+from fuzzyarm.proof.loop.readings import pruned, read, readable
+from fuzzyarm.proof.loop.zonotope import Forms, clip, larger, smaller, stacked
+from fuzzyarm.symbolic.nodes import Constant, Node
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Number", "Zonotopes"]
+
+Number = Forms | float
+
+
+class Zonotopes(LoopAlgebra[Number]):
+    """Numbers of a control period: forms of shape (batch,), and floats of the file."""
+
+    def __init__(self, batch: int, planes: Callable[[RuleBase, str], RulePlanes]) -> None:
+        self.batch = batch
+        self.planes = planes
+        self.count = 0
+
+    def forms(self, x: Number) -> Forms:
+        """Return a number as forms."""
+        return x if isinstance(x, Forms) else Forms.at(np.full(self.batch, x))
+
+    def fresh(self, x: Forms) -> Forms:
+        """Return forms whose rest is its own symbol."""
+        if not x.rest.any():
+            return x
+        self.count += 1
+        return x.with_symbols(self.count, [self.count - 1])
+
+    def number(self, value: float) -> Number:
+        """Return a number of the file."""
+        return float(value)
+
+    def _both(self, a: Number, b: Number) -> tuple[Forms, Number]:
+        if isinstance(a, Forms):
+            return a, b
+        return self.forms(a), b if isinstance(b, Forms) else self.forms(b)
+
+    def add(self, a: Number, b: Number) -> Number:
+        """Return a sum."""
+        if not isinstance(a, Forms) and isinstance(b, Forms):
+            a, b = b, a
+        first, second = self._both(a, b)
+        return first + second
+
+    def subtract(self, a: Number, b: Number) -> Number:
+        """Return a difference; 0 of a number from itself."""
+        return 0.0 if a is b else self.add(a, -b)
+
+    def multiply(self, a: Number, b: Number) -> Number:
+        """Return a product."""
+        if not isinstance(a, Forms) and isinstance(b, Forms):
+            a, b = b, a
+        first, second = self._both(a, b)
+        return first * second
+
+    def divide(self, a: Number, b: Number) -> Number:
+        """Return a quotient."""
+        if isinstance(a, float) and a == 0.0 and isinstance(b, float) and b != 0.0:
+            return 0.0
+        first, second = self._both(a, b)
+        return first / second
+
+    def limit(self, x: Number, low: float, high: float) -> Number:
+        """Return ``min(max(x, low), high)``."""
+        forms = self.forms(x)
+        bounds = forms.bounds
+        if (bounds.low >= low).all() and (bounds.high <= high).all():
+            return x
+        return self.fresh(clip(forms, low, high))
+
+    def near(self, x: Number, before: Number, most: float) -> Number:
+        """Return ``min(max(x, before - most), before + most)``."""
+        forms, last = self.forms(x), self.forms(before)
+        # `most` is a product of floats that the loop rounds: a neighbour each way.
+        size = Forms.between(
+            np.full(self.batch, math.nextafter(most, 0.0)),
+            np.full(self.batch, math.nextafter(most, math.inf)),
+        )
+        return self.fresh(smaller(larger(forms, last - size), last + size))
+
+    def expression(self, root: Node, values: Mapping[str, Number]) -> Number:
+        """Return what an expression is for some values of its symbols."""
+        numbers = {name: x for name, x in values.items() if not isinstance(x, Forms)}
+        forms_by_name = {name: x for name, x in values.items() if isinstance(x, Forms)}
+        reading = _readable(root, tuple(sorted(numbers.items())))
+        if isinstance(reading, Constant):
+            return reading.value
+        return self.fresh(read([reading], forms_by_name or {"": self.forms(0.0)})[0])
+
+    def error(self, x: Number, size: float) -> Number:
+        """Return ``x`` and an unknown error of at most a size."""
+        return self.fresh(self.forms(x).within(size))
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
+        """Return what a rule base concludes, output by output."""
+        results: list[Number] = []
+        for output in sheet.outputs:
+            planes: RulePlanes = self.planes(sheet, output.name)
+            arguments = [self._inside(inputs[variable.name], variable) for variable in sheet.inputs]
+            value = self._asked(planes.band, arguments)
+            if planes.clamps:
+                value = self.fresh(clip(value, output.low, output.high))
+            elif output.outside == "error" and not planes.prover.lies_between:
+                _demand_inside(value, output)
+            results.append(value)
+        return results
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, Number]) -> Number:
+        """Return what a lookup table says."""
+        return self._asked(
+            TablePlanes(sheet).band, [self.forms(inputs[name]) for name in sheet.names]
+        )
+
+    def _inside(self, x: Number, variable: Variable) -> Forms:
+        forms = self.forms(x)
+        if variable.outside == "extend":
+            return forms
+        if variable.outside == "error":
+            _demand_inside(forms, variable)
+            return forms
+        return self.fresh(clip(forms, variable.low, variable.high))
+
+    def _asked(self, band: Callable[[Zonotope], PlaneBand], arguments: Sequence[Forms]) -> Forms:
+        """Return a value from the plane and the band of each box."""
+        inputs = stacked(arguments)
+        rows = range(inputs.shape[0])
+        bands = [
+            band(
+                Zonotope(
+                    inputs.centre[:, box],
+                    np.column_stack([inputs.parts[:, :, box].T, np.diag(inputs.rest[:, box])]),
+                )
+            )
+            for box in range(self.batch)
+        ]
+        slopes = np.array([plane.slopes for plane in bands])
+        value = Forms.between([plane.low for plane in bands], [plane.high for plane in bands])
+        for row in rows:
+            value = value + inputs[row].scaled(slopes[:, row])
+        return self.fresh(value)
+
+
+def _demand_inside(x: Forms, variable: Variable) -> None:
+    """Refuse a signal of a rule base that may be outside its range, where there is no value."""
+    bounds, where = x.bounds, f"outside the range of '{variable.name}', where there is no value"
+    if (bounds.high < variable.low).any() or (bounds.low > variable.high).any():
+        raise LostRunError(where)
+    if (bounds.low < variable.low).any() or (bounds.high > variable.high).any():
+        raise EnclosureError(f"a run may be {where}")
+
+
+@cache
+def _readable(root: Node, numbers: tuple[tuple[str, float], ...]) -> Node:
+    return readable(pruned(root, dict(numbers)))

@@ -1,0 +1,243 @@
+"""One call that proves: a statement on a rule base, a claim about a loop, all that a file says."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, TypedDict, overload
+
+from fuzzyarm.base import above
+from fuzzyarm.base.keywords import ArgumentError, demand_alone, demand_arguments, wrong_argument
+from fuzzyarm.base.names import nearest
+from fuzzyarm.base.value_kinds import CONTROLLER, MODEL, RULE_BASE, wrong_kind
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.rulebase import AnyRuleBase, Property
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.loop.claims import claimed_plant, read_claim
+from fuzzyarm.proof.loop.orders import Proof, proofs_of
+from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
+from fuzzyarm.proof.map import verdicts
+from fuzzyarm.proof.map.verdicts import Verdict
+from fuzzyarm.requests.fields import read_fields
+from fuzzyarm.requests.prove import ProveRequest
+
+__all__ = ["prove"]
+
+Tell = Callable[[str, int, float], None]
+
+_LOOP_WORDS = re.compile(r"\s*(?:prove\s+)?(stable|on)\b")
+"""How a statement on a loop begins."""
+
+
+class ProveKeywords(TypedDict, total=False):
+    """Keywords of `prove`.
+
+    Attributes
+    ----------
+    plant : str or Plant
+        Of a controller: a shipped plant, a file, or one of your own; then the statement need not
+        say ``on PLANT``.
+    connect : mapping of str to str
+        Of a controller: from its names to ports of the plant, where they differ.
+    sensors : mapping of str to Sensor
+        Of a controller: by port; exact ones by default.
+    budget : float
+        Seconds after which it stays undecided.
+    tolerance : float
+        Of a rule base: how far a bound may be from what is attained, in units of what is bounded;
+        1e-8 of the range of the output by default.
+    exact : bool
+        Of a rule base: compute in rationals throughout, so that bounds are not widened.
+    continuous : bool
+        Of a controller: as if it ran without a period.
+    tell : callable
+        Called with the statement, the number of pieces or attempts and the gap between the bounds;
+        NaN where there is none.
+    trust : bool
+        Of a file: whether plants that it names may be code, which is run.
+    """
+
+    plant: str | Plant | None
+    connect: Mapping[str, str] | None
+    sensors: Mapping[str, Sensor] | None
+    budget: float
+    tolerance: float | None
+    exact: bool
+    continuous: bool
+    tell: Tell | None
+    trust: bool
+
+
+OF_RULES = ("tolerance", "budget", "exact", "tell")
+OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell")
+"""Keywords that count where a rule base is asked, and a controller in its loop."""
+
+
+@overload
+def prove(
+    thing: ControllerText,
+    statement: str | LoopClaim,
+    *,
+    plant: str | Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    continuous: bool = False,
+    tell: Tell | None = None,
+) -> LoopVerdict: ...
+
+
+@overload
+def prove(
+    thing: AnyRuleBase,
+    statement: str | Property,
+    *,
+    budget: float = math.inf,
+    tolerance: float | None = None,
+    exact: bool = False,
+    tell: Tell | None = None,
+) -> Verdict: ...
+
+
+@overload
+def prove(
+    thing: str | os.PathLike[str], statement: str | LoopClaim | Property, **keywords: Any
+) -> LoopVerdict | Verdict: ...
+
+
+@overload
+def prove(
+    thing: ProveRequest | str | os.PathLike[str], *, tell: Tell | None = None, **keywords: Any
+) -> tuple[Proof, ...]: ...
+
+
+def prove(
+    thing: ControllerText | AnyRuleBase | ProveRequest | str | os.PathLike[str],
+    statement: str | LoopClaim | Property | None = None,
+    **keywords: Any,
+) -> LoopVerdict | Verdict | tuple[Proof, ...]:
+    """Prove or refute properties of a rule base, or of a controller in its loop.
+
+    Parameters
+    ----------
+    thing : RuleBase, ControllerText, str, path-like or ProveRequest
+        Which; of a file its path. A request alone says all that ``fuzzyarm prove`` does.
+    statement : str, Property or LoopClaim, optional
+        As after ``prove`` in a file: ``"u rises with e"`` of a rule base, ``"stable on motor"``
+        of a controller. Without one, of a path, everything that its file states.
+    **keywords
+        ``budget`` and ``tell``; of a rule base ``tolerance`` and ``exact``; of a controller
+        ``plant``, ``connect``, ``sensors``, ``continuous`` and ``trust``. See
+        :class:`~fuzzyarm.proof.loop.call.ProveKeywords`.
+
+    Returns
+    -------
+    Verdict, LoopVerdict or tuple
+        A verdict on the statement, with its evidence. Of a request, or a path alone, a tuple of
+        all that was asked: verdicts, what holds of drives, bounds, sectors or a tube.
+
+    Raises
+    ------
+    RuleBaseError
+        If the statement cannot be read.
+    WrongKindError
+        If it is one on a loop and `thing` is a rule base, or the other way round.
+    PlantError
+        If there is no such plant.
+    FuzzyarmError
+        If fields of a request do not go together.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    >>> fuzzyarm.prove(pd7, "u odd").verdict
+    'proved'
+    >>> fuzzyarm.prove(fuzzyarm.shipped("servo.frb"), "stable", plant="motor").verdict
+    'proved'
+    """
+    demand_arguments("prove", keywords, ProveKeywords, ("thing", "statement"))
+    read_fields(ProveRequest, keywords, ("budget", "tolerance"))
+    if isinstance(thing, ProveRequest):
+        demand_alone("prove", statement, {name for name in keywords if name != "tell"} or None)
+        return _all_of(thing, keywords.get("tell"))
+    is_path = isinstance(thing, str | os.PathLike)
+    if not isinstance(thing, AnyRuleBase | ControllerText) and not is_path:
+        raise wrong_kind(thing, MODEL)
+    if statement is None:
+        if isinstance(thing, str | os.PathLike):
+            return _of_file(os.fspath(thing), keywords)
+        raise ArgumentError(
+            "prove() needs a statement", argument="statement", hint="as in prove(pd7, 'u odd')"
+        )
+    if not isinstance(statement, str | Property | LoopClaim):
+        raise wrong_argument("prove", "statement", "one statement", statement)
+    model = above.function("load")(thing) if isinstance(thing, str | os.PathLike) else thing
+    if isinstance(model, ControllerText):
+        return _of_controller(model, statement, keywords)
+    if not isinstance(model, AnyRuleBase):
+        raise wrong_kind(model, MODEL)
+    if isinstance(statement, LoopClaim) or _is_of_a_loop(statement, model):
+        raise wrong_kind(model, CONTROLLER)
+    own_words = {name: keywords[name] for name in OF_RULES if name in keywords}
+    return verdicts.prove(model, statement, **own_words)
+
+
+def _of_file(path: str, keywords: dict[str, Any]) -> tuple[Proof, ...]:
+    """Prove everything that a file states."""
+    words = {name: value for name, value in keywords.items() if name != "tell"}
+    for name in ("plant", "connect", "sensors"):
+        if name in words:
+            raise ArgumentError(
+                f"prove() takes '{name}' with a statement", argument=name,
+                hint="a ProveRequest has it for all of a file",
+            )  # fmt: skip
+    budget = words.pop("budget", math.inf)
+    # A request is JSON, which has no infinity.
+    limit = None if math.isinf(budget) else budget
+    return _all_of(ProveRequest(files=(path,), budget=limit, **words), keywords.get("tell"))
+
+
+def _all_of(request: ProveRequest, tell: Tell | None) -> tuple[Proof, ...]:
+    return proofs_of(request) if tell is None else proofs_of(request, tell)
+
+
+def _of_controller(
+    thing: ControllerText, statement: str | LoopClaim | Property, keywords: dict[str, Any]
+) -> LoopVerdict:
+    """Judge a claim about the loop of a controller."""
+    plant = keywords.get("plant")
+    loop_plant = find_plant(plant) if plant is not None else None
+    name = "" if loop_plant is None else plant if isinstance(plant, str) else loop_plant.name
+    if isinstance(statement, LoopClaim):
+        claim = statement
+    # With a plant the statement can only be a claim. Without one a misspelt claim is still read as
+    # one, so that the message is about its words.
+    elif isinstance(statement, str) and (name or _may_be_a_claim(statement)):
+        claim = read_claim(statement, str(name), f"prove('{statement}')")
+    else:
+        raise wrong_kind(thing, RULE_BASE)
+    if name and isinstance(plant, str):
+        claim = replace(claim, plant=name)
+    if loop_plant is None:
+        loop_plant = claimed_plant(claim, trust=keywords.get("trust", False))
+    own_words = {name: keywords[name] for name in OF_LOOPS if name in keywords}
+    return prove_loop(thing, claim, plant=loop_plant, **own_words)
+
+
+def _may_be_a_claim(statement: str) -> bool:
+    """Whether a statement begins as a claim about a loop does, or nearly so."""
+    words = statement.strip().removeprefix("prove ").split(maxsplit=1)
+    return bool(words) and nearest(words[0], ("stable", "on")) is not None
+
+
+def _is_of_a_loop(statement: str | Property, rulebase: AnyRuleBase) -> bool:
+    """Whether a text speaks of a loop; an output may be called ``stable`` or ``on``."""
+    words = _LOOP_WORDS.match(statement) if isinstance(statement, str) else None
+    return words is not None and all(words[1] != output.name for output in rulebase.model.outputs)

@@ -1,0 +1,322 @@
+"""Claims about a loop: from text, to text, and the loop that they are about."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.controllers.text import ControllerText, read_controller
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.document import parse_document
+from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.controller import GainModel
+from fuzzyarm.language.rows import text_of
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.plant.own import PLANTS, trusted_plant
+from fuzzyarm.plant.plant import Plant, Port, interface_of, parameter
+from fuzzyarm.proof.loop.claimed_time import ClaimedPeriods, claimed_periods
+from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
+
+__all__ = [
+    "claim_text",
+    "claimed_in",
+    "claimed_plant",
+    "claimed_port",
+    "gain_words",
+    "loop_sentence",
+    "problem_of",
+    "read_claim",
+    "require_sense",
+]
+
+
+OPENINGS = ("stable", "on", "at", "with", "from")
+"""Words that a claim may begin with, where its plant is known."""
+
+
+def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
+    """Return the claim in a text such as ``stable on motor``.
+
+    Parameters
+    ----------
+    text : str
+        As after ``prove`` in the file of a controller.
+    plant : str, optional
+        Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
+        -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
+    argument : str, optional
+        As what the text was given; an error begins with it.
+
+    Raises
+    ------
+    RuleBaseError
+        With what is wrong with it, and what was probably meant.
+    """
+    words = text.strip().removeprefix("prove ").strip()
+    if plant and not re.match(r"(stable\s+)?on\s", words):
+        stable = re.match(r"stable\b", words)
+        rest = words[stable.end() :].strip() if stable else words
+        head = f"{'stable ' if stable else ''}on {name_text(plant)}"
+        claimed = not rest or re.match(r"(at|with|from)\s|:", rest)
+        words = f"{head} {rest}" if claimed else f"{head}: {rest}"
+    document = parse_document(f"controller x\nprove {words}\n")
+    wrong = tuple(diagnostic for diagnostic in document.diagnostics if diagnostic.line > 1)
+    nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
+    if wrong or not nodes:
+        subject, hint = argument or f"'{text.strip()}'", _hint(text)
+        raise RuleBaseError(
+            [
+                replace(mistake, argument=subject, hint=mistake.hint or hint, span=NOWHERE)
+                for mistake in wrong or document.diagnostics
+            ]
+        )
+    return replace(nodes[0].claim, span=NOWHERE)
+
+
+def _hint(text: str) -> str:
+    """Return what the first word of a claim probably means."""
+    first = text.split(maxsplit=1)[0] if text.split() else ""
+    return "" if first in OPENINGS else near_hint(first, OPENINGS)[0]
+
+
+def claim_text(claim: LoopClaim) -> str:
+    """Return a claim as it stands after ``prove``.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        Which.
+    """
+    return text_of(claim_node(claim)).removeprefix("prove ")
+
+
+def loop_sentence(
+    claim: LoopClaim,
+    sensors: Mapping[str, Sensor] | None = None,
+    connect: Mapping[str, str] | None = None,
+    *,
+    plant: Plant | None = None,
+    text: ControllerText | None = None,
+    continuous: bool = False,
+    duration: float = 0.0,
+) -> str:
+    """Return a claim together with all that makes its loop another than the plain one.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        Which.
+    sensors : mapping of str to Sensor, optional
+        By port; exact ones by default.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    plant : Plant, optional
+        In place of the shipped one that the claim names: what differs from that is said.
+    text : ControllerText, optional
+        The controller: gains that are not those of its file are said.
+    continuous : bool, optional
+        Whether the controller is taken to run without a period.
+    duration : float, optional
+        s; of bounds for a time, which claim nothing.
+    """
+    words = [claim_text(claim)]
+    if duration:
+        words = [f"{words[0].removeprefix('stable ')} for {duration:g} s"]
+    words += _plant_words(claim, plant)
+    words += [] if text is None else _gain_words(text)
+    words += [
+        f"{name_text(name)} joined to {name_text(port)}"
+        for name, port in (connect or {}).items()
+        if name != port
+    ]
+    for name, sensor in (sensors or {}).items():
+        parts = ", ".join(_sensor_words(sensor))
+        if parts:
+            words.append(f"sensor of {name_text(name)}: {parts}")
+    if continuous:
+        words.append("in continuous time")
+    return "; ".join(words)
+
+
+def _sensor_words(sensor: Sensor) -> Iterator[str]:
+    if sensor.difference is not None:
+        yield f"by difference, filter {number_text(sensor.difference)} s"
+    if sensor.noise:
+        yield f"noise {number_text(sensor.noise)}"
+    if sensor.resolution:
+        yield f"resolution {number_text(sensor.resolution)}"
+    if sensor.delay:
+        yield f"delay {number_text(sensor.delay)} s"
+
+
+def _plant_words(claim: LoopClaim, plant: Plant | None) -> Iterator[str]:
+    """Say in what a plant differs from the shipped one of its name."""
+    if plant is None or claim.plant not in PLANTS:
+        return
+    shipped = PLANTS[claim.plant]()
+    stated = {name for name, _, _ in claim.parameters}
+    for name in shipped.parameters:
+        if name in stated or name not in plant.parameters:
+            continue
+        value = parameter(plant, name).value
+        if value != parameter(shipped, name).value:
+            yield f"{name_text(name)} = {number_text(value)}"
+    own = interface_of(plant)
+    for address, port in interface_of(shipped).inputs.items():
+        other = own.inputs.get(address)
+        if other is not None and other != port:
+            yield f"actuator {own.label(address)}: {_port_words(other)}"
+
+
+def _gain_words(text: ControllerText) -> Iterator[str]:
+    """Say which gains of a controller are not those of its file."""
+    if not text.path or text.source:  # it has no file, or is as its text says
+        return
+    try:
+        written = read_controller(text.path).model.gains
+    except (OSError, FuzzyarmError):
+        written = ()
+    for gain in text.model.gains:
+        if gain not in written:
+            yield f"{name_text(gain.name)} = {gain_words(gain)}"
+
+
+def gain_words(gain: GainModel) -> str:
+    """Return the numbers of a gain, one or one for each axis."""
+    return " ".join(number_text(amount.value(math.pi)) for amount in gain.values)
+
+
+def _port_words(port: Port) -> str:
+    ends = f"{number_text(port.low)} .. {number_text(port.high)}"
+    return ends if math.isinf(port.slew) else f"{ends}, slew {number_text(port.slew)}"
+
+
+def claimed_plant(claim: LoopClaim, named: str | None = None, *, trust: bool = False) -> Plant:
+    """Return the plant of a claim; of a claim in a file only if its code may run.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        Which; one that stands in no file is trusted as its author is.
+    named : str, optional
+        The plant of the command line, whose file may run.
+    trust : bool, optional
+        Whether all files may.
+    """
+    return trusted_plant(claim.plant, named, trust=trust or claim.span == NOWHERE)
+
+
+def require_sense(claim: LoopClaim) -> None:
+    """Refuse a claim that means nothing, wherever it comes from.
+
+    Raises
+    ------
+    ClaimError
+        With the part that is wrong.
+    """
+    for part, names in (
+        ("at", [name for name, _ in claim.at]),
+        ("with", [name for name, _, _ in claim.parameters]),
+        ("from", [name for name, _, _ in claim.start]),
+    ):
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ClaimError(f"'{twice}' stands twice after '{part}'")
+    for name, value in claim.at:
+        if not math.isfinite(value):
+            raise ClaimError(f"the set point {name} = {value:g} is not a number")
+    if not claim.output:
+        if (claim.low, claim.high, claim.when) != (0.0, 0.0, "always") or _times(claim):
+            raise ClaimError("bounds or times of no output are claimed")
+        if not claim.stable:
+            raise ClaimError("nothing is claimed")
+        return
+    if not (math.isfinite(claim.low) and math.isfinite(claim.high) and claim.low <= claim.high):
+        ends = f"{claim.low:g} .. {claim.high:g}"
+        raise ClaimError(f"{claim.output} in {ends} is not an interval")
+    _require_times(claim)
+
+
+def _require_times(claim: LoopClaim) -> None:
+    """Refuse times that are none of a run, or that the word before them does not have."""
+    begin, end = number_text(claim.begin), number_text(claim.end)
+    if claim.when == "always" and _times(claim):
+        raise ClaimError(f"a claim that holds always has no times, such as {begin} .. {end} s")
+    if claim.when == "after" and not (0.0 <= claim.begin < math.inf and math.isinf(claim.end)):
+        raise ClaimError(f"'after {begin} s' and an end at {end} s are no claim for all time")
+    if claim.when == "during" and not (0.0 <= claim.begin <= claim.end < math.inf and claim.end):
+        raise ClaimError(
+            f"during {begin} .. {end} s is no time of a run", hint="as in during 0 .. 1 s"
+        )
+
+
+def _times(claim: LoopClaim) -> bool:
+    return claim.begin != 0.0 or claim.end != math.inf
+
+
+def problem_of(
+    text: ControllerText,
+    claim: LoopClaim,
+    *,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+) -> LoopProblem:
+    """Return the loop of a claim, which has to mean something."""
+    require_sense(claim)
+    problem = loop_problem(
+        text,
+        plant if plant is not None else claimed_plant(claim),
+        start={name: (low, high) for name, low, high in claim.start},
+        parameters={name: (low, high) for name, low, high in claim.parameters},
+        set_point=dict(claim.at),
+        sensors=sensors,
+        connect=connect,
+    )
+    if claim.output:
+        claimed_port(problem, claim)
+    _require_one_meaning(problem, claim)
+    if claim.output or claim.start:
+        problem.require_known_start()
+    return problem
+
+
+def _require_one_meaning(problem: LoopProblem, claim: LoopClaim) -> None:
+    """Refuse a name of a claim that is a state of the plant and an output of another value."""
+    used = {name for name, _, _ in claim.start} | {claim.output.rpartition(".")[2]}
+    named = {port for _, port in problem.site.interface.outputs} & set(problem.states) & used
+    if not named:
+        return
+    try:
+        equations = problem.equations
+    except LoopProofError:  # nothing is known of its outputs, nor proved
+        return
+    for (_, port), root in zip(problem.site.interface.outputs, equations.outputs, strict=True):
+        if port in named:
+            state = equations.states[problem.states.index(port)]
+            if getattr(root, "name", "") != state:
+                name = problem.plant.name
+                raise ClaimError(
+                    f"'{port}' is a state of {name}, and an output of {name} of another value",
+                    hint="rename one of both in the plant",
+                )
+
+
+def claimed_in(problem: LoopProblem, claim: LoopClaim) -> ClaimedPeriods:
+    """Return the control periods of its loop that a claim counts in."""
+    interface = problem.site.interface
+    is_drive = bool(claim.output) and interface.port(claim.output) in interface.inputs
+    return claimed_periods(claim, problem.period, jumps=is_drive)
+
+
+def claimed_port(problem: LoopProblem, claim: LoopClaim) -> str:
+    """Return the output or the drive that is claimed of, as tubes and runs call it."""
+    interface = problem.site.interface
+    return interface.label(interface.port(claim.output))

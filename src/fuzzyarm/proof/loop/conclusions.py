@@ -1,0 +1,304 @@
+"""Rule bases and tables as known gains and blocks, around where their inputs are at rest.
+
+Along the sum of its inputs that its linear law has, a rule base is a gain within a proved sector
+(:mod:`fuzzyarm.proof.map.sector`), where it vanishes with that sum; else the difference from its
+value at rest is a sum of its inputs with gains among its proved slopes (mean value theorem, on
+pieces).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, AffineAlgebra, Rules, number
+from fuzzyarm.proof.loop.enclosure import Intervals
+from fuzzyarm.proof.loop.evidence import Gains
+from fuzzyarm.proof.loop.form import Assumptions
+from fuzzyarm.proof.loop.outward import around, end_of
+from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.bounds import Bounds, UnprovableError
+from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.map.sector import NoSectorError, sector, slopes_at
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Conclusions"]
+
+Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
+
+
+class Conclusions:
+    """The rule bases and tables of one loop; what has been proved of them is kept.
+
+    Where the rest is not exact (`is_exact`), inputs are only near 0: a sector is none.
+    """
+
+    def __init__(self, stop: Stop) -> None:
+        self.stop = stop
+        self.is_exact = True
+        self._cache: dict[object, object] = {}
+
+    def _prover(self, sheet: RuleBase, output: str) -> Prover:
+        key = "prover", id(sheet), output
+        if key not in self._cache:
+            self._cache[key] = Prover(sheet, output)
+        prover = self._cache[key]
+        assert isinstance(prover, Prover)
+        prover.stop = self.stop
+        if prover.model is None:
+            raise LoopProofError(
+                f"'{sheet.name}' is not made of straight pieces: {prover.reason}",
+                hint="compile it to a table, interpolated linearly",
+            )
+        return prover
+
+    def resting(
+        self, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+    ) -> list[Affine]:
+        """Return the linear law of a rule base, which has the same rest: inputs are 0 there."""
+        forms = []
+        for output in sheet.outputs:
+            prover = self._prover(sheet, output.name)
+            at = {
+                n: variable.constant if variable.is_constant else ZERO
+                for n, variable in inputs.items()
+            }
+            total = number(self._value_at(prover, at))
+            slopes = slopes_at(prover, {name: float(x) for name, x in at.items()})
+            for name, variable in inputs.items():
+                if not variable.is_constant:
+                    low, high = slopes.around(name)
+                    total = total.plus(variable.scaled((low + high) / 2))
+            forms.append(Affine(total.constant, total.parts))
+        return forms
+
+    def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
+        for name, low, high in self._universes(prover):
+            if not low <= at[name] <= high:
+                raise LoopProofError(f"at rest '{name}' is outside its universe")
+        value = prover.exactly(at)
+        if value is None:
+            raise LoopProofError("no rule fires at rest")
+        return Fraction(value)
+
+    def near(self, sheet: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
+        """Return an output at a point, as a float."""
+        at = {name: Fraction(x) for name, x in inputs.items()}
+        return float(self._value_at(self._prover(sheet, output), at))
+
+    @staticmethod
+    def _universes(prover: Prover) -> list[tuple[str, Fraction, Fraction]]:
+        universes = []
+        for variable in prover.inputs:
+            if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
+                raise LoopProofError(f"the input '{variable.name}' of a rule base has no end")
+            universes.append((variable.name, Fraction(variable.low), Fraction(variable.high)))
+        return universes
+
+    def concluding(self, choice: Assumptions) -> Rules:
+        """Return what stands for rule bases in a form."""
+
+        def rules(
+            algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+        ) -> list[Affine]:
+            return [
+                self._conclusion(choice, algebra, sheet, output.name, inputs)
+                for output in sheet.outputs
+            ]
+
+        return rules
+
+    def _conclusion(
+        self,
+        choice: Assumptions,
+        algebra: AffineAlgebra,
+        sheet: RuleBase,
+        output: str,
+        inputs: Mapping[str, Affine],
+    ) -> Affine:
+        """Return an output as a known gain and blocks, around its inputs at rest."""
+        prover = self._prover(sheet, output)
+        rest = {name: variable.constant for name, variable in inputs.items()}
+        value = self._value_at(prover, rest)
+        region = self._region(choice, algebra, prover, inputs)
+        if prover.without_value(region) is not None:
+            raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
+        along = None
+        # One gain along the linear law is tighter than one along each input; it needs f(0) = 0.
+        if choice.along and self.is_exact and not any(rest.values()) and value == 0:
+            along = self._sector(prover, region, [n for n in inputs if not inputs[n].is_constant])
+        if along is not None:
+            weights, low, high = along
+            gains = {"": (low, high)}
+            sigma = Affine(ZERO)
+            for name, weight in weights.items():
+                sigma = sigma.plus(inputs[name].deviation.scaled(weight))
+            parts = _gain(algebra, sigma, low, high, f"{sheet.name}, a gain in")
+        else:
+            weights, gains = {}, {}
+            parts = Affine(ZERO)
+            for name, variable in inputs.items():
+                if not variable.is_constant:
+                    low, high = gains[name] = self._slopes(prover, region, name)
+                    words = f"{sheet.name}, its slope along {name} in"
+                    parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
+        # The range is kept as well: it bounds the output where gains times large inputs would not.
+        ends = self._range(prover, region)
+        moving = [name for name in inputs if not inputs[name].is_constant]
+        if moving:
+            exact = {
+                name: (max(Fraction(region[name][0]), low), min(Fraction(region[name][1]), high))
+                for name, low, high in self._universes(prover)
+                if name in moving
+            }
+            algebra.gains.append(Gains(exact, ends, weights, gains))
+        return Affine(value, parts.parts, *ends)
+
+    def _region(
+        self,
+        choice: Assumptions,
+        algebra: AffineAlgebra,
+        prover: Prover,
+        inputs: Mapping[str, Affine],
+    ) -> dict[str, tuple[float, float]]:
+        """Return where inputs are taken to be, which is noted."""
+        rest = {name: variable.constant for name, variable in inputs.items()}
+        region: dict[str, tuple[float, float]] = {}
+        for name, low, high in self._universes(prover):
+            if inputs[name].is_constant:
+                region[name] = (float(rest[name]), float(rest[name]))
+                continue
+            # A region symmetric about rest, so that it is a bound on the deviation alone.
+            half = choice.share * min(high - rest[name], rest[name] - low)
+            half = half if half <= 0 else Fraction(end_of(half, low=True))
+            if half <= 0 or not low <= rest[name] - half <= rest[name] + half <= high:
+                raise LoopProofError(f"at rest '{name}' is at the end of its universe")
+            region[name] = around(rest[name], half)
+            algebra.require(inputs[name], -half, half, f"'{name}' of {prover.rulebase.name}")
+        return region
+
+    def _sector(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
+    ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
+        """Return the sector along the linear law: weights, least and greatest gain; or None."""
+        key = "sector", id(prover), tuple(region.items())
+        if key not in self._cache:
+            self._cache[key] = self._new_sector(prover, region, names)
+        return self._cache[key]  # type: ignore[return-value]
+
+    def _new_sector(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
+    ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
+        try:
+            slopes = slopes_at(prover, {})
+            weights = {}
+            for name in names:
+                low, high = slopes.around(name)
+                ahead = slopes.along({name: ONE})
+                weights[name] = ahead if ahead is not None else (low + high) / 2
+            if not all(weights.values()):
+                return None
+            enclosure = sector(prover, weights, region)
+        except (NoSectorError, UnprovableError):
+            return None
+        # With slack the output is not exactly 0 where the sum is: then no gain along it is true.
+        if enclosure.slack or not enclosure.complete:
+            return None
+        return weights, Fraction(enclosure.low), Fraction(enclosure.high)
+
+    def _slopes(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]], name: str
+    ) -> tuple[Fraction, Fraction]:
+        key = "slope", id(prover), name, tuple(region.items())
+        return self._bounded(key, lambda: prover.slope(region, name))
+
+    def _range(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]]
+    ) -> tuple[Fraction, Fraction]:
+        key = "range", id(prover), tuple(region.items())
+        return self._bounded(key, lambda: prover.value(region))
+
+    def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
+        """Return proved ends, kept under a key; a prover whose time runs out has none."""
+        if key not in self._cache:
+            bounds = prove()
+            if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
+                raise LoopProofError("time ran out before a rule base was bounded")
+            self._cache[key] = Fraction(bounds.low), Fraction(bounds.high)
+        return self._cache[key]  # type: ignore[return-value]
+
+    def resting_table(
+        self, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+    ) -> Affine:
+        """Return a table at rest, as a number."""
+        at = [
+            float(variable.constant) if variable.is_constant else 0.0
+            for variable in inputs.values()
+        ]
+        return number(float(sheet.lookup(*at)))
+
+    def tabled(self, choice: Assumptions) -> Tables:
+        """Return what stands for tables in a form."""
+
+        def table(
+            algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+        ) -> Affine:
+            return _table_form(choice, algebra, sheet, inputs)
+
+        return table
+
+
+def _gain(
+    algebra: AffineAlgebra, signal: Affine, low: Fraction, high: Fraction, words: str
+) -> Affine:
+    """Return a signal times a gain between two numbers."""
+    # gain = middle + radius δ with |δ| ≤ 1: the second part is a block of the form.
+    middle, radius = (low + high) / 2, (high - low) / 2
+    form = signal.scaled(middle)
+    if radius:
+        words = f"{words} {float(low):.6g} .. {float(high):.6g}"
+        form = form.plus(algebra.block(signal.scaled(radius), words))
+    return form
+
+
+def _table_form(
+    choice: Assumptions, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+) -> Affine:
+    """Return a table that is interpolated as slopes along each input, around rest."""
+    if sheet.default_mode != "linear":
+        raise LoopProofError(f"a table with steps ('{sheet.default_mode}') jumps at rest")
+    rest = [float(variable.constant) for variable in inputs.values()]
+    for axis, x, variable in zip(sheet.axes, rest, inputs.values(), strict=True):
+        if Fraction(x) != variable.constant or x not in axis.levels:  # its value would be rounded
+            raise LoopProofError(f"at rest '{axis.name}' of a table is between two levels")
+    values = np.asarray(sheet.values, float)
+    total = Affine(ZERO)
+    region, gains = {}, {}
+    for index, (axis, (name, form)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
+        if form.is_constant:
+            continue
+        levels = np.asarray(axis.levels, float)
+        first, last = (Fraction(float(level)) for level in levels[[0, -1]])
+        half = choice.share * min(last - form.constant, form.constant - first)
+        if half <= 0:
+            raise LoopProofError(f"at rest '{name}' is at the end of its table")
+        algebra.require(form, -half, half, f"'{name}' of a table")
+        steps = Intervals.at(np.moveaxis(values, index, -1))
+        slopes = (steps[..., 1:] - steps[..., :-1]) / (
+            Intervals.at(levels[1:]) - Intervals.at(levels[:-1])
+        )
+        low, high = Fraction(float(slopes.low.min())), Fraction(float(slopes.high.max()))
+        region[name] = (form.constant - half, form.constant + half)
+        gains[name] = (low, high)
+        words = f"a table, its slope along {name} in"
+        total = total.plus(_gain(algebra, form.deviation, low, high, words))
+    value = Fraction(float(sheet.lookup(*rest)))
+    ends = Fraction(float(values.min())), Fraction(float(values.max()))
+    if gains:
+        algebra.gains.append(Gains(region, ends, {}, gains))
+    return Affine(value, total.parts, *ends)

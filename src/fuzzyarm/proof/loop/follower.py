@@ -1,0 +1,504 @@
+r"""Following boxes of starts period by period, as the loop goes: what of them is where, and when.
+
+All starts of a box, all parameters of their intervals and all errors of sensors are one zonotope
+(:mod:`fuzzyarm.proof.loop.zonotope`), which goes through the loop in its order: sensors,
+controller, limits, then the plant with its inputs held (:mod:`fuzzyarm.proof.loop.flow`). What the
+controller remembers is part of the zonotope.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.loop.algebra import Number, Zonotopes
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
+from fuzzyarm.proof.loop.flow import Flow, Step
+from fuzzyarm.proof.loop.linear_flow import linear_flow
+from fuzzyarm.proof.loop.period import LoopPeriod
+from fuzzyarm.proof.loop.planes import RulePlanes
+from fuzzyarm.proof.loop.problem import LoopProblem, LostRunError
+from fuzzyarm.proof.loop.readings import read, readable
+from fuzzyarm.proof.loop.zonotope import Forms, stacked
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.symbolic.evaluation import gradient, specialise
+from fuzzyarm.symbolic.nodes import Constant, Node, replace, symbols
+from fuzzyarm.symbolic.operations import Interval
+
+__all__ = ["Box", "Demand", "FollowedBoxes", "Follower", "Goal"]
+
+Vector = NDArray[np.float64]
+
+ORDER, LEAST_ORDER = 6, 2
+"""Of the Taylor polynomials in time, at most and at least."""
+
+MOST_SYMBOLS = 40
+"""Symbols for each state, beside those of the first box and of the parameters."""
+
+MOST_PARTS = 16
+"""Steps of one control period."""
+
+LARGE, SMALL = 1e-3, 1e-5
+"""Shares of the radius that the last term of a series may be, and below which less is done."""
+
+FLOOR = 1e-5
+"""Share of the size that a state has had so far which counts as a radius, where it has less."""
+
+SAME_TIME = 1e-9
+"""Share of a control period within which two times are the same: multiples of it are rounded."""
+
+CORNER_PARTS = 8
+"""The same where a corner lies within the period, and a step is of first order."""
+
+
+class Demand(NamedTuple):
+    """What is asked of an output (or a drive): to be within bounds from one time to another, s."""
+
+    port: str
+    low: float
+    high: float
+    begin: float
+    end: float
+
+
+Goal = Callable[[int, Forms, Mapping[str, Number]], NDArray[np.int64]]
+"""Tells, of how many periods are over, the states and the memory, which boxes have arrived (1), are
+on their way (0) or come no nearer (-1), so that it is better to halve them."""
+
+
+class Box(NamedTuple):
+    """A part of the first box: its dimensions of a width, and how often each was halved."""
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    halvings: tuple[int, ...]
+
+    def share(self) -> float:
+        """Return its share of the first box."""
+        return float(0.5 ** sum(self.halvings))
+
+    def halves(self, dimension: int) -> tuple[Box, Box]:
+        """Return both halves along a dimension."""
+        middle = 0.5 * self.low[dimension] + 0.5 * self.high[dimension]
+        cut = list(self.halvings)
+        cut[dimension] += 1
+        high, low = list(self.high), list(self.low)
+        high[dimension] = low[dimension] = middle
+        return (
+            Box(self.low, tuple(high), tuple(cut)),
+            Box(tuple(low), self.high, tuple(cut)),
+        )
+
+
+class FollowedBoxes(NamedTuple):
+    """What came of boxes that were followed side by side; times in control periods.
+
+    Attributes
+    ----------
+    begins, ends : ndarray, shape (steps,)
+        Of the steps.
+    between : Intervals, shape (steps, ports, boxes)
+        The ports at all times of each step.
+    at : Intervals, shape (steps + 1, ports, boxes)
+        The ports at the beginning and at the end of each step.
+    weight : ndarray, shape (dimensions, boxes)
+        How much of the width is due to each dimension of the first box, at most.
+    undone : ndarray of bool, shape (boxes,)
+        Of which boxes a demand is not proved, or which have not arrived where there is a goal.
+    """
+
+    begins: Vector
+    ends: Vector
+    between: Intervals
+    at: Intervals
+    weight: Vector
+    undone: NDArray[np.bool_]
+
+    def part(self, which: NDArray[np.bool_]) -> FollowedBoxes:
+        """Return what came of some of the boxes."""
+        return self._replace(
+            between=self.between[:, :, which],
+            at=self.at[:, :, which],
+            weight=self.weight[:, which],
+            undone=self.undone[which],
+        )
+
+    def by_period(self, periods: int, most: int) -> tuple[Vector, Vector, Vector, Vector]:
+        """Return the hull of all boxes: low and high in each period, low and high at its ends.
+
+        It has so many `periods`, of which `most` are returned.
+        """
+        period_of_step = np.minimum(self.begins.astype(int), periods - 1)
+        first = np.searchsorted(period_of_step, np.arange(periods))
+        last = np.concatenate(
+            [[0], np.searchsorted(period_of_step, np.arange(periods), side="right")]
+        )
+        return (
+            np.minimum.reduceat(self.between.low.min(axis=2), first, axis=0)[:most],
+            np.maximum.reduceat(self.between.high.max(axis=2), first, axis=0)[:most],
+            self.at.low.min(axis=2)[last][: most + 1],
+            self.at.high.max(axis=2)[last][: most + 1],
+        )
+
+
+class Follower:
+    """Follows boxes of one problem.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop and its starts.
+    duration : float
+        s; rounded up to whole control periods.
+    demands : sequence of Demand, optional
+        What is asked.
+    stop : Stop, optional
+        When to give up.
+    goal : callable, optional
+        Where boxes are to arrive. Demands are asked of a box until then; boxes are followed until
+        all have arrived.
+
+    Attributes
+    ----------
+    periods : int
+        How many control periods.
+    first : Box
+        All starts and parameters.
+    names : list of str
+        Of its dimensions.
+    labels : list of str
+        Of the ports: outputs, then inputs.
+    reached : int
+        The control period that was followed last.
+    last_weight : ndarray, shape (dimensions, boxes)
+        The weight of a :class:`FollowedBoxes`, of boxes that could not be followed to the end, too.
+    """
+
+    def __init__(
+        self,
+        problem: LoopProblem,
+        duration: float,
+        demands: Sequence[Demand] = (),
+        stop: Stop | None = None,
+        goal: Goal | None = None,
+    ) -> None:
+        self.problem = problem
+        self.stop = stop or Stop()
+        self.goal = goal
+        equations = problem.equations
+        self.period = problem.period
+        self.periods = max(1, math.ceil(duration / self.period - 1e-9))
+        points: dict[str, tuple[str, Interval]] = {}
+        moving: dict[str, tuple[str, Interval]] = {}
+        for symbol, (name, value) in zip(
+            equations.parameters, problem.parameters.items(), strict=True
+        ):
+            (points if value.low == value.high else moving)[symbol] = (name, value)
+        numbers = {symbol: value.low for symbol, (_, value) in points.items()}
+        self.parameters = list(moving)
+        rates = [replace(root, numbers) for root in equations.rates]
+        self.flow = linear_flow(rates, equations.inputs) or Flow(rates)
+        self.outputs = [readable(replace(root, numbers)) for root in equations.outputs]
+        self.weights = [_affine_weights(root, self.flow.states) for root in self.outputs]
+        self.inputs = equations.inputs
+        starts = [problem.start[name] for name in problem.states]
+        self.start = starts
+        # The dimensions of the first box: states and parameters that have a width.
+        self.wide = [i for i, start in enumerate(starts) if start.low < start.high]
+        intervals = [starts[i] for i in self.wide] + [value for _, value in moving.values()]
+        self.names = [problem.states[i] for i in self.wide] + [name for name, _ in moving.values()]
+        self.first = Box(
+            tuple(interval.low for interval in intervals),
+            tuple(interval.high for interval in intervals),
+            (0,) * len(intervals),
+        )
+        interface = problem.site.interface
+        self.ports = [*interface.outputs, *interface.inputs]
+        self.labels = [interface.label(port) for port in self.ports]
+        self.limits = np.array([port.bound for port in interface.outputs.values()])
+        self.demands = [(demand, self.labels.index(demand.port)) for demand in demands]
+        self.reached = 0
+        self._planes: dict[tuple[int, str], RulePlanes] = {}
+
+    def planes(self, sheet: RuleBase, output: str) -> RulePlanes:
+        """Return the planes of a rule base, cut once."""
+        key = id(sheet), output
+        if key not in self._planes:
+            self._planes[key] = RulePlanes(sheet, output)
+        return self._planes[key]
+
+    # --- one batch ---
+
+    def follow(self, boxes: Sequence[Box], *, whole: bool = True) -> FollowedBoxes:
+        """Follow boxes side by side; EnclosureError where one of them cannot be.
+
+        Unless the `whole` course is wanted, it ends where no box is left that all demands hold of.
+        """
+        with np.errstate(all="ignore"):  # what is not finite is refused in each period
+            return self._follow(boxes, whole=whole)
+
+    def _follow(self, boxes: Sequence[Box], *, whole: bool) -> FollowedBoxes:
+        batch, count = len(boxes), len(self.first.low)
+        algebra = Zonotopes(batch, self.planes)
+        control = LoopPeriod[Number](self.problem, algebra)
+        states, constants = self._begun(boxes)
+        memory: dict[str, Number] = dict.fromkeys(control.memory, 0.0)
+        for name, value in control.memory.items():
+            memory[name] = 0.0 if math.isnan(value) else value
+        parts = 1
+        begins: list[float] = []
+        ends: list[float] = []
+        between: list[Intervals] = []
+        at: list[Intervals] = []
+        weight = self.last_weight = np.zeros((count, batch))
+        undone = np.zeros(batch, dtype=bool)
+        arrived = np.zeros(batch, dtype=bool)
+        self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
+        first = self._outputs_at(states, constants, 0.0)
+        for period in range(self.periods):
+            self.reached = period
+            algebra.count = len(states.parts)
+            measurements = self._told(states, constants, period * self.period)
+            inputs, memory = control.run(measurements, memory, first=period == 0)
+            drives = {
+                name: algebra.forms(inputs[port])
+                for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
+            }
+            intervals = self._driven(drives)
+            # The period may have made new symbols, as for the band around a plane.
+            states = states.with_symbols(max(algebra.count, len(states.parts)))
+            states, steps, parts = self._moved(
+                states, {**constants, **drives}, period * self.period, parts
+            )
+            if not at:
+                at.append(_joined(first, intervals))
+            for index, outputs in enumerate(steps):
+                begins.append(period + index / len(steps))
+                ends.append(period + (index + 1) / len(steps))
+                between.append(_joined(outputs[0], intervals))
+                at.append(_joined(outputs[1], intervals))
+                undone |= self._undone(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
+            if self.goal is not None:
+                signs = self.goal(period + 1, states, memory)
+                arrived |= signs > 0
+                undone |= (signs < 0) & ~arrived
+            weight = self.last_weight = np.maximum(weight, self._weight(states, count))
+            if undone.all() and not whole:
+                break
+            if arrived.all():
+                break
+            self._demand_bounded(at[-1])
+            if self.stop.now:
+                raise EnclosureError("time is over")
+            states, memory = self._fewer(states, memory, count, algebra)
+        return FollowedBoxes(
+            np.array(begins),
+            np.array(ends),
+            Intervals(np.stack([x.low for x in between]), np.stack([x.high for x in between])),
+            Intervals(np.stack([x.low for x in at]), np.stack([x.high for x in at])),
+            weight,
+            undone if self.goal is None else undone | ~arrived,
+        )
+
+    def _driven(self, inputs: Mapping[str, Forms]) -> Intervals:
+        """Return where the inputs are: within the limits of their actuators."""
+        bounds = stacked([inputs[name] for name in self.inputs]).bounds
+        ports = self.problem.site.interface.inputs.values()
+        low = np.array([port.low for port in ports])[:, None]
+        high = np.array([port.high for port in ports])[:, None]
+        return Intervals(np.clip(bounds.low, low, high), np.clip(bounds.high, low, high))
+
+    def _undone(
+        self, begin: float, end: float, between: Intervals, ends: Sequence[Intervals]
+    ) -> NDArray[np.bool_]:
+        """Tell the boxes that leave a demand in a step; times in control periods."""
+        undone = np.zeros(between.shape[1], dtype=bool)
+        for demand, port in self.demands:
+            first, last = demand.begin / self.period, demand.end / self.period
+            ranges = []
+            if end > first + SAME_TIME and begin < last - SAME_TIME:
+                ranges.append(between[port])
+            for time, at in zip((begin, end), ends, strict=True):
+                if min(abs(time - first), abs(time - last)) <= SAME_TIME:
+                    ranges.append(at[port])
+            for intervals in ranges:
+                undone |= ~(
+                    (intervals.low >= demand.low) & (intervals.high <= demand.high)
+                )  # NaN, too
+        return undone
+
+    def _demand_bounded(self, at: Intervals) -> None:
+        """Give up where a run may have diverged, as the plant says what that is."""
+        count, limits = len(self.limits), self.limits[:, None]
+        lost = ((at.low[:count] > limits) | (at.high[:count] < -limits)).any(axis=1)
+        if lost.any():
+            name = self.labels[int(lost.argmax())]
+            where = f"beyond the bound of '{name}', {self.limits[lost.argmax()]:g}"
+            raise LostRunError(where, at_end=True)
+        over = ~(at.size[:count] <= limits).all(axis=1)
+        if over.any():
+            name = self.labels[int(over.argmax())]
+            raise EnclosureError(f"'{name}' may leave its bound")
+
+    def _begun(self, boxes: Sequence[Box]) -> tuple[Forms, dict[str, Forms]]:
+        """Return states and parameters, each width a symbol."""
+        batch, count = len(boxes), len(self.first.low)
+        rows = []
+        for i, interval in enumerate(self.start):
+            if i in self.wide:
+                rows.append(self._dimension(boxes, self.wide.index(i), count))
+            else:
+                rows.append(Forms.at(np.full(batch, interval.low)).with_symbols(count))
+        first = len(self.wide)
+        constants = {
+            name: self._dimension(boxes, first + i, count) for i, name in enumerate(self.parameters)
+        }
+        return stacked(rows), constants
+
+    @staticmethod
+    def _dimension(boxes: Sequence[Box], index: int, count: int) -> Forms:
+        low, high = [box.low[index] for box in boxes], [box.high[index] for box in boxes]
+        return Forms.between(low, high).with_symbols(count, [index])
+
+    def _told(
+        self, states: Forms, constants: Mapping[str, Forms], time: float
+    ) -> dict[Address, Number]:
+        batch = states.shape[1]
+        values = {**constants, **{f"x{i}": states[i] for i in range(states.shape[0])}}
+        values["t"] = Forms.at(np.full(batch, time))
+        readings = read(self.outputs, values)
+        return dict(zip(self.problem.site.interface.outputs, readings, strict=True))
+
+    def _outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
+        outputs = self._told(states, constants, time)
+        return stacked([forms for forms in outputs.values() if isinstance(forms, Forms)]).bounds
+
+    def _outputs_between(
+        self, ends: tuple[Intervals, Intervals], step: Step, constants: Mapping[str, Forms],
+        begin: float, end: float,
+    ) -> Intervals:  # fmt: skip
+        """Return the outputs during a step."""
+        box, batch = step.between, step.between.shape[1]
+        values = {**constants, **{f"x{i}": Forms.of(box[i]) for i in range(box.shape[0])}}
+        values["t"] = Forms.between(np.full(batch, begin), np.full(batch, end))
+        over = stacked(read(self.outputs, values)).bounds
+        if step.bend is None:
+            return over
+        # Where an output is a sum of states it bends as they do.
+        line = ends[0].hull(ends[1])
+        low, high = over.low.copy(), over.high.copy()
+        for row, weights in enumerate(self.weights):
+            if weights is not None:
+                value = line[row]
+                for i, weight in enumerate(weights):
+                    if weight:
+                        value = value + step.bend[i] * outward(weight, weight)
+                low[row], high[row] = (
+                    np.maximum(low[row], value.low),
+                    np.minimum(high[row], value.high),
+                )
+        return Intervals(low, high)
+
+    def _moved(
+        self, states: Forms, constants: Mapping[str, Forms], time: float, parts: int
+    ) -> tuple[Forms, list[tuple[Intervals, Intervals]], int]:
+        """Return the states a period on, the outputs in its steps, and how many to take next."""
+        parameters = {name: constants[name] for name in self.parameters}
+        while True:
+            try:
+                state, steps, remainder = states, [], 0.0
+                before = self._outputs_at(states, parameters, time)
+                length = self.period / parts  # of a power of two: exact
+                for index in range(parts):
+                    begin = time + index * length
+                    step = self.flow.step(state, constants, begin, length, self.order)
+                    after = self._outputs_at(step.end, parameters, begin + length)
+                    over = self._outputs_between(
+                        (before, after), step, parameters, begin, begin + length
+                    )
+                    steps.append((over, after))
+                    before = after
+                    sizes = np.maximum(self.sizes, step.between.size.max(axis=1))
+                    radius = np.maximum(step.end.radius, FLOOR * sizes[:, None])
+                    remainder = max(remainder, float((step.remainder / radius).max()))
+                    if remainder > LARGE and parts < self._most(step):
+                        break
+                    state = _with_own_symbols(step.end)
+                # Where the last term is too large the order goes up first, then the steps get
+                # shorter; where it is far below, both are taken back, one at a time.
+                if remainder > LARGE and self.order < ORDER:
+                    self.order = ORDER
+                    continue
+                if remainder > LARGE and parts < self._most(step):
+                    parts *= 2
+                    continue
+                self.sizes = np.maximum(self.sizes, sizes)
+                if remainder < SMALL and parts > 1:
+                    parts //= 2
+                elif remainder < SMALL and self.order > LEAST_ORDER:
+                    self.order -= 1
+                return state, steps, parts
+            except EnclosureError:
+                if parts >= MOST_PARTS:
+                    raise
+                parts *= 2
+
+    @staticmethod
+    def _most(step: Step) -> int:
+        """Return into how many steps a period is cut for the sake of the remainder."""
+        return MOST_PARTS if step.bend is not None else CORNER_PARTS
+
+    @staticmethod
+    def _weight(states: Forms, count: int) -> Vector:
+        radius = np.maximum(states.radius, 1e-300)
+        return np.asarray((np.abs(states.parts[:count]) / radius).max(axis=1))
+
+    @staticmethod
+    def _fewer(
+        states: Forms, memory: Mapping[str, Number], columns: int, algebra: Zonotopes
+    ) -> tuple[Forms, dict[str, Number]]:
+        """Return states and memory over fewer symbols."""
+        names = [name for name, value in memory.items() if isinstance(value, Forms)]
+        joint = stacked([states[i] for i in range(states.shape[0])] + [
+            algebra.forms(memory[name]) for name in names
+        ])  # fmt: skip
+        count = len(joint.parts)
+        # Rests become symbols, so that what they do to several states in the next period stays
+        # together.
+        if joint.rest.any():
+            joint = joint.with_symbols(count + joint.shape[0], range(count, count + joint.shape[0]))
+        joint = joint.reduced(columns, columns + MOST_SYMBOLS * joint.shape[0])
+        size = states.shape[0]
+        remembered: dict[str, Number] = dict(memory)
+        remembered |= {name: joint[size + i] for i, name in enumerate(names)}
+        if not np.isfinite(joint.radius).all():
+            raise EnclosureError("the tube has no bound")
+        return joint[:size], remembered
+
+
+def _with_own_symbols(forms: Forms) -> Forms:
+    """Return forms whose rests are symbols, one for each along the first axis."""
+    if not forms.rest.any():
+        return forms
+    count, rows = len(forms.parts), forms.shape[0]
+    return forms.with_symbols(count + rows, range(count, count + rows))
+
+
+def _affine_weights(root: Node, states: Sequence[str]) -> list[float] | None:
+    """Return how an expression grows with the states; None where that is not constant."""
+    slopes = [specialise(node, {}) for node in gradient(root, tuple(states))]
+    if not all(isinstance(slope, Constant) for slope in slopes) or "t" in symbols(root):
+        return None
+    return [slope.value for slope in slopes if isinstance(slope, Constant)]
+
+
+def _joined(outputs: Intervals, driven: Intervals) -> Intervals:
+    return Intervals(
+        np.concatenate([outputs.low, driven.low]), np.concatenate([outputs.high, driven.high])
+    )

@@ -1,0 +1,147 @@
+"""A closed loop around its rest: a linear part, uncertain gains, and where both are the loop.
+
+    z' = A z + B w (each period, or as a rate),   |wₖ| ≤ |Cₖ z + Dₖ w|,   low ≤ g z + h w ≤ high
+
+z is how far states and memory are from rest, w are the answers of the blocks. All matrices are
+rational; what a matrix exponential leaves unknown is a radius beside A and B. That this is the
+loop, within the bounds, is what a certificate stands on; the search reads the same numbers as
+floats and is not trusted.
+
+How it is made stands in :mod:`fuzzyarm.proof.loop.form_maker`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, SignalBound
+from fuzzyarm.proof.loop.evidence import Evidence
+from fuzzyarm.proof.loop.problem import LoopProofError
+
+__all__ = ["Assumptions", "Form", "Matrix", "row_of"]
+
+Matrix = tuple[tuple[Fraction, ...], ...]
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """What a form may take for granted; the smaller, the nearer to linear it is.
+
+    Attributes
+    ----------
+    share : Fraction
+        Of the universes of rule bases: how far their inputs may go.
+    grip : Fraction
+        What limits leave of a signal's deviation; 1: they are not reached.
+    box : dict of str to Fraction
+        By state of the plant, how far it may be from rest; empty for a plant that is affine.
+    along : bool
+        Whether a rule base is a gain times the sum of its inputs that its linear law has, or a sum
+        of its own slopes along each input.
+    """
+
+    share: Fraction = ONE
+    grip: Fraction = ONE
+    box: Mapping[str, Fraction] = field(default_factory=dict)
+    along: bool = True
+
+    def __post_init__(self) -> None:
+        halves = self.box.values()
+        if not (0 < self.share <= 1 and 0 < self.grip <= 1 and all(half > 0 for half in halves)):
+            raise LoopProofError("a share, a grip or a box that is out of range")
+
+
+@dataclass(frozen=True)
+class Form:
+    """A loop as matrices; see the head of this module.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of z: states of the plant, then what controller, sensors and actuators remember.
+    rest : dict of str to Fraction
+        Of each of them.
+    a, b : matrix of Fraction, shapes (n, n) and (n, m)
+        Of the next z, or of its rate.
+    radius : matrix of Fraction, shape (n, n + m)
+        How far the true ``[a b]`` may be from these numbers.
+    blocks : tuple of (row of Fraction)
+        ``[Cₖ Dₖ]`` of each block; Dₖ reads the answers of blocks before it only.
+    words : tuple of str
+        What each block is.
+    bounds : tuple of SignalBound
+        Where the form is the loop.
+    outputs : dict of (str, str) to Affine
+        Outputs and inputs of the plant, by axis and port.
+    seeds : dict of str to Affine
+        What memory that starts with what it sees is, by states of the plant.
+    period : float
+        s; 0 for a loop in continuous time.
+    evidence : Evidence or None
+        What a certificate says of it.
+    """
+
+    names: tuple[str, ...]
+    rest: Mapping[str, Fraction]
+    a: Matrix
+    b: Matrix
+    radius: Matrix
+    blocks: Matrix
+    words: tuple[str, ...]
+    bounds: tuple[SignalBound, ...]
+    outputs: Mapping[Address, Affine]
+    seeds: Mapping[str, Affine]
+    period: float
+    evidence: Evidence | None = None
+
+    @property
+    def size(self) -> int:
+        """How many states."""
+        return len(self.names)
+
+    def row(self, signal: Affine) -> tuple[Fraction, ...]:
+        """Return the weights of z and w in a signal."""
+        return row_of(signal, self.names, len(self.blocks))
+
+    def rows_within(self) -> list[tuple[tuple[Fraction, ...], Fraction, str]]:
+        """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold.
+
+        An answer is linear in its gain δ, so the largest value is at δ = -1 or 1 of each block.
+        """
+        rows = []
+        for bound in self.bounds:
+            limit = min(abs(end) for end in (bound.low, bound.high) if end is not None)
+            rows += [(row, limit, bound.words) for row in self.rows_of(bound.signal)]
+        return list(dict.fromkeys(rows))
+
+    def rows_of(self, signal: Affine) -> list[tuple[Fraction, ...]]:
+        """Return rows g over z alone: a signal is as far from its constant as the largest |g z|."""
+        return _without_answers(self.row(signal), self.size, self.blocks)
+
+
+def row_of(signal: Affine, names: Sequence[str], answers: int) -> tuple[Fraction, ...]:
+    """Return the weights of variables and of answers in a signal."""
+    every = [*names, *(f"w{k}" for k in range(answers))]
+    if unknown := set(signal.parts) - set(every):
+        raise LoopProofError(f"a signal depends on {', '.join(sorted(unknown))}")
+    return tuple(signal.parts.get(name, ZERO) for name in every)
+
+
+def _without_answers(
+    row: tuple[Fraction, ...], size: int, blocks: Matrix
+) -> list[tuple[Fraction, ...]]:
+    last = next((k for k in range(len(row) - 1, size - 1, -1) if row[k]), None)
+    if last is None:
+        return [row[:size]]
+    answered = blocks[last - size]
+    rows = []
+    for sign in (-1, 1):
+        weight = sign * row[last]
+        with_it = [r + weight * v for r, v in zip(row[:last], answered[:last], strict=True)] + [
+            ZERO
+        ] * (len(row) - last)
+        rows += _without_answers(tuple(with_it), size, blocks)
+    return rows

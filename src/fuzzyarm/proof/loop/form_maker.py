@@ -1,0 +1,372 @@
+"""How the form of a loop is made: where it rests, then one period around that in affine forms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from fuzzyarm.plant.plant import Address, Port
+from fuzzyarm.proof.loop.affine import (
+    ONE,
+    ZERO,
+    Affine,
+    AffineAlgebra,
+    MovingError,
+    NotAffineError,
+    number,
+    variable,
+)
+from fuzzyarm.proof.loop.conclusions import Conclusions
+from fuzzyarm.proof.loop.evidence import Evidence
+from fuzzyarm.proof.loop.form import Assumptions, Form, row_of
+from fuzzyarm.proof.loop.outward import exact_bounds
+from fuzzyarm.proof.loop.period import LoopPeriod
+from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.loop.program_walk import ProgramWalk
+from fuzzyarm.proof.loop.resting import rest_in_floats
+from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.symbolic.nodes import Symbol
+
+__all__ = ["FormMaker"]
+
+DOUBT = 1e-9
+"""How far the true rest is taken to be from one that was found in floats, at most."""
+
+
+class FormMaker:
+    """Makes forms of one loop; what has been proved of its rule bases is kept.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    stop : Stop, optional
+        When to give up.
+
+    Attributes
+    ----------
+    rest : dict of str to Fraction
+        Where states and memory rest.
+    is_exact : bool
+        Whether that is exact; else it is near a rest that is not rational.
+
+    Raises
+    ------
+    LoopProofError
+        If the loop is not covered, or does not rest anywhere that is known.
+    """
+
+    def __init__(self, problem: LoopProblem, stop: Stop | None = None) -> None:
+        self.problem = problem
+        require_still(problem)
+        self.equations = problem.equations
+        self._conclusions = Conclusions(stop or Stop())
+        # The excess over a limit is 0 as long as no limit holds: not a state of the form.
+        self.fixed = [name for name in self._memory_names() if " excess " in name]
+        self.is_exact = True
+        self.rest = self._rest()
+        self.plant = SampledPlant(problem, self.rest)
+
+    def _memory_names(self) -> list[str]:
+        return list(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
+
+    def _algebra(self, choice: Assumptions, *, is_search: bool = False) -> AffineAlgebra:
+        of = self._conclusions
+        rules = of.resting if is_search else of.concluding(choice)
+        table = of.resting_table if is_search else of.tabled(choice)
+        return AffineAlgebra(rules, table, grip=choice.grip, is_search=is_search)
+
+    # --- the loop as it is, over affine forms ---
+
+    def _one_period(
+        self, algebra: AffineAlgebra, states: Mapping[str, Affine], *, first: bool = False
+    ) -> tuple[dict[Address, Affine], dict[str, Affine], dict[Address, Affine]]:
+        """Return inputs of the plant, memory and outputs of a period."""
+        period = LoopPeriod(self.problem, algebra)
+        values = self._plant_values(states)
+        outputs = {
+            address: algebra.expression(root, values)
+            for address, root in zip(
+                self.problem.site.interface.outputs, self.equations.outputs, strict=True
+            )
+        }
+        memory = {name: states[name] for name in period.memory if name in states}
+        memory |= {name: number(period.memory[name]) for name in self.fixed}
+        inputs, after = period.run(outputs, {} if first else memory, first=first)
+        for name in self.fixed:
+            successor = after.pop(name)
+            if not first and (
+                not successor.is_constant or successor.constant != period.memory[name]
+            ):
+                raise NotAffineError("an anti-windup counts while a limit holds")
+        return inputs, after, outputs
+
+    def _plant_values(self, states: Mapping[str, Affine]) -> dict[str, Affine]:
+        equations, problem = self.equations, self.problem
+        values = {"t": number(0.0)}
+        values |= {
+            key: states[name] for key, name in zip(equations.states, problem.states, strict=True)
+        }
+        for key, at in zip(equations.parameters, problem.parameters.values(), strict=True):
+            values[key] = number(0.5 * at.low + 0.5 * at.high)
+        return values
+
+    @property
+    def memory(self) -> list[str]:
+        """What is remembered and moves."""
+        return [name for name in self._memory_names() if name not in self.fixed]
+
+    @property
+    def begin(self) -> dict[str, float]:
+        """What is remembered before the first period; NaN for what begins as it first sees."""
+        return dict(LoopPeriod(self.problem, self._algebra(Assumptions())).memory)
+
+    # --- rest ---
+
+    def _rest(self) -> dict[str, Fraction]:
+        """Return where the loop rests: states and memory, exactly."""
+        names = [*self.problem.states, *self.memory]
+        if SampledPlant(self.problem, {}).is_affine:
+            return self._rest_of_affine(names)
+        rest = self._rest_at_set_point(names)
+        if rest is None:
+            self.is_exact = self._conclusions.is_exact = False
+            near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
+            rest = {name: Fraction(value) for name, value in near.items()}
+        return rest
+
+    def _rest_of_affine(self, names: Sequence[str]) -> dict[str, Fraction]:
+        algebra = self._algebra(Assumptions(), is_search=True)
+        states = {name: variable(name) for name in names}
+        inputs, after, _ = self._one_period(algebra, states)
+        rates = self._rates(algebra, states, inputs)
+        residuals = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
+        solution = _solved(residuals, names)
+        if solution is None:
+            raise LoopProofError("the loop does not rest at one point: its equations leave it open")
+        return dict(zip(names, solution, strict=True))
+
+    def _rates(
+        self,
+        algebra: AffineAlgebra,
+        states: Mapping[str, Affine],
+        inputs: Mapping[Address, Affine],
+    ) -> list[Affine]:
+        values = self._plant_values(states)
+        values |= dict(zip(self.equations.inputs, inputs.values(), strict=True))
+        return [algebra.expression(root, values) for root in self.equations.rates]
+
+    def _rest_at_set_point(self, names: Sequence[str]) -> dict[str, Fraction] | None:
+        """Return the set point of a plant that is not affine, and 0, if it rests there."""
+        problem, interface = self.problem, self.problem.site.interface
+        rest = dict.fromkeys(names, ZERO)
+        for address, root in zip(interface.outputs, self.equations.outputs, strict=True):
+            for key, name in zip(self.equations.states, problem.states, strict=True):
+                if isinstance(root, Symbol) and root.name == key:
+                    rest[name] = Fraction(problem.set_point[address])
+        algebra = self._algebra(Assumptions(), is_search=True)
+        states = {name: number(value) for name, value in rest.items()}
+        try:
+            inputs, after, _ = self._one_period(algebra, states)
+            moves = self._rates(algebra, states, inputs)
+        except NotAffineError:
+            return None
+        moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
+        # Exactly 0, or it is not its rest: rates of the plant and changes of memory.
+        return None if any(move.constant for move in moves) else rest
+
+    # --- the form ---
+
+    def form(self, choice: Assumptions, *, continuous: bool = False) -> Form:
+        """Return the loop as matrices.
+
+        Parameters
+        ----------
+        choice : Assumptions
+            What may be taken for granted.
+        continuous : bool
+            As if the controller ran without a period: of one without memory.
+
+        Raises
+        ------
+        NotAffineError
+            If the loop is not covered.
+        UnprovableError
+            If a rule base is not.
+        """
+        algebra = self._algebra(choice)
+        if continuous and self.memory:
+            raise NotAffineError(f"in continuous time it has no {self.memory[0]}")
+        names = [*self.problem.states, *self.memory]
+        states = {name: variable(name, self.rest[name]) for name in names}
+        try:
+            inputs, after, outputs = self._one_period(algebra, states)
+            for name in self.memory:
+                if self.is_exact and after[name].constant != self.rest[name]:
+                    raise MovingError(f"'{name}' moves")
+        except MovingError as error:
+            raise self._no_equilibrium(error.message) from None
+        self._require_bounded(algebra, outputs)
+        deviations = {name: variable(name) for name in names}
+        drives = {f"u{k}": form.deviation for k, form in enumerate(inputs.values())}
+        if self.is_exact:
+            self._check_rest(algebra, states, inputs)
+        rows, radius = self.plant.rows(choice, algebra, deviations, drives, inputs, continuous)
+        rows += [after[name].deviation for name in self.memory]
+        count = len(algebra.blocks)
+        size = len(names)
+        matrix = [row_of(row, names, count) for row in rows]
+        spread = [row_of(row, names, count) for row in radius]
+        spread += [(ZERO,) * (size + count)] * len(self.memory)  # rows of memory are exact
+        return Form(
+            tuple(names),
+            dict(self.rest),
+            tuple(row[:size] for row in matrix),
+            tuple(row[size:] for row in matrix),
+            tuple(spread),
+            tuple(row_of(block.v, names, count) for block in algebra.blocks),
+            tuple(block.words for block in algebra.blocks),
+            tuple(algebra.bounds),
+            {**outputs, **inputs},
+            self._seeds(choice),
+            0.0 if continuous else self.problem.period,
+            self._evidence(choice, algebra),
+        )
+
+    def _require_bounded(self, algebra: AffineAlgebra, outputs: Mapping[Address, Affine]) -> None:
+        """Note that outputs stay within their bounds, beyond which a run counts as diverged.
+
+        One that a plant leaves open is far away, and left to the checker.
+        """
+        for address, port in self.problem.site.interface.outputs.items():
+            if port.bound >= Port.bound:
+                continue
+            room = Fraction(port.bound) - abs(outputs[address].constant)
+            if room > 0:
+                label = self.problem.site.interface.label(address)
+                algebra.require(outputs[address], -room, room, f"the bound of '{label}'")
+
+    def _evidence(self, choice: Assumptions, algebra: AffineAlgebra) -> Evidence:
+        """Return what a certificate says of this form."""
+        doubt = {
+            name: ZERO if self.is_exact else Fraction(DOUBT) * max(abs(x), ONE)
+            for name, x in self.rest.items()
+        }
+        return Evidence(
+            _program_names(self.problem, self.memory),
+            {name: (x, doubt[name]) for name, x in self.rest.items()},
+            tuple(algebra.gains),
+            tuple(algebra.spread),
+            choice.grip,
+            {} if self.plant.is_affine else dict(choice.box),
+        )
+
+    def _no_equilibrium(self, why: str) -> NotAffineError:
+        """Return the error of a loop that cannot rest at its set points."""
+        label, points = self.problem.site.interface.label, self.problem.set_point
+        at = ", ".join(f"{label(port)} = {value:g}" for port, value in points.items())
+        return NotAffineError(
+            f"there is no equilibrium{f' at {at}' if at else ''}: {why}",
+            hint="`at PORT = X` gives set points that the loop can hold" if at else "",
+        )
+
+    def _check_rest(
+        self,
+        algebra: AffineAlgebra,
+        states: Mapping[str, Affine],
+        inputs: Mapping[Address, Affine],
+    ) -> None:
+        """Make sure that the plant rests, whatever its parameters are."""
+        at = {name: number(state.constant) for name, state in states.items()}
+        forms = {name: number(form.constant) for name, form in inputs.items()}
+        if any(rate.constant for rate in self._rates(algebra, at, forms)):
+            raise LoopProofError(
+                "the plant does not rest where the controller does",
+                hint="a bias must balance it to the last digit; an integral finds the rest",
+            )
+        if any(parameter.low < parameter.high for parameter in self.problem.parameters.values()):
+            ranges = self._point_ranges(at, forms)
+            for root in self.equations.rates:
+                low, high = exact_bounds(root, ranges)
+                if low or high:
+                    raise LoopProofError("where the plant rests depends on its parameters")
+
+    def _point_ranges(
+        self, at: Mapping[str, Affine], driven: Mapping[Address, Affine]
+    ) -> dict[str, tuple[Fraction, Fraction]]:
+        equations, problem = self.equations, self.problem
+        ranges = {"t": (ZERO, ZERO)}
+        for key, name in zip(equations.states, problem.states, strict=True):
+            ranges[key] = (at[name].constant, at[name].constant)
+        for key, form in zip(equations.inputs, driven.values(), strict=True):
+            ranges[key] = (form.constant, form.constant)
+        for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
+            ranges[key] = (Fraction(span.low), Fraction(span.high))
+        return ranges
+
+    def _seeds(self, choice: Assumptions) -> dict[str, Affine]:
+        """Return memory that starts as what it first sees, by states of the plant."""
+        algebra = self._algebra(choice, is_search=True)
+        states = {name: variable(name, self.rest[name]) for name in self.problem.states}
+        period = LoopPeriod(self.problem, algebra)
+        begun = {name: value for name, value in period.memory.items() if math.isnan(value)}
+        if not begun:
+            return {}
+        values = self._plant_values(states)
+        outputs = {
+            address: algebra.expression(root, values)
+            for address, root in zip(
+                self.problem.site.interface.outputs, self.equations.outputs, strict=True
+            )
+        }
+        inputs, after = period.run(outputs, {}, first=True)
+        # What starts so has remembered what it saw: its first period leaves it. That it is as if
+        # it had remembered that before, too, is tried: both periods must be the same.
+        seeds = {name: after[name] for name in begun}
+        before = {n: number(x) for n, x in period.memory.items() if not math.isnan(x)}
+        again = period.run(outputs, {**before, **seeds})
+        if again != (inputs, after):
+            raise NotAffineError(f"'{next(iter(begun))}' has a start of its own")
+        return seeds
+
+
+def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str]:
+    """Return what memory is called in the program: only a guess, which the checker proves."""
+    states = [
+        name
+        for name in ProgramWalk(problem).states
+        if name.startswith("state:") and not name.endswith("_excess")
+    ]
+    # Both list the sources in the order of the lines.
+    program = iter(states)
+    names = {}
+    for name in memory:
+        label, _, what = name.partition(" ")
+        if what.startswith("late "):
+            names[name] = f"late:{label}:{what.removeprefix('late ')}"
+        elif what in ("sensed before", "sensed slope"):
+            names[name] = f"{what.removeprefix('sensed ')}:{label}"
+        elif what == "driven":
+            names[name] = f"driven:{label}"
+        else:
+            names[name] = next(program, "")
+    return names
+
+
+def _solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
+    """Solve rows = 0 in rationals; None where that is not one point."""
+    matrix = [[*row_of(row, names, 0), -row.constant] for row in rows]
+    size = len(names)
+    for column in range(size):
+        pivot = next((k for k in range(column, size) if matrix[k][column]), None)
+        if pivot is None:
+            return None
+        matrix[column], matrix[pivot] = matrix[pivot], matrix[column]
+        head = matrix[column]
+        for k in range(size):
+            if k != column and matrix[k][column]:
+                factor = matrix[k][column] / head[column]
+                matrix[k] = [x - factor * y for x, y in zip(matrix[k], head, strict=True)]
+    return [matrix[k][size] / matrix[k][k] for k in range(size)]

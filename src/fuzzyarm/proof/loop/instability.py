@@ -1,0 +1,73 @@
+r"""Whether a loop is unstable next to rest, by Lyapunov's theorem on instability.
+
+A quadratic V = zᵀ P z with V < 0 for some z, and for some r > 1
+
+    V(A z + B w) − r² V(z) + Σ τₖ (vₖ² − wₖ²) < 0   for all (z, w) other than 0, τₖ ≥ 0:
+
+from V(z) < 0 a deviation grows by r in each period, in V, so that it leaves every neighbourhood of
+the rest in which the form is the loop. Gains may be anything and change in every period, so that
+corners at rest do not matter. P and τ are found in floats; the inequality is checked in rationals,
+of the loop as the checker derives it.
+
+Source: H. K. Khalil, *Nonlinear Systems*, 3rd edition, Prentice Hall 2002, section 4.1 (Chetaev's
+theorem).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyarm.proof.loop.checker import Matrices, falls
+from fuzzyarm.proof.loop.linear import declining
+from fuzzyarm.proof.loop.verification import quadratic_at
+from fuzzyarm.proof.map.arithmetic import Stop
+
+__all__ = ["growth"]
+
+SHARES = (1.0 - 2.0**-20, 0.9, 0.7, 0.5, 0.3, 0.1, 0.03)
+"""Of how far the largest eigenvalue is beyond 1, as floats have it: growths that are tried."""
+
+
+def growth(loop: Matrices, stop: Stop | None = None) -> float:
+    """Return by what some deviation from rest grows in each period at least; 0: not proved to grow.
+
+    Parameters
+    ----------
+    loop : Matrices
+        Next to rest, as sampled.
+    stop : Stop, optional
+        When to give up.
+    """
+    stop = stop or Stop()
+    if any(limit <= 0 for _, limit, _ in loop.rows_within()):  # it is so nowhere around the rest
+        return 0.0
+    a = np.array([[float(x) for x in row] for row in loop.a])
+    beyond = float(np.abs(np.linalg.eigvals(a)).max()) - 1.0
+    for share in SHARES:
+        rate = 1.0 + share * beyond
+        if not rate > 1.0 or stop.now:
+            return 0.0
+        found = declining(loop, rate, stop)
+        if found is not None and _grows(loop, *found, Fraction(rate)):
+            return rate
+    return 0.0
+
+
+def _grows(
+    loop: Matrices,
+    p: Sequence[Sequence[Fraction]],
+    multipliers: Sequence[Fraction],
+    rate: Fraction,
+) -> bool:
+    """Tell whether V shows that a deviation grows by a rate: in rationals."""
+    if any(multiplier < 0 for multiplier in multipliers) or not _is_negative_somewhere(p):
+        return False
+    return falls(loop, p, multipliers, 1 - rate * rate)
+
+
+def _is_negative_somewhere(p: Sequence[Sequence[Fraction]]) -> bool:
+    vectors = np.linalg.eigh(np.array([[float(x) for x in row] for row in p]))[1]
+    return quadratic_at(p, [Fraction(float(x)) for x in vectors[:, 0]]) < 0  # of the least one

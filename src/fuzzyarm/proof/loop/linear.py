@@ -1,0 +1,331 @@
+"""The search for a quadratic Lyapunov function of a loop's form: floats, and not trusted.
+
+With V(z) = zᵀ P z and |wₖ| ≤ |vₖ|, vₖ = Cₖ z + Dₖ w, V falls along the loop where
+
+    V(A z + B w) − V(z) + Σ τₖ (vₖ² − wₖ²) < 0   for all (z, w) other than 0, τₖ ≥ 0,
+
+which is one linear matrix inequality in P and τ (S-procedure: the circle criterion where there is
+one block, sampled). {V ≤ 1} is where the loop is proved: it lies within the bounds of the form
+where gᵀ P⁻¹ g ≤ b² for each row |g z| ≤ b, another inequality that is linear in P. Among all P
+the one with the largest level set is looked for, by the linearised log det P.
+
+Sources: H. K. Khalil, *Nonlinear Systems*, 3rd edition, Prentice Hall 2002, section 7.1; S. Boyd,
+L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System and Control
+Theory*, SIAM 1994, sections 2.6.3, 5.1 and 8.1.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.proof.loop.checker import Matrices
+from fuzzyarm.proof.loop.form import Form, Matrix
+from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
+from fuzzyarm.proof.map.arithmetic import Stop
+
+__all__ = ["CertificateCandidate", "candidate", "declining"]
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CertificateCandidate:
+    """What may prove a form: to be checked.
+
+    Attributes
+    ----------
+    p : matrix of Fraction, shape (n, n)
+        Of V; the region is V ≤ 1.
+    multipliers : tuple of Fraction
+        τ of each block.
+    size : float
+        The logarithm of the volume of the region, except for a constant.
+    """
+
+    p: Matrix
+    multipliers: tuple[Fraction, ...]
+    size: float
+
+
+def candidate(
+    form: Form,
+    *,
+    include: Sequence[Sequence[Fraction]] = (),
+    within: Sequence[tuple[Sequence[Fraction], Fraction]] = (),
+    rate: float = 0.0,
+    rounds: int = 4,
+    stop: Stop | None = None,
+) -> CertificateCandidate | None:
+    """Return a Lyapunov function whose level set is large; None where none was found.
+
+    Parameters
+    ----------
+    form : Form
+        The loop.
+    include : sequence of rows of Fraction
+        Points z that the region has to hold.
+    within : sequence of (row of Fraction, Fraction)
+        Further rows g and limits: the region has to keep |g z| below them.
+    rate : float
+        By what share V has to fall in each period.
+    rounds : int
+        How often the volume is linearised.
+    stop : Stop, optional
+        When to give up.
+    """
+    stop = stop or Stop()
+    a, b = _floats(form.a), _floats(form.b)
+    c = _floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
+    limited = [*((row, limit) for row, limit, _ in form.rows_within()), *within]
+    rows = [np.array([float(x) for x in row]) / float(limit) for row, limit in limited if any(row)]
+    n, m = form.size, len(form.blocks)
+    step = a if form.period else np.eye(n) + a / np.linalg.norm(a)
+    rows += _box_rows(step, rows)
+    try:
+        with warnings.catch_warnings():
+            # What SciPy finds ill-conditioned is no matter: the checker judges what comes of it.
+            warnings.simplefilter("ignore")
+            first = _whitening(a, rows, continuous=form.period == 0.0)
+    except np.linalg.LinAlgError:
+        return None
+    if first is None:
+        return None
+    back = np.linalg.inv(first)  # z = back ẑ, so that V of the linear loop is near |ẑ|²
+    a, b = first @ a @ back, first @ b
+    c = np.hstack([c[:, :n] @ back, c[:, n:]])
+    b, c, units = _in_units(b, c, n)
+    limits = [row @ back for row in rows]
+    basis = _symmetric_basis(n)
+    falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
+    points = [first @ np.array([float(x) for x in z]) for z in include]
+    inequalities = [falls, _at_most(basis, m)]
+    if m:
+        inequalities.append(_multipliers(len(basis), m))
+    if limits:
+        inequalities.append(_containing(np.array(limits), basis, m))
+    if points:
+        inequalities.append(_holding(np.array(points), basis, m))
+    if not limits:  # everywhere: V has no scale of its own
+        inequalities.append(_above_unit(basis, m))
+    begin = np.concatenate([_coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
+    y = feasible_point(inequalities, begin, stop)
+    if y is None:
+        return None
+    count = len(basis)
+    for _ in range(rounds):
+        weight = np.linalg.inv(np.tensordot(y[:count], basis, 1))
+        cost = np.concatenate([np.tensordot(basis, weight, 2), np.zeros(m)])
+        y = minimise(inequalities, cost, y, stop)
+    p = first.T @ np.tensordot(y[:count], basis, 1) @ first
+    taus = y[count:] / units**2
+    volume = -0.5 * float(np.linalg.slogdet(p)[1])
+    return CertificateCandidate(_rationals(p), tuple(_short(x) for x in taus), volume)
+
+
+def declining(
+    loop: Matrices, growth: float, stop: Stop
+) -> tuple[Matrix, tuple[Fraction, ...]] | None:
+    """Return V, which need not be positive, and τ with V(z⁺) < growth² V(z); None: none was found.
+
+    Parameters
+    ----------
+    loop : Matrices
+        As sampled.
+    growth : float
+        Above 1.
+    stop : Stop
+        When to give up.
+    """
+    from scipy.linalg import solve_discrete_lyapunov
+
+    n, m = loop.size, len(loop.blocks)
+    a, b = _floats(loop.a), _floats(loop.b).reshape(n, m)
+    c = _floats(loop.blocks).reshape(m, n + m)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            p = solve_discrete_lyapunov(a.T / growth, np.eye(n))
+        values, vectors = np.linalg.eigh(0.5 * (p + p.T))
+        first = np.sqrt(np.abs(values))[:, None] * vectors.T  # V is a sum of ± squares there
+        back = np.linalg.inv(first)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    if not np.isfinite(back).all():
+        return None
+    a, b = first @ a @ back, first @ b
+    b, c, units = _in_units(b, np.hstack([c[:, :n] @ back, c[:, n:]]), n)
+    basis = _symmetric_basis(n)
+    inequalities = [_falling(a, b, c, basis, 1.0 - growth**2, continuous=False)]
+    if m:
+        inequalities.append(_multipliers(len(basis), m))
+    begin = np.concatenate([_coordinates(np.diag(np.sign(values))), np.full(m, 1e-2)])
+    y = feasible_point(inequalities, begin, stop)
+    if y is None:
+        return None
+    p = first.T @ np.tensordot(y[: len(basis)], basis, 1) @ first
+    exact = tuple(tuple(Fraction(float(x)) for x in row) for row in 0.5 * (p + p.T))
+    return exact, tuple(_short(x) for x in y[len(basis) :] / units**2)
+
+
+def _in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
+    """Return answers in units of what they answer, so that multipliers are of one size."""
+    units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
+    c = c / units[:, None]
+    c[:, n:] = c[:, n:] * units
+    return b * units, c, units
+
+
+def _floats(matrix: Sequence[Sequence[Fraction]]) -> Vector:
+    return np.array([[float(x) for x in row] for row in matrix], float)
+
+
+FAR = 10.0
+"""How far states may be beyond what the bounds of the form allow of each of them alone."""
+
+
+def _box_rows(a: Vector, rows: Sequence[Vector]) -> list[Vector]:
+    """Return rows that keep every state finite: some are seen by no bound, or a period later."""
+    n = len(a)
+    reach = np.zeros(n)
+    for row in rows:
+        later = row
+        for _ in range(n):
+            reach = np.maximum(reach, np.abs(later))
+            later = later @ a
+    return [np.eye(n)[i] * reach[i] / FAR for i in range(n) if rows and reach[i]]
+
+
+UNSEEN = 1e-6
+"""Share of the mean weight that a state has which no bound and no other state sees."""
+
+
+def _whitening(a: Vector, rows: Sequence[Vector], *, continuous: bool) -> Vector | None:
+    """Return coordinates in which V of the loop without its blocks is about |ẑ|²."""
+    from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+
+    eigenvalues = np.linalg.eigvals(a)
+    stable = np.all(eigenvalues.real < 0) if continuous else np.all(np.abs(eigenvalues) < 1)
+    if not stable:
+        return None
+    n = len(a)
+    sides = np.array(rows) if rows else np.eye(n)
+    weight = sides.T @ sides
+    # A state that nothing reads, as the last value of a rate without a filter, has a little weight.
+    weight += np.eye(n) * np.where(np.diag(weight) > 0.0, 0.0, UNSEEN * np.trace(weight) / n)
+    if continuous:
+        p = solve_continuous_lyapunov(a.T, -weight)
+    else:
+        p = solve_discrete_lyapunov(a.T, weight)
+    p = 0.5 * (p + p.T)
+    # As large as fits between the rows.
+    inverse = np.linalg.inv(p)
+    reach = max((float(row @ inverse @ row) for row in rows), default=1.0)
+    try:
+        return np.asarray(np.linalg.cholesky(p * reach).T)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _symmetric_basis(n: int) -> Vector:
+    basis = []
+    for i in range(n):
+        for j in range(i, n):
+            element = np.zeros((n, n))
+            element[i, j] = element[j, i] = 1.0
+            basis.append(element)
+    return np.array(basis)
+
+
+def _coordinates(p: Vector) -> Vector:
+    return np.array([p[i, j] for i in range(len(p)) for j in range(i, len(p))])
+
+
+def _falling(
+    a: Vector, b: Vector, c: Vector, basis: Vector, rate: float, *, continuous: bool
+) -> Inequality:
+    """Return the inequality that says that V falls, in P and τ."""
+    n, m = len(a), b.shape[1]
+    move = np.hstack([a, b])
+    stay = np.hstack([np.eye(n), np.zeros((n, m))])
+    parts = []
+    for element in basis:
+        if continuous:
+            half = stay.T @ element @ move
+            parts.append(-(half + half.T))
+        else:
+            parts.append((1.0 - rate) * stay.T @ element @ stay - move.T @ element @ move)
+    for k in range(m):
+        answer = np.zeros(n + m)
+        answer[n + k] = 1.0
+        parts.append(np.outer(answer, answer) - np.outer(c[k], c[k]))
+    values = np.array(parts)
+    # Small steps change V little: the scale of what it falls by is taken out.
+    pace = np.linalg.norm(move - (0.0 if continuous else stay))
+    return Inequality(np.zeros((1, n + m, n + m)), values[:, None] / max(pace, 1e-9))
+
+
+def _containing(rows: Vector, basis: Vector, m: int) -> Inequality:
+    """Return ``[[P, g], [gᵀ, 1]] > 0`` for each row g: V ≤ 1 keeps |g z| below 1."""
+    count, n = rows.shape
+    constant = np.zeros((count, n + 1, n + 1))
+    constant[:, n, :n] = constant[:, :n, n] = rows
+    constant[:, n, n] = 1.0
+    parts = np.zeros((len(basis) + m, count, n + 1, n + 1))
+    parts[: len(basis), :, :n, :n] = basis[:, None]
+    return Inequality(constant, parts)
+
+
+def _holding(points: Vector, basis: Vector, m: int) -> Inequality:
+    """Return 1 - zᵀPz > 0 for each point: V ≤ 1 holds it, with a little to spare."""
+    parts = np.zeros((len(basis) + m, len(points), 1, 1))
+    parts[: len(basis), :, 0, 0] = -np.einsum("ri,kij,rj->kr", points, basis, points)
+    return Inequality(np.full((len(points), 1, 1), 1.0 - 1e-7), parts)
+
+
+def _above_unit(basis: Vector, m: int) -> Inequality:
+    n = basis.shape[1]
+    return Inequality(-np.eye(n)[None], np.concatenate([basis, np.zeros((m, n, n))])[:, None])
+
+
+LARGEST = 1e4
+"""P and τ where V of the linear loop is about 1: without an end the search would run away."""
+
+
+def _at_most(basis: Vector, m: int) -> Inequality:
+    """Return P < LARGEST."""
+    n = basis.shape[1]
+    parts = np.concatenate([-basis, np.zeros((m, n, n))])
+    return Inequality(LARGEST * np.eye(n)[None], parts[:, None])
+
+
+def _multipliers(count: int, m: int) -> Inequality:
+    """Return τ > 0 and τ < LARGEST."""
+    parts = np.zeros((count + m, 2 * m, 1, 1))
+    parts[count:, :m, 0, 0] = np.eye(m)
+    parts[count:, m:, 0, 0] = -np.eye(m)
+    constant = np.zeros((2 * m, 1, 1))
+    constant[m:] = LARGEST
+    return Inequality(constant, parts)
+
+
+def _rationals(p: Vector) -> Matrix:
+    """Return a matrix as rationals, a little larger than it is, for what rounding takes away."""
+    p = 0.5 * (p + p.T) * (1.0 + 1e-9)
+    scale = 1.0 / np.sqrt(np.diag(p))
+    return tuple(
+        tuple(_short(p[min(i, j), max(i, j)], scale[i] * scale[j]) for j in range(len(p)))
+        for i in range(len(p))
+    )
+
+
+def _short(x: float, scale: float = 0.0) -> Fraction:
+    """Return a number to some 13 digits of what counts beside it."""
+    size = scale or 1.0 / max(abs(x), 1e-300)
+    digits = 2 ** max(0, int(np.ceil(np.log2(max(size, 1e-300)))) + 44)
+    return Fraction(round(Fraction(x) * digits), digits)

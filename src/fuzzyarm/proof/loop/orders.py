@@ -1,0 +1,396 @@
+"""What a request of proving means, and what comes of it: verdicts, bounds, sectors, tubes."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from fuzzyarm.base import above
+from fuzzyarm.base.assignments import read_assignments
+from fuzzyarm.base.errors import FuzzyarmError, UsageError, WordError
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.reference import read_time
+from fuzzyarm.control.loop.words import connections, sensors_of
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.language.statements import TABLE_MODES
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.proof.loop.certificate import Certificate
+from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, read_claim
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
+from fuzzyarm.proof.loop.tube import Tube
+from fuzzyarm.proof.loop.tube_certificate import certify_tube, write_certificate
+from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
+from fuzzyarm.proof.map import Bounds, Prover, Verdict, prove_all, sector, slopes_at
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
+from fuzzyarm.proof.map.sector import Sector, form_text
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.prove import ProveRequest
+from fuzzyarm.table import compile_table
+
+__all__ = ["Proof", "proofs_of"]
+
+Proof = Verdict | LoopVerdict | DriveProof | Bounds | Sector | Tube
+"""What proving gives: by what was asked."""
+
+Tell = Callable[[str, int, float], None]
+"""Called with the statement, the number of pieces or attempts, and the gap between the bounds."""
+
+_PARTS = {"from": "from_", "with": "with_", "at": "at"}
+"""Parts of a claim that are options, and the fields that have them."""
+
+
+def _unheard(_statement: str, _count: int, _gap: float) -> None:
+    """Ignore progress."""
+
+
+def proofs_of(request: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
+    """Return all that a request asks for."""
+    require_sensible(request)
+    if request.check is not None or request.sector or wants_loop(request) or bounds_one(request):
+        return tuple(_single(request, request.files[0] if request.files else "", tell))
+    return tuple(
+        proof
+        for path in request.files
+        for proof in lines_of(request, path, above.function("controller_if_any")(path), tell)
+    )
+
+
+def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
+    """Return the statements of a request beside the lines of files."""
+    controller = above.function("controller_if_any")(path)
+    if request.check is not None:
+        return [check_of(request, controller)]
+    if bounds_one(request):
+        return bounds_of(request, above.function("load_rules")(path, "prove"), tell).values()
+    if not request.sector:
+        loop = loop_of(request, controller)
+        if not request.stable and request.claim is None:
+            return [tube_of(request, loop, tell)[0]]
+        return loops_of(request, loop, (claim_of(request),), tell)
+    if controller is not None:
+        return drives_of(request, controller, tell)
+    sectors, failed = sectors_of(request, above.function("load_rules")(path, "prove"), tell)
+    if not sectors:
+        raise WordError(f"no sector {failed[0]}")
+    return sectors
+
+
+def check_of(request: ProveRequest, controller: ControllerText | None) -> LoopVerdict:
+    """Check the certificate of a request."""
+    path = request.check or ""
+    return check_certificate(path, controller, named=request.plant, trust=request.trust)
+
+
+# --- What goes together ---
+
+
+def require_sensible(request: ProveRequest) -> None:
+    """Tell mistakes before anything is read."""
+    if request.check is not None:
+        return
+    if not request.files:
+        raise UsageError("no file is given", hint="a rule base or a controller, or --check")
+    for word in request.files:
+        if re.search(r"[<>=]| in ", word) and not os.path.exists(word):
+            raise UsageError(f"'{word}' is a statement: it stands in the file, as  prove {word}")
+    single = request.sector or wants_loop(request) or bounds_one(request)
+    if single and len(request.files) > 1:
+        raise UsageError(f"{_mode(request)} takes one file")
+    if request.along is not None and not request.sector:
+        raise UsageError("--along goes with --sector")
+    if request.output is not None and not (request.sector or bounds_one(request)):
+        raise UsageError("--output goes with --range, --slope, --table or --sector")
+
+
+def _mode(request: ProveRequest) -> str:
+    modes = ("sector", "stable", "claim", "duration", "range", "slope", "table")
+    field = request.given(modes)
+    assert field is not None
+    return field.spelling
+
+
+def bounds_one(request: ProveRequest) -> bool:
+    """Whether one number of an output is to be bounded."""
+    return request.range or request.slope or request.table is not None
+
+
+def wants_loop(request: ProveRequest) -> bool:
+    """Whether a claim about a loop, or a tube of it, is asked for beside the lines of a file."""
+    required = request.stable or request.claim is not None or request.duration is not None
+    for word, field in _PARTS.items():
+        if getattr(request, field) is not None:
+            if request.claim is not None:
+                raise UsageError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
+            if not required:
+                raise UsageError(f"--{word} goes with --stable or --for")
+    if request.stable and request.duration is not None:
+        raise UsageError("--stable is for all time: --for goes with --claim, or alone")
+    return bool(required)
+
+
+# --- The lines of files ---
+
+
+def lines_of(
+    request: ProveRequest, path: str, controller: ControllerText | None, tell: Tell
+) -> Iterator[Verdict | LoopVerdict | DriveProof]:
+    """Judge the ``prove`` lines of a file; of a controller what holds of its drives, too."""
+    rulebases = (
+        controller.model.rulebases if controller else (above.function("load_rules")(path, "prove"),)
+    )
+    yield from rules_of(request, rulebases, tell)
+    if controller is not None:
+        yield from loops_of(request, controller, controller.model.claims, tell)
+        yield from drives_of(request, controller, tell)
+
+
+def rules_of(
+    request: ProveRequest, rulebases: Iterable[RuleBase], tell: Tell = _unheard
+) -> Iterator[Verdict]:
+    """Judge the ``prove`` lines of rule bases."""
+    for rulebase in rulebases:
+        yield from prove_all(
+            rulebase, tolerance=request.tolerance, budget=budget_of(request), exact=request.exact,
+            tell=tell,
+        )  # fmt: skip
+
+
+def budget_of(request: ProveRequest) -> float:
+    """Return how long each statement may take, s."""
+    return request.budget or math.inf
+
+
+# --- One number ---
+
+
+def bounds_of(
+    request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
+) -> dict[str, Bounds]:
+    """Bound the values, the slopes or the error of a table, by what they are called."""
+    prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
+    if request.table is not None:
+        return {"worst": _error_of_table(prover, request.table)}
+    if request.range:
+        return {"range": prover.value({})}
+    return {name: prover.slope({}, name) for name in prover.names}
+
+
+def prover_of(request: ProveRequest, rulebase: RuleBase, output: str, tell: Tell) -> Prover:
+    """Return what bounds an output as a request says; it tells of its file, or of the output."""
+    what = request.files[0] if request.files else output
+    stop = Stop(budget_of(request), lambda count, gap: tell(what, count, gap))
+    stop.say(0)
+    return Prover(rulebase, output, tolerance=request.tolerance, stop=stop, exact=request.exact)
+
+
+def only_output(rulebase: RuleBase, name: str | None) -> str:
+    """Return the output that is named, or the only one."""
+    names = [output.name for output in rulebase.outputs]
+    if name is None and len(names) != 1:
+        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
+    if name is not None and name not in names:
+        raise WordError(f"no output is called '{name}'", hint=f"there are {', '.join(names)}")
+    return name or names[0]
+
+
+def _error_of_table(prover: Prover, which: str) -> Bounds:
+    if which in TABLE_MODES:
+        return prover.table(compile_table(prover.rulebase, prover.output.name), which)
+    if not which.lower().endswith((".lut", ".csv", ".npz", ".json")):
+        raise UsageError(f"--table takes {', '.join(TABLE_MODES)} or a table, not '{which}'")
+    table = above.function("load_sampled")(which)
+    return prover.table(table, table.default_mode)
+
+
+# --- Sectors ---
+
+
+def sectors_of(
+    request: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
+) -> tuple[list[Sector], list[str]]:
+    """Return the sectors of an output, and in words along what there is none."""
+    if request.plant is not None:
+        raise UsageError("--plant is for controllers, not for rule bases")
+    prover = prover_of(request, rulebase, only_output(rulebase, request.output), tell)
+    sectors, failed = list[Sector](), list[str]()
+    for weights in _forms(prover, request.along, failed):
+        try:
+            sectors.append(sector(prover, weights))
+        except FuzzyarmError as error:
+            failed.append(f"along {form_text(weights)}: {error}")
+    return sectors, failed
+
+
+def _forms(prover: Prover, along: str | None, failed: list[str]) -> list[dict[str, Any]]:
+    """Return the sums of inputs: each alone, and what a linear law would give."""
+    if along is not None:
+        return [dict(read_assignments([along], prover.names))]
+    forms: list[dict[str, Any]] = [{name: 1} for name in prover.names]
+    if len(prover.names) > 1:
+        try:
+            slopes = slopes_at(prover, {})
+        except FuzzyarmError as error:
+            failed.append(f"along a linear law: {error}")
+            return forms
+        gains = {name: slopes.along({name: Fraction(1)}) for name in prover.names}
+        joint = {name: gain for name, gain in gains.items() if gain}
+        if len(joint) > 1:
+            forms.append(joint)
+    return forms
+
+
+def drives_of(
+    request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+) -> list[DriveProof]:
+    """Prove the static part of a controller."""
+    if request.along is not None or request.output is not None:
+        raise UsageError("--along and --output are for rule bases, not for controllers")
+    plant = find_plant(request.plant) if request.plant is not None else None
+    return prove_drives(controller, plant, budget=budget_of(request), tell=tell)
+
+
+# --- Loops ---
+
+
+def loop_of(request: ProveRequest, controller: ControllerText | None) -> ControllerText:
+    """Return the controller whose loop is asked about."""
+    if controller is None:
+        raise WordError(
+            f"{request.files[0]} is not a controller: --stable, --claim and --for are about loops"
+        )
+    return controller
+
+
+def loops_of(
+    request: ProveRequest,
+    controller: ControllerText,
+    claims: tuple[LoopClaim, ...],
+    tell: Tell = _unheard,
+) -> Iterator[LoopVerdict]:
+    """Judge claims about the loop of a controller."""
+    for claim in claims:
+        yield prove_loop(
+            controller, claim, budget=budget_of(request), continuous=request.continuous, tell=tell,
+            **setup_of(request, claim),
+        )  # fmt: skip
+
+
+LEAST_SHARE = 0.25
+"""Of the budget, that a certificate may take where the proof took nearly all of it."""
+
+
+def certify(
+    request: ProveRequest,
+    controller: ControllerText,
+    verdict: LoopVerdict,
+    path: str,
+    tell: Tell = _unheard,
+) -> str:
+    """Write the certificate of what is proved, and return its seal; of a tube it is made first.
+
+    That takes as long as is left of the budget. LoopProofError where there is none.
+    """
+    if isinstance(verdict.certificate, Certificate):
+        write_certificate(verdict.certificate, path)
+        return verdict.certificate.seal
+    if verdict.tube is not None and verdict.tube.arrival:
+        raise LoopProofError("a tube that ends in a region has no certificate")
+    claim = verdict.claim
+    assert claim is not None
+    budget = request.budget or TUBE_BUDGET
+    tube = certify_tube(
+        controller, claim, budget=max(budget - verdict.work, LEAST_SHARE * budget),
+        tell=lambda count, gap: tell(f"certificate of {verdict.statement}", count, gap),
+        **setup_of(request, claim),
+    )  # fmt: skip
+    write_certificate(tube, path)
+    return tube.seal
+
+
+def setup_of(request: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
+    """Return the plant, connections and sensors of a loop, as keywords of `prove_loop`."""
+    loop = ExperimentRequest(
+        connect=request.connect, quantise=request.quantise, sensor_delay=request.sensor_delay
+    )
+    plant = claimed_plant(claim, request.plant, trust=request.trust)
+    setup: dict[str, Any] = {"connect": connections(loop), "plant": plant}
+    if loop.quantise or loop.sensor_delay:
+        setup["sensors"] = sensors_of(loop, plant)
+    return setup
+
+
+def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
+    """Return the claim that the fields say: ``claim``, or ``stable`` with its parts.
+
+    Parameters
+    ----------
+    request : ProveRequest
+        With one of both.
+    dashes : str, optional
+        What stands before the name of a field in a message; nothing in that of a page.
+    """
+    plant = request.plant or ""
+    if request.claim is not None:
+        return _ended(read_claim(request.claim, plant, f"{dashes}claim '{request.claim}'"), request)
+    if not plant:
+        word = "stable" if request.stable else "for"
+        hint = f"{dashes}plant motor" if dashes else "choose one"
+        raise UsageError(f"{dashes}{word} needs a plant", hint=hint)
+    parts = {}
+    if request.at is not None:
+        pairs = (pair.partition("=") for pair in request.at.split(","))
+        parts["at"] = ", ".join(f"{_name(port)} = {value}" for port, _, value in pairs)
+    for word in ("with", "from"):
+        value = getattr(request, _PARTS[word])
+        if value is not None:
+            parts[word] = value
+    for word, value in parts.items():  # each alone first: so a mistake has the name of its option
+        source = f"{dashes}{word} '{getattr(request, _PARTS[word])}'"
+        read_claim(f"stable {word} {value}", plant, source)
+    return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
+
+
+def _name(word: str) -> str:
+    return name_text(word.strip().strip("'"))
+
+
+def _ended(claim: LoopClaim, request: ProveRequest) -> LoopClaim:
+    """Return a claim with the end that ``duration`` says."""
+    if request.duration is None:
+        return claim
+    if claim.stable or claim.when == "during":
+        raise UsageError(
+            "--for gives a claim with `after` or `always` an end; this has none to give"
+        )
+    end = read_time(request.duration, "--for")
+    if not end > claim.begin:
+        raise WordError(f"--for ends at {end:g} s, before the claim begins at {claim.begin:g} s")
+    return replace(claim, when="during", end=end)
+
+
+def tube_of(
+    request: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+) -> tuple[Tube, tuple[str, ...], str]:
+    """Bound all ports of the plant for a time: the tube, what is left open, and what it is of."""
+    claim = claim_of(request)
+    duration = read_time(request.duration or "", "--for")
+    setup = setup_of(request, claim)
+    statement = loop_sentence(claim, setup.get("sensors"), setup["connect"], duration=duration)
+    try:
+        way, left_open = loop_tube(
+            controller, claim, duration, budget=budget_of(request), **setup,
+            tell=lambda share, boxes: tell(statement, boxes, 1.0 - share),
+        )  # fmt: skip
+    except EnclosureError as error:
+        raise WordError(f"{request.files[0]}: {error}") from error
+    return way, left_open, statement

@@ -1,0 +1,214 @@
+"""One period of a closed loop up to the inputs of the plant: sensors, controller, actuators.
+
+The controller is :class:`fuzzyarm.control.controllers.period.ControlPeriod`; the kinds of number
+are affine forms for certificates, zonotopes for tubes, floats near a rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Generic, TypeVar
+
+from fuzzyarm.control.controllers.period import Algebra, ControlPeriod, PortValue
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.text import ports_of
+from fuzzyarm.control.loop.course import Sensor, periods_of
+from fuzzyarm.language.model.controller import Learn, Line, SignalLine, Zoom
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.plant import Address, Port
+from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+
+__all__ = ["LoopAlgebra", "LoopPeriod"]
+
+T = TypeVar("T")
+
+
+class LoopAlgebra(Algebra[T]):
+    """A kind of number of a loop."""
+
+    def error(self, x: T, size: float) -> T:
+        """Return ``x`` and an unknown error of at most a size."""
+        raise NotImplementedError
+
+
+class LoopPeriod(Generic[T]):
+    """One period of the loop up to the inputs of the plant, over some kind of number.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    algebra : LoopAlgebra
+        The kind of number.
+
+    Attributes
+    ----------
+    memory : dict of str to float
+        What sensors, controller and actuators remember, and its value before the first period; NaN
+        where the first period takes what it sees.
+    """
+
+    def __init__(self, problem: LoopProblem, algebra: LoopAlgebra[T]) -> None:
+        self.problem, self.algebra = problem, algebra
+        self.control = ControlPeriod(problem.text, algebra)
+        for index, line in _lines(problem):
+            self._demand_provable(index, line)
+        self.memory: dict[str, float] = {}
+        for (axis, port), sensor in problem.sensors.items():
+            if sensor.difference is not None:
+                self.memory[f"{axis}.{port} sensed before"] = math.nan
+                self.memory[f"{axis}.{port} sensed slope"] = 0.0
+            for late in range(periods_of(sensor.delay, problem.period)):
+                self.memory[f"{axis}.{port} late {late + 1}"] = math.nan
+        self.memory |= {name: cell.start for name, cell in self.control.cells.items()}
+        for (axis, name), actuator in problem.site.interface.inputs.items():
+            if actuator.slew < math.inf:
+                self.memory[f"{axis}.{name} driven"] = actuator.idle
+
+    def _demand_provable(self, index: int, line: Line) -> None:
+        """Refuse what no proof covers, by name."""
+        if isinstance(line, Zoom):
+            words = f"'zoom {', '.join(line.signals)}' switches"
+            raise LoopProofError(f"{words}: nothing is proved about it")
+        if isinstance(line, Learn):
+            raise LoopProofError(f"the table '{line.table}' learns: nothing is proved about it")
+        if not isinstance(line, SignalLine) or line.source is None:
+            return
+        source = line.source
+        if source.record.of == "call":
+            sheet = self.control.sheet(source.name, index)
+            if sheet is None:
+                raise LoopProofError(f"'{source.name}' could not be read")
+            if isinstance(sheet, RuleBase) and any(o.no_rule == "hold" for o in sheet.outputs):
+                raise LoopProofError(f"'{source.name}' holds its output where no rule fires")
+        if "cleared" in dict(source.options) and self.problem.text.model.every > 1:
+            message = f"the sum '{line.names[0]}' begins again at each set point"
+            raise LoopProofError(f"{message}: nothing is proved about it")
+
+    def run(
+        self, outputs: Mapping[Address, T], memory: Mapping[str, T], *, first: bool = False
+    ) -> tuple[dict[Address, T], dict[str, T]]:
+        """Do one period.
+
+        Parameters
+        ----------
+        outputs : mapping
+            The outputs of the plant as they are, by axis and port.
+        memory : mapping
+            What the last period left; in the first period values for NaN are not read.
+        first : bool
+            Whether it is the first period, in which some sources have seen nothing yet.
+
+        Returns
+        -------
+        inputs : dict
+            Of the plant, by axis and port, limits and slews included.
+        memory : dict
+            For the next period.
+        """
+        self._before, self._after, self._first = memory, dict[str, T](), first
+        given = self._given(self._sensed(outputs))
+        try:
+            drives, after = self.control.run(given, memory, first=first)
+        except SourceError as error:
+            raise LoopProofError(str(error)) from error
+        self._after |= after
+        sums: dict[Address, T] = {}
+        for address, value in drives.items():
+            port = self._port("drive", address)
+            sums[port] = self.algebra.add(sums[port], value) if port in sums else value
+        inputs = {
+            address: self._actuated(address, port, sums)
+            for address, port in self.problem.site.interface.inputs.items()
+        }
+        return inputs, self._after
+
+    def _port(self, kind: str, address: Address) -> Address:
+        return self.problem.site.find(self.problem.text.model, kind, address)
+
+    def _given(self, measured: Mapping[Address, T]) -> dict[PortValue, T]:
+        """Return the values that the controller reads, by its own names."""
+        model, set_point = self.problem.text.model, self.problem.set_point
+        given = {
+            PortValue("measured", *address): measured[self._port("measured", address)]
+            for address in ports_of(model, "measured")
+        }
+        for address in ports_of(model, "reference"):
+            value = set_point[self._port("reference", address)]
+            given[PortValue("reference", *address)] = self.algebra.number(value)
+        return given
+
+    # --- sensors and actuators ---
+
+    def _sensed(self, outputs: Mapping[Address, T]) -> dict[Address, T]:
+        measurements: dict[Address, T] = {}
+        for address, value in outputs.items():
+            sensor = self.problem.sensors.get(address)
+            measurements[address] = (
+                value if sensor is None else self._sensor(address, sensor, value, measurements)
+            )
+        return measurements
+
+    def _sensor(
+        self, address: Address, sensor: Sensor, value: T, measurements: Mapping[Address, T]
+    ) -> T:
+        """Return what a sensor makes of an output: rate, steps, delay, in this order."""
+        algebra, period = self.algebra, self.problem.period
+        label = ".".join(address)
+        if sensor.difference is not None:
+            of = self.problem.site.interface.outputs[address].rate_of
+            if not of:
+                raise LoopProofError(f"'{label}' is not the rate of another output")
+            if (address[0], of) not in measurements:  # it would be that of the last period
+                raise LoopProofError(f"'{label}' stands before the output whose rate it is")
+            source = measurements[address[0], of]
+            before, slope = (
+                self._state(f"{label} sensed before"),
+                self._state(f"{label} sensed slope"),
+            )
+            self._after[f"{label} sensed before"] = source
+            value = algebra.number(0.0)
+            if not self._first:
+                # A filter of first order, implicit: s + (steep - s) h / (T + h), T its time.
+                steep = algebra.divide(algebra.subtract(source, before), algebra.number(period))
+                way = algebra.multiply(algebra.subtract(steep, slope), algebra.number(period))
+                way = algebra.divide(way, algebra.number(sensor.difference + period))
+                value = algebra.add(slope, way)
+            self._after[f"{label} sensed slope"] = value
+        if sensor.resolution:
+            port = self.problem.site.interface.outputs[address]
+            value = algebra.limit(
+                algebra.error(value, 0.5 * sensor.resolution), port.low, port.high
+            )
+        # A delay of n periods is n values in a row, each handed on once in a period.
+        late = value
+        for k in range(periods_of(sensor.delay, period)):
+            name = f"{label} late {k + 1}"
+            passed = value if self._first else self._before[name]
+            self._after[name], late = late, passed
+        return late
+
+    def _actuated(self, address: Address, port: Port, drives: Mapping[Address, T]) -> T:
+        algebra = self.algebra
+        value = drives.get(address, algebra.number(port.idle))
+        value = algebra.limit(value, port.low, port.high)
+        if port.slew < math.inf:
+            name = f"{address[0]}.{address[1]} driven"
+            value = algebra.near(value, self._state(name), port.slew * self.problem.period)
+            self._after[name] = value
+        return value
+
+    def _state(self, name: str) -> T:
+        """Return what was remembered, or its first value."""
+        if name in self._before:
+            return self._before[name]
+        begin = self.memory[name]
+        return self.algebra.number(0.0 if math.isnan(begin) else begin)
+
+
+def _lines(problem: LoopProblem) -> Iterator[tuple[int, Line]]:
+    """Yield the lines of all axes, with the number of the axis."""
+    model = problem.text.model
+    every = [axes for axes in model.axes for _ in axes.names]
+    return ((index, line) for index, axes in enumerate(every) for line in axes.lines)

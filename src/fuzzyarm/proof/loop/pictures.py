@@ -1,0 +1,213 @@
+"""What a picture of a proved region shows: its outline, runs in it, and where runs come to rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.course import Options
+from fuzzyarm.control.loop.run import Run
+from fuzzyarm.control.loop.simulation import simulate
+from fuzzyarm.plant.own import starting_at
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.loop.certificate import Certificate
+from fuzzyarm.proof.loop.checked_loop import CheckedLoop
+from fuzzyarm.proof.loop.claims import problem_of
+from fuzzyarm.proof.loop.problem import LoopProblem
+from fuzzyarm.proof.loop.verdicts import LoopVerdict
+from fuzzyarm.proof.loop.verification import has_known_start, start_quadric, verified
+
+__all__ = ["RegionPlane", "region_planes"]
+
+Vector = NDArray[np.float64]
+
+RUNS, GRID = 10, 13
+
+
+@dataclass(frozen=True)
+class RegionPlane:
+    """A proved region in the plane of two states of the plant.
+
+    Attributes
+    ----------
+    names, units : tuple of str
+        Of both states.
+    shadow : ndarray, shape (n, 2)
+        The outline of all that the region holds.
+    start : ndarray, shape (n, 2)
+        The outline of the starts that are proved, the other states at rest. Empty where the region
+        holds none of them, or says nothing of what the controller has in memory at the start.
+    runs : tuple of ndarray, shape (m, 2)
+        Runs from the border of those starts.
+    settled, lost : ndarray, shape (k, 2)
+        Starts on a grid whose runs came to rest in the time of a run, and those that did not.
+    covered : float or None
+        Share of the settled ones that is proved; None where memory has a start of its own.
+    """
+
+    names: tuple[str, str]
+    units: tuple[str, str]
+    shadow: Vector
+    start: Vector
+    runs: tuple[Vector, ...]
+    settled: Vector
+    lost: Vector
+    covered: float | None
+
+
+def region_planes(
+    text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None
+) -> list[RegionPlane]:
+    """Return the planes of a proved region: of the first two states, and of the next two."""
+    certificate = verdict.certificate
+    if not isinstance(certificate, Certificate):
+        return []
+    problem = problem_of(
+        text,
+        certificate.claim,
+        plant=plant,
+        sensors=certificate.sensors,
+        connect=certificate.connect,
+    )
+    against, _, loop = verified(problem, certificate)
+    if against or loop is None:
+        return []
+    states = list(problem.states)
+    pairs = [(0, 1), (2, 3)] if len(states) > 3 else [(0, 1), (1, 2)][: max(1, len(states) - 1)]
+    return [_plane(problem, loop, verdict, *pair) for pair in pairs if len(states) > 1]
+
+
+def _plane(
+    problem: LoopProblem, loop: CheckedLoop, verdict: LoopVerdict, first: int, second: int
+) -> RegionPlane:
+    certificate = verdict.certificate
+    assert isinstance(certificate, Certificate)
+    names = (problem.states[first], problem.states[second])
+    rest = np.array([float(loop.rest[name]) for name in problem.states])
+    middle = rest[[first, second]]
+    p = np.array([[float(x) for x in row] for row in certificate.p])
+    # The projection of zᵀ P z ≤ 1 on two coordinates has the inverse of their block of P⁻¹.
+    shadow = np.linalg.inv(np.linalg.inv(p)[np.ix_([first, second], [first, second])])
+    angle = np.linspace(0.0, 2.0 * math.pi, 181)
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    root = np.linalg.inv(np.linalg.cholesky(shadow)).T
+    outline = (root @ circle).T + middle
+    start, within = _starts(problem, loop, certificate, (first, second), circle)
+    runs = []
+    for way in start[:: max(1, len(start) // RUNS)][:RUNS]:
+        run = _run(problem, _at(rest, first, second, middle + 0.999 * way))
+        runs.append(np.stack([_state(problem, run, name) for name in names], axis=1))
+    half = _window(problem, names, outline - middle)
+    ticks = np.linspace(-1.0, 1.0, GRID)
+    grid = np.array([(x, y) for x in ticks for y in ticks]) * half
+    settled = np.array(
+        [_settles(problem, _at(rest, first, second, middle + z), rest) for z in grid], bool
+    )
+    covered = None
+    if within is not None:
+        proved = np.array([within(z) for z in grid])
+        covered = float((proved & settled).sum() / max(1, settled.sum()))
+    units = [problem.plant.states[name] for name in names]
+    return RegionPlane(
+        names, (units[0], units[1]), outline, start + middle, tuple(runs),
+        grid[settled] + middle, grid[~settled] + middle, covered,
+    )  # fmt: skip
+
+
+def _starts(
+    problem: LoopProblem,
+    loop: CheckedLoop,
+    certificate: Certificate,
+    plane: tuple[int, int],
+    circle: Vector,
+) -> tuple[Vector, Callable[[Vector], bool] | None]:
+    """Return the outline of the proved starts in a plane, and whether a start is one of them."""
+    if not has_known_start(problem, loop):
+        return np.zeros((0, 2)), None
+    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, plane)
+
+    def within(z: Vector) -> bool:
+        return bool(z @ quadratic @ z + linear @ z + constant <= 0.0)
+
+    return _outline(quadratic, linear, constant, circle), within
+
+
+def _outline(quadratic: Vector, linear: Vector, constant: float, circle: Vector) -> Vector:
+    """Return the border of ``zᵀQz + l z + c ≤ 0``; no points where that is empty."""
+    # By completing the square; L⁻ᵀ with Q = L Lᵀ takes the unit circle to the border.
+    centre = -0.5 * np.linalg.solve(quadratic, linear)
+    level = -(constant + 0.5 * float(linear @ centre))
+    if level <= 0.0:
+        return np.zeros((0, 2))
+    root = np.linalg.inv(np.linalg.cholesky(quadratic)).T
+    return np.asarray(centre + math.sqrt(level) * (root @ circle).T)
+
+
+def _at(rest: Vector, first: int, second: int, values: Vector) -> Vector:
+    states = rest.copy()
+    states[[first, second]] = values
+    return states
+
+
+def _window(problem: LoopProblem, names: tuple[str, str], outline: Vector) -> Vector:
+    """Return half of what the picture shows of each state: the sensors' range, not too far."""
+    far = np.abs(outline).max(axis=0)
+    ports = {name: port for (_, name), port in problem.site.interface.outputs.items()}
+    window = []
+    for name, reach in zip(names, far, strict=True):
+        port = ports.get(name)
+        half = 0.5 * (port.high - port.low) if port is not None else math.inf
+        window.append(min(half, 2.5 * reach) if half > reach else 1.1 * reach)
+    return np.array(window)
+
+
+def _run(problem: LoopProblem, states: Vector) -> Run:
+    plant = starting_at(problem.plant, [float(x) for x in states])
+    interface = problem.site.interface
+    references = {
+        interface.label(port): value
+        for port, value in problem.set_point.items()
+        if not interface.references[port].order and port in interface.outputs
+    }
+    sensors = {".".join(port): sensor for port, sensor in problem.sensors.items()}
+    return simulate(
+        problem.text,
+        plant,
+        reference=references,
+        duration=plant.duration or 1000 * problem.period,
+        options=Options(sensors=sensors),
+        connect=problem.site.connect,
+    )
+
+
+def _state(problem: LoopProblem, run: Run, name: str) -> Vector:
+    interface = problem.site.interface
+    for address in interface.outputs:
+        if address[1] == name:
+            return np.asarray(run.outputs[interface.label(address)])
+    return np.full(len(run.time), np.nan)
+
+
+def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
+    """Tell whether a run comes within a tenth of the way that it began away from rest.
+
+    A start whose outputs are at rest has to come within a thousandth of their ranges.
+    """
+    run = _run(problem, states)
+    if run.diverged is not None:
+        return False
+    distance = begun = 0.0
+    for (_, name), port in problem.site.interface.outputs.items():
+        if name not in problem.states:
+            continue
+        k = problem.states.index(name)
+        wide = port.high - port.low if math.isfinite(port.high - port.low) else 1.0
+        values = _state(problem, run, name)
+        distance = max(distance, abs(values[-1] - rest[k]) / wide)
+        begun = max(begun, abs(states[k] - rest[k]) / wide)
+    return distance <= max(0.1 * begun, 1e-3)

@@ -1,0 +1,320 @@
+"""The subject of a claim about a closed loop: controller, plant, parameters, starts, set point.
+
+The loop is that of :mod:`fuzzyarm.control.loop.loop`: in each control period sensors read the
+outputs, then the controller runs, then the limits of the actuators hold, then the plant moves on
+with its inputs held. :mod:`fuzzyarm.proof.loop.period` does one such period, up to the inputs of
+the plant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.controllers.on_plant import Site, site_of
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.course import Sensor, is_whole, periods_of
+from fuzzyarm.plant.equations import expressions_of, has_queue
+from fuzzyarm.plant.own import start_of
+from fuzzyarm.plant.plant import Address, Plant, parameter, with_parameters
+from fuzzyarm.symbolic.nodes import Node, symbol, symbols
+from fuzzyarm.symbolic.operations import Interval
+
+__all__ = [
+    "LoopProblem",
+    "LoopProofError",
+    "LostRunError",
+    "PlantEquations",
+    "loop_problem",
+]
+
+
+class LoopProofError(FuzzyarmError, ValueError):
+    """Nothing can be proved about a loop; the message says why."""
+
+    def __init__(self, message: str, *, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+
+
+class LostRunError(LoopProofError):
+    """All runs of a set have no value, or are beyond the bound of a port: for certain.
+
+    They are so at the begin of the period in which it is raised, or `at_end`.
+    """
+
+    def __init__(self, where: str, *, at_end: bool = False) -> None:
+        super().__init__(f"all runs from some starts are {where}")
+        self.where, self.at_end = where, at_end
+
+
+class ClaimError(LoopProofError):
+    """A claim uses a name that its plant does not have, or an interval with its ends exchanged."""
+
+
+# ── the record ───────────────────────────────────────────────────────────────────────
+
+
+@dataclass(frozen=True)
+class PlantEquations:
+    """The equations of a plant as expressions over ``t``, ``x0`` …, ``u0`` … and ``p0`` ….
+
+    Attributes
+    ----------
+    rates : tuple of Node
+        Of the states, in their order.
+    outputs : tuple of Node
+        In the order of the ports.
+    states, inputs, parameters : tuple of str
+        The symbols, in the order of the plant.
+    """
+
+    rates: tuple[Node, ...]
+    outputs: tuple[Node, ...]
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class LoopProblem:
+    """A closed loop, and where it starts.
+
+    Attributes
+    ----------
+    text : ControllerText
+        The controller, with its rule bases and tables.
+    plant : Plant
+        Shipped or a user's, with equations that can be traced.
+    site : Site
+        How the controller finds the ports.
+    start : dict of str to Interval
+        Of each state of the plant, by name.
+    parameters : dict of str to Interval
+        Of all parameters of the plant, by name; most are points.
+    set_point : dict of (str, str) to float
+        Of each reference of the plant, by axis and port; constant, and 0 for rates.
+    sensors : dict of (str, str) to Sensor
+        By axis and port; those that are not there are exact.
+    begins_alone : tuple of str
+        States that begin where the plant says, and not where a claim does.
+    unknown_start : str
+        Why it is not known where those begin; empty where it is.
+    """
+
+    text: ControllerText
+    plant: Plant
+    site: Site
+    start: Mapping[str, Interval]
+    parameters: Mapping[str, Interval]
+    set_point: Mapping[Address, float]
+    sensors: Mapping[Address, Sensor] = field(default_factory=dict)
+    begins_alone: tuple[str, ...] = ()
+    unknown_start: str = ""
+
+    def require_known_start(self) -> None:
+        """Refuse a claim about runs whose start is not one box.
+
+        Raises
+        ------
+        LoopProofError
+            If a state begins where the plant says, and that is not one place.
+        """
+        if self.unknown_start:
+            boxes = ", ".join(f"{name} in LOW .. HIGH" for name in self.begins_alone)
+            raise LoopProofError(self.unknown_start, hint=f"say it: from {boxes}")
+
+    @property
+    def period(self) -> float:
+        """Of control, s."""
+        return float(self.text.model.period)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the plant's states."""
+        return tuple(self.plant.states)
+
+    @cached_property
+    def equations(self) -> PlantEquations:
+        """The equations of the plant; LoopProofError if they cannot be traced."""
+        plant = self.plant
+        roots = expressions_of(plant)
+        if roots is None:
+            hint = (
+                "leave the queue out of the plant and delay its sensor, --sensor-delay PORT=TIME"
+                if has_queue(plant)
+                else "arithmetic and functions of math in `derivative`, without `if` on a state"
+            )
+            raise LoopProofError(f"the equations of {plant.name} cannot be traced", hint=hint)
+        rates, outputs = roots
+        states = tuple(f"x{k}" for k in range(len(plant.states)))
+        measured = tuple(symbol(name) for name in states[: len(plant.outputs)])
+        inputs = tuple(f"u{k}" for k in range(len(plant.inputs)))
+        if any(set(symbols(root)) & set(inputs) for root in outputs or ()):
+            raise LoopProofError(f"an output of {plant.name} depends on an input at once")
+        return PlantEquations(
+            tuple(rates),
+            measured if outputs is None else tuple(outputs),
+            states,
+            inputs,
+            tuple(f"p{k}" for k in range(len(plant.parameters))),
+        )
+
+
+def _demand_whole_delays(sensors: Mapping[str, Sensor], period: float) -> None:
+    """Refuse a delay that the loop would round: the sentence of a proof has it as it is."""
+    for name, sensor in sensors.items():
+        count = periods_of(sensor.delay, period)
+        if not is_whole(sensor.delay, period):
+            raise LoopProofError(
+                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods, and a loop"
+                " is proved with whole ones",
+                hint=f"{count} of them are {number_text(count * period)} s",
+            )
+
+
+def loop_problem(
+    text: ControllerText,
+    plant: Plant,
+    *,
+    start: Mapping[str, tuple[float, float]] | None = None,
+    parameters: Mapping[str, tuple[float, float]] | None = None,
+    set_point: Mapping[str, float] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    connect: Mapping[str, str] | None = None,
+) -> LoopProblem:
+    """Put a closed loop together.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    plant : Plant
+        What it runs.
+    start : mapping of str to (float, float), optional
+        By state or by output that is a state; others begin where the plant does.
+    parameters : mapping of str to (float, float), optional
+        By name; others have their value.
+    set_point : mapping of str to float, optional
+        By port; 0 for others.
+    sensors : mapping of str to Sensor, optional
+        By port.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+
+    Raises
+    ------
+    LoopProofError
+        If a name is unknown, an interval is empty, or the plant has no equations to trace.
+    PlantError
+        If there is no such port.
+    SourceError
+        If the controller does not fit the plant.
+    """
+    site = site_of(plant, connect)
+    if text.model.partners:
+        name = text.model.partners[0].name
+        raise LoopProofError(
+            f"the partner '{name}' is a law of the study, about which nothing is proved"
+        )
+    site.wiring(text.model)  # says which port is missing
+    _demand_whole_delays(sensors or {}, text.model.period)
+    numbers = {name: parameter(plant, name).value for name in plant.parameters}
+    values = {name: Interval(x, x) for name, x in numbers.items()}
+    values |= _chosen("parameter", parameters, plant.parameters)
+    begun, unknown = _begun(plant, values)
+    starts = {name: Interval(x, x) for name, x in zip(plant.states, begun, strict=True)}
+    starts |= _chosen("state", start, plant.states)
+    alone = tuple(name for name in plant.states if name not in (start or {}))
+    interface = site.interface
+    set_points = dict.fromkeys(interface.references, 0.0)
+    for name, value in (set_point or {}).items():
+        port = interface.port(name)
+        if port not in set_points or interface.references[port].order:
+            raise ClaimError(f"'{name}' has no constant set point")
+        set_points[port] = float(value)
+    effective = {
+        port: sensor
+        for name, sensor in (sensors or {}).items()
+        for port in interface.every_port(name)
+    }
+    for port, port_sensor in effective.items():
+        if port_sensor.noise:
+            label = interface.label(port)
+            raise LoopProofError(
+                f"the noise of '{label}' has no bound", hint="a resolution or a delay has one"
+            )
+    return LoopProblem(
+        text, plant, site, starts, values, set_points, effective, alone, unknown if alone else ""
+    )
+
+
+class _Watched(Mapping[str, Any]):
+    """Parameters of a plant that note which are read; no dict, whose copies note nothing."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self._values = dict(values)
+        self.read: set[str] = set()
+
+    def __getitem__(self, name: str) -> Any:
+        self.read.add(name)
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def copy(self) -> dict[str, Any]:
+        return dict(self)
+
+    def __or__(self, other: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(self) | dict(other)
+
+    def __ror__(self, other: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(other) | dict(self)
+
+
+def _begun(plant: Plant, values: Mapping[str, Interval]) -> tuple[list[float], str]:
+    """Return where a plant begins by itself, and why that is not one place; empty: it is."""
+    points = {name: span.low for name, span in values.items()}
+    at = with_parameters(plant, points) if points else copy(plant)
+    at.parameters = watched = _Watched(at.parameters)
+    generator = np.random.default_rng(0)
+    before = _drawn_from(generator)
+    begun = start_of(at, generator)
+    if _drawn_from(generator) != before or start_of(at, np.random.default_rng(0)) != begun:
+        return begun, f"{plant.name} draws where it starts, and a claim is about all starts"
+    free = [n for n, span in values.items() if span.low < span.high and n in watched.read]
+    if free:
+        return begun, f"{plant.name} makes its start of '{free[0]}', of which only bounds are known"
+    return begun, ""
+
+
+def _drawn_from(generator: np.random.Generator) -> tuple[str, int]:
+    """Return what a generator of numbers changes when it is used."""
+    bits: Any = generator.bit_generator
+    return repr(bits.state), bits.seed_seq.n_children_spawned
+
+
+def _chosen(
+    what: str, ranges: Mapping[str, tuple[float, float]] | None, names: Mapping[str, object]
+) -> dict[str, Interval]:
+    intervals = {}
+    for name, (low, high) in (ranges or {}).items():
+        if name not in names:
+            hint = near_hint(name, list(names))[0] or f"there are {', '.join(names)}"
+            raise ClaimError(f"the plant has no {what} '{name}'", hint=hint)
+        if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+            raise ClaimError(f"{name} in {low:g} .. {high:g} is not an interval")
+        intervals[name] = Interval(float(low), float(high))
+    return intervals

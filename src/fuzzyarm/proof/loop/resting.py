@@ -1,0 +1,126 @@
+"""Where a loop rests whose rest is not rational: Newton's method in floats, not trusted.
+
+What it gives is the middle of an interval in which the checker proves that there is a rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.control.controllers.floats import Floats
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
+from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.symbolic.evaluation import evaluate
+
+__all__ = ["rest_in_floats"]
+
+Vector = NDArray[np.float64]
+
+STEPS = 60
+"""Newton's steps at most."""
+
+
+class _Unlimited(Floats, LoopAlgebra[float]):
+    """Floats of a loop whose limits are not reached."""
+
+    def __init__(self, conclusion: Callable[[RuleBase, str, Mapping[str, float]], float]) -> None:
+        super().__init__()
+        self.conclusion = conclusion
+
+    def divide(self, a: float, b: float) -> float:
+        """Return a quotient; NaN for a divisor of 0."""
+        return a / b if b else math.nan
+
+    def limit(self, x: float, low: float, high: float) -> float:
+        """Return it as it is."""
+        return x
+
+    def near(self, x: float, before: float, most: float) -> float:
+        """Return it as it is."""
+        return x
+
+    def error(self, x: float, size: float) -> float:
+        """Return it as it is."""
+        return x
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
+        """Return the outputs of a rule base."""
+        return [self.conclusion(sheet, output.name, inputs) for output in sheet.outputs]
+
+
+def rest_in_floats(
+    problem: LoopProblem,
+    memory: Sequence[str],
+    conclusion: Callable[[RuleBase, str, Mapping[str, float]], float],
+) -> dict[str, float]:
+    """Return where a loop nearly rests: states of the plant, then memory."""
+    names = [*problem.states, *memory]
+    period = LoopPeriod[float](problem, _Unlimited(conclusion))
+
+    def motion(y: Vector) -> Vector:
+        return np.array(_motion(problem, period, memory, dict(zip(names, y.tolist(), strict=True))))
+
+    y = np.array([*_guess(problem), *(0.0 for _ in memory)])
+    scale = np.maximum(np.abs(y), 1.0)
+    for _ in range(STEPS):
+        try:
+            f = motion(y)
+            slopes = np.array(
+                [(motion(y + h) - motion(y - h)) / (2.0 * h.sum()) for h in np.diag(1e-6 * scale)]
+            ).T
+            step = np.linalg.solve(slopes, -f)
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+            break
+        if not np.isfinite(step).all():
+            break
+        # Not more than half of a way that a root or a limit may end.
+        first = np.abs(step[: len(problem.states)]) / np.maximum(
+            np.abs(y[: len(problem.states)]), 0.01
+        )
+        y = y + step * min(1.0, 0.5 / max(float(first.max(initial=0.0)), 0.5))
+        if np.abs(step / np.maximum(np.abs(y), 1e-3)).max() < 1e-12:
+            return dict(zip(names, y.tolist(), strict=True))
+    raise LoopProofError("it was not found where the loop rests")
+
+
+def _guess(problem: LoopProblem) -> list[float]:
+    """Return where states may be: the set point, or the middle of what a sensor sees."""
+    interface = problem.site.interface
+    guess = dict.fromkeys(problem.states, 0.0)
+    for address, port in interface.outputs.items():
+        if address[1] in guess:
+            middle = 0.5 * (port.low + port.high)
+            guess[address[1]] = middle if math.isfinite(middle) else 0.0
+            set_point = problem.set_point.get(address, 0.0)
+            if set_point:
+                guess[address[1]] = set_point
+    return list(guess.values())
+
+
+def _motion(
+    problem: LoopProblem,
+    period: LoopPeriod[float],
+    memory: Sequence[str],
+    states: Mapping[str, float],
+) -> list[float]:
+    """Return the rates of the plant and the steps of the memory."""
+    equations, interface = problem.equations, problem.site.interface
+    values = {"t": 0.0}
+    values |= {k: states[n] for k, n in zip(equations.states, problem.states, strict=True)}
+    for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
+        values[key] = 0.5 * span.low + 0.5 * span.high
+    outputs: dict[Address, float] = {
+        address: evaluate(root, values)
+        for address, root in zip(interface.outputs, equations.outputs, strict=True)
+    }
+    before = {name: states.get(name, start) for name, start in period.memory.items()}
+    inputs, after = period.run(outputs, before)
+    values |= dict(zip(equations.inputs, inputs.values(), strict=True))
+    rates = [evaluate(root, values) for root in equations.rates]
+    return [*rates, *(after[name] - states[name] for name in memory)]

@@ -1,0 +1,312 @@
+"""Runs that refute a claim about a loop: found as ``simulate`` gives them, and then enclosed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from itertools import islice, product
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.loop.course import Options
+from fuzzyarm.control.loop.run import Run
+from fuzzyarm.control.loop.simulation import simulate
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.own import starting_at
+from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.proof.loop.claimed_time import decimal
+from fuzzyarm.proof.loop.claims import claimed_port
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.follower import Follower
+from fuzzyarm.proof.loop.problem import LoopProblem, LostRunError
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.symbolic.operations import Interval
+
+__all__ = ["Breach", "converged", "refuting_run", "run_of", "sampled_runs"]
+
+
+class Breach(NamedTuple):
+    """A run that breaks a claim, and how, in words."""
+
+    run: Run
+    words: tuple[str, ...]
+
+
+def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = None) -> Breach | None:
+    """Return a run that breaks a claim for certain, if one of some runs does.
+
+    A run in floats only says where to look: what counts is its enclosure.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    claim : LoopClaim
+        About an output, or the stability from some starts.
+    stop : Stop, optional
+        When to give up.
+    """
+    stop = stop or Stop()
+    unknown = 0
+    for start, values in _starts(problem):
+        if stop.now or unknown == MOST_UNKNOWN:
+            return None
+        run = _run_in_time(problem, start, values, claim, stop)
+        if run is None:
+            return None
+        end = _breach(problem, claim, run)
+        if end is None:
+            continue
+        words = _enclosed_breach(problem, claim, start, values, end, stop)
+        if words:
+            free = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
+            begun = ", ".join(f"{n} = {number_text(x)}" for n, x in {**start, **free}.items())
+            return Breach(run, (f"from {begun}", words))
+        unknown += words is None
+    return None
+
+
+ENCLOSING = 3.0
+"""Seconds that the enclosure of one run may take."""
+
+MOST_UNKNOWN = 2
+"""Runs of which no enclosure tells, after which no other one is tried."""
+
+FIRST_PERIODS, LONGER, SHARE = 2000, 8, 0.1
+"""Control periods of a first run; how many times as long the next one is, while that takes no more
+than a share of the time that is left."""
+
+
+def _run_in_time(
+    problem: LoopProblem,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    claim: LoopClaim,
+    stop: Stop,
+) -> Run | None:
+    """Return a run for as long as a claim says, or as there is time for."""
+    whole = _claimed_duration(problem, claim)
+    periods = FIRST_PERIODS
+    while True:
+        begun = stop.spent
+        run = run_of(problem, start, values, duration=min(whole, periods * problem.period))
+        taken = stop.spent - begun
+        if run is None or _breach(problem, claim, run) is not None:
+            return run
+        if periods * problem.period >= whole or LONGER * taken > SHARE * stop.left:
+            return run
+        periods *= LONGER
+
+
+def _claimed_duration(problem: LoopProblem, claim: LoopClaim) -> float:
+    """Return how long a run is looked at, s."""
+    if claim.output and claim.when == "during":
+        return claim.end + problem.period  # the sample at the end counts
+    duration = problem.plant.duration or 1000 * problem.period
+    return max(duration, 1.5 * claim.begin)
+
+
+def _enclosed_breach(
+    problem: LoopProblem,
+    claim: LoopClaim,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    end: float,
+    stop: Stop,
+) -> str | None:
+    """Return how a run breaks a claim for certain.
+
+    Empty where it is inside for certain until an end; None where no enclosure tells.
+    """
+    alone = replace(
+        problem,
+        start={name: Interval(x, x) for name, x in start.items()},
+        parameters={name: Interval(x, x) for name, x in values.items()},
+    )
+    try:
+        follower = Follower(alone, end, stop=Stop(min(ENCLOSING, 0.25 * stop.left)))
+    except (FuzzyarmError, EnclosureError):
+        return None
+    try:
+        course = follower.follow([follower.first])
+    except LostRunError as error:
+        time = (follower.reached + error.at_end) * decimal(problem.period)
+        is_in_time = not claim.output or decimal(claim.begin) <= time < _last(claim)
+        return f"the run is {error.where}, after {float(time):.6g} s" if is_in_time else None
+    except (FuzzyarmError, EnclosureError):
+        return None
+    if not claim.output:
+        return None
+    low, high, *ends = course.by_period(follower.periods, follower.periods)
+    port = claimed_port(problem, claim)
+    k = follower.labels.index(port)
+    # Outputs at the samples; drives, which jump there, from each sample on: both count at the end.
+    jumps = k >= len(problem.site.interface.outputs)
+    period, last = decimal(problem.period), _last(claim)
+    bounds = (low[:, k], high[:, k]) if jumps else (ends[0][:, k], ends[1][:, k])
+    for n, (least, most) in enumerate(zip(*(x.tolist() for x in bounds), strict=True)):
+        time = n * period
+        if decimal(claim.begin) <= time <= last and (least > claim.high or most < claim.low):
+            texts = dict.fromkeys(f"{x:.6g}" for x in (least, most))
+            sign = "=" if len(texts) == 1 else "in"
+            return f"{port} {sign} {' .. '.join(texts)} after {float(time):.6g} s"
+    inside = bool((low[:, k] >= claim.low).all() and (high[:, k] <= claim.high).all())
+    return "" if inside else None
+
+
+def _last(claim: LoopClaim) -> Fraction | float:
+    return claim.end if math.isinf(claim.end) else decimal(claim.end)
+
+
+FINER = (1, 4, 16, 64, 256)
+"""Into how many steps a period is cut, one after another, until two runs agree."""
+
+AGREED = 1e-3
+"""By what share of how far a run has been two runs of different steps may differ."""
+
+
+def converged(run: Callable[[int], Run | None]) -> tuple[Run, Run] | None:
+    """Return two runs of different steps that agree, the finer one last.
+
+    Parameters
+    ----------
+    run : callable
+        Makes a run, of so many times as many steps.
+    """
+    coarse: Run | None = None
+    for steps in FINER:
+        fine = run(steps)
+        if fine is None:
+            return None
+        if coarse is not None and _agree(coarse, fine):
+            return coarse, fine
+        coarse = fine
+    return None
+
+
+def _agree(one: Run, other: Run) -> bool:
+    """Tell whether two runs are the same except for what a finer integration changes."""
+    count = min(len(one.time), len(other.time))
+    is_lost = one.diverged is not None
+    # One that diverges may leave a sample earlier or later.
+    if is_lost != (other.diverged is not None) or abs(len(one.time) - len(other.time)) > 1:
+        return False
+    for name, values in one.outputs.items():
+        first, second = (np.asarray(x, float)[:count] for x in (values, other.outputs[name]))
+        finite = np.isfinite(first) & np.isfinite(second)
+        if is_lost and count > 3:  # beyond all numbers the last sample may be anything
+            finite[-1] = True
+            first, second = (np.where(np.isfinite(x), x, 0.0)[:-1] for x in (first, second))
+        size = np.maximum.accumulate(np.abs(second)) + 1e-12
+        if not (finite.all() and (np.abs(first - second) <= AGREED * size).all()):
+            return False
+    return True
+
+
+RUNS = 24
+"""Random starts, beside the corners, from which a claim is attacked."""
+
+
+def _starts(problem: LoopProblem) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
+    """Yield starts and parameters: corners, then drawn."""
+    spans = dict(problem.start)
+    generator = np.random.default_rng(0)
+    free = sum(len(set(span)) > 1 for span in spans.values())
+    # All corners of up to five uncertain states.
+    corners = islice(product(*(dict.fromkeys(span) for span in spans.values())), 32)
+    values = {name: span.low for name, span in problem.parameters.items()}
+    other = {name: span.high for name, span in problem.parameters.items()}
+    for corner in corners:
+        start = dict(zip(spans, corner, strict=True))
+        yield start, values
+        if other != values:
+            yield start, other
+    if free or other != values:
+        for _ in range(RUNS):
+            yield (
+                {n: float(generator.uniform(s.low, s.high)) for n, s in spans.items()},
+                {n: float(generator.uniform(s.low, s.high)) for n, s in problem.parameters.items()},
+            )
+
+
+def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]:
+    """Return runs from corners of the starts and from within them, as `simulate` gives them.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    duration : float
+        s.
+    count : int
+        How many at most.
+    """
+    runs = (run_of(problem, *start, duration=duration) for start in islice(_starts(problem), count))
+    return [run for run in runs if run is not None]
+
+
+def run_of(
+    problem: LoopProblem,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    *,
+    duration: float,
+    steps: int = 1,
+) -> Run | None:
+    """Return a run of a loop; None if there is none.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    start, values : mapping of str to float
+        By state and by parameter.
+    duration : float
+        s.
+    steps : int, optional
+        How many times as many steps the integrator takes, to confirm another run.
+    """
+    plant = problem.plant
+    if values:
+        plant = with_parameters(plant, values)
+    plant = starting_at(plant, [start[name] for name in problem.states])
+    if steps > 1:
+        plant.longest_step = min(plant.longest_step, problem.period) / steps
+    interface = problem.site.interface
+    references = {
+        interface.label(port): value
+        for port, value in problem.set_point.items()
+        if not interface.references[port].order and port in interface.outputs
+    }
+    try:
+        return simulate(
+            problem.text,
+            plant,
+            reference=references,
+            duration=max(duration, 2 * problem.period * problem.text.model.every),
+            options=Options(
+                sensors={".".join(port): sensor for port, sensor in problem.sensors.items()}
+            ),
+            connect=problem.site.connect,
+        )
+    except FuzzyarmError:
+        return None
+
+
+def _breach(problem: LoopProblem, claim: LoopClaim, run: Run) -> float | None:
+    """Return when a run has broken a claim, s, as far as floats tell."""
+    if claim.output:
+        port = claimed_port(problem, claim)
+        values = np.asarray(run.outputs[port] if port in run.outputs else run.drives[port], float)
+        in_time = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
+        wrong = in_time & ((values > claim.high) | (values < claim.low))
+        if wrong.any():
+            return float(run.time[wrong.argmax()]) + problem.period
+        if run.diverged is None or not claim.begin <= run.diverged <= claim.end + problem.period:
+            return None
+    return None if run.diverged is None else run.diverged + problem.period

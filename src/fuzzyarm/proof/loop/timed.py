@@ -1,0 +1,335 @@
+"""Claims that tubes decide: for a bounded time, or until all runs are in a region of their own.
+
+A claim with an end needs a tube that long (:mod:`fuzzyarm.proof.loop.tube`). One without an end
+needs a tube as far as a proved region, an ellipsoid V ≤ 1 that no run leaves again and in which V
+falls by a known share in each period (:mod:`fuzzyarm.proof.loop.verification`): what holds from
+there on is read from V.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.loop.algebra import Number
+from fuzzyarm.proof.loop.certificate import Certificate
+from fuzzyarm.proof.loop.checked_loop import CheckedLoop
+from fuzzyarm.proof.loop.checker import is_positive_definite, refutation
+from fuzzyarm.proof.loop.claimed_time import decimal
+from fuzzyarm.proof.loop.claims import claimed_in, claimed_port, problem_of
+from fuzzyarm.proof.loop.enclosure import EnclosureError, outward
+from fuzzyarm.proof.loop.follower import Demand
+from fuzzyarm.proof.loop.form_maker import FormMaker
+from fuzzyarm.proof.loop.outward import above, below
+from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.loop.tube import Tube, tube
+from fuzzyarm.proof.loop.verification import port_within, power_up
+from fuzzyarm.proof.loop.zonotope import Forms
+
+__all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way", "loop_tube"]
+
+TUBE_BUDGET = 60.0
+"""Seconds that a tube may take where nothing is said."""
+
+PATIENCE = 32
+"""Control periods after which a box that comes no nearer to its goal may be halved."""
+
+Tell = Callable[[float, int], None]
+
+
+# ── for a bounded time ───────────────────────────────────────────────────────────────
+
+
+def followed(
+    problem: LoopProblem,
+    claim: LoopClaim,
+    *,
+    budget: float = math.inf,
+    tell: Tell | None = None,
+    haven: Haven | None = None,
+) -> tuple[Tube, str]:
+    """Return the tube of a claim, and why it does not prove it; an empty text: it does.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    claim : LoopClaim
+        With an end; without one there has to be a haven.
+    budget : float
+        s.
+    tell : callable, optional
+        Told of the share of the starts that is done and of how many boxes are open.
+    haven : Haven, optional
+        A region as far as which the tube has to go.
+
+    Raises
+    ------
+    LoopProofError, UnreadableError, UnprovableError
+        If the loop has something of which nothing is enclosed.
+    """
+    horizon = _end(problem, claim) if haven is None else haven.horizon
+    if not math.isfinite(horizon):
+        raise LoopProofError("a tube has an end", hint="during 0 .. 10 s")
+    demands = []
+    if claim.output:
+        port = claimed_port(problem, claim)
+        demands = [Demand(port, claim.low, claim.high, claim.begin, horizon)]
+    course = tube(
+        problem,
+        horizon,
+        demands=demands,
+        budget=TUBE_BUDGET if math.isinf(budget) else budget,
+        progress=tell,
+        goal=None if haven is None else haven.sign,
+    )
+    proved = course.complete and not course.open
+    if proved and haven is None and demands:
+        proved = course.holds(demands[0])
+    return course, "" if proved else _failure(problem, course, claim, haven)
+
+
+def _end(problem: LoopProblem, claim: LoopClaim) -> float:
+    """Return until when a claim counts, s: of a drive that jumps at its end the new value, too."""
+    if math.isinf(claim.end):
+        return claim.end
+    last = claimed_in(problem, claim).last or 0
+    at_end = decimal(claim.end) == last * decimal(problem.period)
+    return (last + 1) * problem.period if at_end else claim.end
+
+
+def loop_tube(
+    text: ControllerText,
+    claim: LoopClaim,
+    duration: float,
+    *,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    tell: Tell | None = None,
+) -> tuple[Tube, tuple[str, ...]]:
+    """Return where all runs of a loop are for a time, and in words which starts are left open.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    claim : LoopClaim
+        The plant, its set points, parameters and starts; nothing has to be claimed.
+    duration : float
+        s.
+    plant, connect, sensors
+        As for :func:`fuzzyarm.proof.loop.prove_loop`.
+    budget : float
+        s.
+    tell : callable, optional
+        Told of the share of the starts that is done and of how many boxes are open.
+
+    Raises
+    ------
+    LoopProofError, UnreadableError, UnprovableError
+        If the loop has something of which nothing is enclosed.
+    """
+    problem = problem_of(text, claim, plant=plant, connect=connect, sensors=sensors)
+    problem.require_known_start()
+    loop_claim = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
+    way, _ = followed(problem, loop_claim, budget=budget, tell=tell)
+    return way, in_the_way(way)
+
+
+def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | None) -> str:
+    """Return in words how far a tube got, and which box is in the way."""
+    what = "the region" if haven is not None and not claim.output else "the claim"
+    if haven is not None and claim.output:
+        what = "the claim and the region"
+    reason = f"a tube of {tube.boxes} box{'es' * (tube.boxes != 1)} does not show {what}"
+    if tube.complete and claim.output and haven is None:
+        port = claimed_port(problem, claim)
+        low, high = tube.bounds(port, claim.begin, min(claim.end, tube.duration))
+        reason += f": {claim.output} in {low:.6g} .. {high:.6g}"
+    if not tube.complete:
+        why = f": {tube.reason}" if tube.reason else ""
+        reason += f"; some of the starts could not be followed to the end{why}"
+    return reason
+
+
+def in_the_way(tube: Tube) -> tuple[str, ...]:
+    """Return in words the first box of starts of which nothing is known."""
+    if not tube.open:
+        return ()
+    if not tube.open[0]:  # a start without a width: there is nothing to halve
+        never = f"the bounds grow too wide before {tube.duration:g} s, and the start is one point"
+        return () if tube.complete else (f"{never}; a shorter time may be bounded",)
+    box = ", ".join(
+        f"{name} in {number_text(low)} .. {number_text(high)}"
+        for name, (low, high) in tube.open[0].items()
+    )
+    more = len(tube.open) - 1
+    return (f"in the way: {box}" + (f", and {more} other boxes" if more else ""),)
+
+
+# ── a region that is never left ──────────────────────────────────────────────────────
+
+
+def claim_of_stability(claim: LoopClaim) -> LoopClaim:
+    """Return the claim that a loop is stable, from wherever its proof says."""
+    return replace(
+        claim, stable=True, start=(), output="", low=0.0, high=0.0, when="always",
+        begin=0.0, end=math.inf,
+    )  # fmt: skip
+
+
+class Haven:
+    """A region that no run leaves, as somewhere for the boxes of a tube to arrive.
+
+    Parameters
+    ----------
+    maker : FormMaker
+        Of the loop.
+    certificate : Certificate
+        That it is stable as sampled; it is checked here once more.
+    loop : CheckedLoop
+        As the checker derived it.
+    claim : LoopClaim
+        What is to hold from there on.
+
+    Raises
+    ------
+    LoopProofError
+        If the certificate proves nothing, or not even the rest of the loop fulfils the claim.
+    """
+
+    def __init__(
+        self, maker: FormMaker, certificate: Certificate, loop: CheckedLoop, claim: LoopClaim
+    ) -> None:
+        self.maker, self.claim = maker, claim
+        self.p, self.rate = certificate.p, certificate.rate
+        against = "it is of other states" if certificate.states != loop.names else ""
+        if certificate.continuous:
+            against = "it is of the loop in continuous time"
+        against = against or refutation(loop, self.p, certificate.multipliers, self.rate)
+        if against:
+            raise LoopProofError(f"the region is not proved: {against}")
+        self.loop = loop
+        self.first = claimed_in(maker.problem, claim).first
+        plant = maker.problem.plant
+        self.horizon = max(plant.duration or 0.0, 1000 * maker.problem.period, claim.begin)
+        self.level = self._level()
+        self.factor, self.slack = _factored(self.p)
+        self.rests = [
+            outward(
+                np.array(below(loop.rest[name] - loop.doubt[name])),
+                np.array(above(loop.rest[name] + loop.doubt[name])),
+            )
+            for name in loop.names
+        ]
+        self._fading: dict[int, float] = {}
+        self._before: NDArray[np.float64] | None = None
+
+    def _level(self) -> float:
+        """Return the largest V, among powers of 2, at which the claim holds from then on."""
+        if not self.claim.output:
+            return 1.0
+        for halvings in range(40):
+            level = Fraction(1, 2**halvings)
+            try:
+                span = port_within(self.maker.problem, self.loop, self.p, level, self.claim.output)
+            except (FuzzyarmError, EnclosureError):
+                continue
+            if Fraction(self.claim.low) <= span.low and span.high <= Fraction(self.claim.high):
+                return float(level)
+        raise LoopProofError("at rest, and next to it, the claim is not proved")
+
+    def sign(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.int64]:
+        """Return a goal of tubes: to be in the region, so deep that the claim holds in its time."""
+        values = self.values(states, memory)
+        faded = values * self._fade(self.first - period)
+        # A factor and a product were rounded: two more roundings at most.
+        inside = (values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level)
+        inside &= self._is_fixed(memory, states.shape[1])
+        return np.where(inside, 1, -self._is_stalled(period, values).astype(np.int64))
+
+    def _is_fixed(self, memory: Mapping[str, Number], batch: int) -> NDArray[np.bool_]:
+        """Tell in which boxes what the form takes as constant is what it is taken to be."""
+        fixed = np.ones(batch, dtype=bool)
+        for name in self.maker.fixed:
+            value, begun = memory[name], self.maker.begin[name]
+            if isinstance(value, Forms):
+                fixed &= (value.bounds.low == begun) & (value.bounds.high == begun)
+            else:
+                fixed &= value == begun
+        return fixed
+
+    def _is_stalled(self, period: int, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tell which boxes came no nearer since half as many periods; only a hint to halve them."""
+        stalled = np.zeros(len(values), dtype=bool)
+        # Looked at in periods 32, 64, 128 … only: each time against half as many.
+        if period & (period - 1) or period < PATIENCE:
+            return stalled
+        before, self._before = self._before, values
+        if before is not None and period > PATIENCE and before.shape == values.shape:
+            return values >= before
+        return stalled
+
+    def _fade(self, periods: int) -> float:
+        """Return by what V is multiplied at most in some periods, rounded up."""
+        if periods <= 0:
+            return 1.0
+        if periods not in self._fading:
+            self._fading[periods] = above(power_up(1 - self.rate, periods))
+        return self._fading[periods]
+
+    def values(self, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.float64]:
+        """Return an upper bound of V in each box.
+
+        V ≤ (1 + slack) |Lᵀ z|², and each entry of Lᵀ z is an affine form: what states owe to the
+        same symbols cancels.
+        """
+        batch = states.shape[1]
+        names = self.maker.problem.states
+        # z is counted from the true rest, of which an interval is known.
+        z: list[Forms] = []
+        for name, rest in zip(self.loop.names, self.rests, strict=True):
+            value = states[names.index(name)] if name in names else memory[name]
+            forms = value if isinstance(value, Forms) else Forms.at(np.full(batch, value))
+            low, high = np.full(batch, rest.low), np.full(batch, rest.high)
+            z.append(forms - Forms.between(low, high))
+        total = np.zeros(batch)
+        for k in range(len(z)):
+            entry = z[k].scaled(self.factor[k, k])
+            for i in range(k + 1, len(z)):
+                if self.factor[i, k]:
+                    entry = entry + z[i].scaled(self.factor[i, k])
+            size = entry.bounds.size
+            total = np.nextafter(total + np.nextafter(size * size, np.inf), np.inf)
+        return np.nextafter(total * (1.0 + self.slack), np.inf)
+
+
+def _factored(p: tuple[tuple[Fraction, ...], ...]) -> tuple[NDArray[np.float64], float]:
+    """Return L and a slack with P < (1 + slack) L Lᵀ, which is checked in rationals."""
+    plain = np.array([[float(x) for x in row] for row in p])
+    # With ones on the diagonal first: states differ in unit by orders of magnitude.
+    scale = 1.0 / np.sqrt(np.diag(plain))
+    balanced = plain * scale[:, None] * scale[None, :]
+    factor = np.linalg.cholesky(balanced) / scale[:, None]
+    exact = [[Fraction(float(x)) for x in row] for row in factor]
+    size = range(len(p))
+    square = [[sum((exact[i][k] * exact[j][k] for k in size), Fraction(0)) for j in size]
+              for i in size]  # fmt: skip
+    for slack in (2.0**-30, 2.0**-20, 2.0**-10):
+        larger = [[(1 + Fraction(slack)) * square[i][j] - p[i][j] for j in size] for i in size]
+        if is_positive_definite(larger):
+            return factor, slack
+    raise LoopProofError("the region is too flat for its factors as floats")

@@ -1,0 +1,569 @@
+"""Verdicts on claims about a loop: proved with a certificate, refuted by a run, or undecided.
+
+A search (floats, :mod:`fuzzyarm.proof.loop.search`) proposes certificates; *proved* is said only
+of one that :func:`verified` accepts, which derives the loop independently.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from fuzzyarm.base.diagnostic import NOWHERE
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.shown import Shown, one_line
+from fuzzyarm.control.controllers.text import ControllerText, read_controller
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.control.loop.run import Run
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.own import trusted_plant
+from fuzzyarm.plant.plant import Plant, PlantError, parameter
+from fuzzyarm.proof.loop.certificate import (
+    Certificate,
+    CertificateError,
+    fingerprints_of,
+    sensors_by_name,
+)
+from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
+from fuzzyarm.proof.loop.checked_loop import CheckedLoop, checked_loop
+from fuzzyarm.proof.loop.checker import refutation
+from fuzzyarm.proof.loop.claims import claimed_plant, gain_words, loop_sentence, problem_of
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.form_maker import FormMaker
+from fuzzyarm.proof.loop.instability import growth
+from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem
+from fuzzyarm.proof.loop.runs import refuting_run
+from fuzzyarm.proof.loop.search import Proposal, form_at_rest, proposals, rate_of
+from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, followed, in_the_way
+from fuzzyarm.proof.loop.tube import Tube
+from fuzzyarm.proof.loop.tube_certificate import TubeCertificate, read_certificate
+from fuzzyarm.proof.loop.verification import verified
+from fuzzyarm.proof.loop.witnesses import contradiction
+from fuzzyarm.proof.map.arithmetic import Stop
+
+__all__ = ["LoopVerdict", "check_certificate", "proof_words", "prove_loop"]
+
+MOST_CHECKED = 8
+"""Proposals that are shown to the checker, the one of the largest region first."""
+
+EIGENVALUES = 5.0
+"""Seconds that the search for a growing deviation may take."""
+
+PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
+
+Tell = Callable[[str, int, float], None]
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class LoopVerdict(Shown):
+    """What is known of a claim about a loop.
+
+    Attributes
+    ----------
+    statement : str
+        The claim, as it stands after ``prove``.
+    verdict : str
+        ``proved``, ``refuted`` or ``undecided``.
+    region : dict of str to (float, float)
+        Where each state and each memory can be in the proved region, an ellipsoid; empty where
+        nothing is proved.
+    start_region : dict of str to float
+        By state of the plant, how far from rest the loop may start along it alone, everything
+        else at rest and the controller as it starts.
+    certificate : Certificate, TubeCertificate or None
+        What proves it.
+    rest : dict of str to float
+        Where the loop rests.
+    fall : float
+        By what share V falls in each period at least; 0 for a loop in continuous time.
+    continuous : bool
+        Whether the proof is one of the loop in continuous time only.
+    evidence : tuple of str
+        Of what is refuted, the start and what the run from it did; of what a tube proves without
+        starts in the claim, which starts it had.
+    run : Run or None
+        That run.
+    tube : Tube or None
+        Where all runs are, of a claim that a tube proves, or was to prove.
+    uncertain : tuple of str
+        The blocks of the form: what was taken as an unknown gain.
+    pieces : int
+        Attempts of the search.
+    seconds : float
+        How long it took.
+    work : float
+        What of its budget it took, s.
+    reason : str
+        Why it is undecided, or what limits the region.
+    line : int
+        Of the file; 0 for a claim from elsewhere.
+    claim : LoopClaim or None
+        What is claimed.
+    """
+
+    statement: str
+    verdict: str
+    region: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    start_region: Mapping[str, float] = field(default_factory=dict)
+    certificate: Certificate | TubeCertificate | None = None
+    rest: Mapping[str, float] = field(default_factory=dict)
+    fall: float = 0.0
+    continuous: bool = False
+    evidence: tuple[str, ...] = ()
+    run: Run | None = field(default=None, compare=False)
+    tube: Tube | None = field(default=None, compare=False)
+    uncertain: tuple[str, ...] = ()
+    pieces: int = 0
+    seconds: float = 0.0
+    work: float = field(default=0.0, compare=False, repr=False)
+    reason: str = ""
+    line: int = 0
+    claim: LoopClaim | None = field(default=None, compare=False)
+
+    @property
+    def proved(self) -> bool:
+        """Whether it holds."""
+        return self.verdict == PROVED
+
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.verdict}: {self.statement}")
+
+    def __str__(self) -> str:
+        lines = [f"{self.verdict}: {self.statement}"]
+        if self.tube is not None and self.proved:
+            boxes = f"{self.tube.boxes} box{'es' * (self.tube.boxes != 1)}"
+            arrival = self.tube.arrival
+            until = f"{arrival or self.tube.duration:g} s"
+            lines.append(f"  as sampled, by a tube of {boxes} for {until}")
+            if arrival:
+                lines.append("  from there on in an ellipsoid around rest that is never left, in")
+        if self.region:
+            how = "in continuous time" if self.continuous else "as sampled"
+            if self.tube is None:
+                lines.append(
+                    f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
+                )
+            for name, (low, high) in self.region.items():
+                alone = self.start_region.get(name)
+                words = "" if alone is None else f" (± {alone:.4g} with the others at rest)"
+                lines.append(f"    {name} in {low:.4g} .. {high:.4g}{words}")
+            if self.tube is None and not self.start_region:
+                lines.append(
+                    "  these are its farthest points; what memory starts as counts as well"
+                )
+        if self.reason:
+            lines.append(f"  {self.reason}")
+        return "\n".join([*lines, *(f"  {line}" for line in self.evidence)])
+
+
+# ── the case ─────────────────────────────────────────────────────────────────────────
+
+
+def prove_loop(
+    text: ControllerText,
+    claim: LoopClaim,
+    *,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    continuous: bool = False,
+    tell: Tell | None = None,
+) -> LoopVerdict:
+    """Prove or refute a claim about a controller in its loop.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    claim : LoopClaim
+        What is claimed.
+    plant : Plant, optional
+        In place of the one that the claim names. That one is loaded only if it is a shipped one, or
+        if the claim does not stand in a file: else its code would run.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    sensors : mapping of str to Sensor, optional
+        By port; exact ones by default.
+    budget : float
+        Seconds after which it stays undecided.
+    continuous : bool
+        Of the loop as if the controller ran without a period.
+    tell : callable, optional
+        Called with the claim, the number of attempts and NaN.
+
+    Returns
+    -------
+    LoopVerdict
+        With its certificate or its evidence.
+
+    Raises
+    ------
+    PlantError
+        If there is no such plant, or it has no such port.
+    ClaimError
+        If the claim names another state or parameter, or has ends in the wrong order.
+    """
+    plant = claimed_plant(claim) if plant is None else plant
+    case = _Case(text, claim, plant, connect, sensors, budget, tell, continuous=continuous)
+    return case.verdict()
+
+
+class _Case:
+    """One claim on trial."""
+
+    def __init__(
+        self,
+        text: ControllerText,
+        claim: LoopClaim,
+        plant: Plant | None,
+        connect: Mapping[str, str] | None,
+        sensors: Mapping[str, Sensor] | None,
+        budget: float,
+        tell: Tell | None,
+        *,
+        continuous: bool,
+    ) -> None:
+        self.text, self.claim, self.continuous = text, claim, continuous
+        self.statement = loop_sentence(
+            claim, sensors, connect, plant=plant, text=text, continuous=continuous
+        )
+        self.plant, self.connect, self.sensors = plant, connect, dict(sensors or {})
+        self.started = time.monotonic()
+        watch = None if tell is None else (lambda count, gap: tell(self.statement, count, gap))
+        self.stop = Stop(budget, watch)
+        self.attempts = 0
+        self.maker: FormMaker | None = None
+        self.pieces = PiecesOfRules(self.stop)
+        self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
+
+    def verdict(self) -> LoopVerdict:
+        """Judge the claim."""
+        self.stop.say(0)
+        try:
+            problem = problem_of(
+                self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
+            )
+        except (ClaimError, PlantError):
+            raise  # the claim is at fault, not its proof
+        except FuzzyarmError as error:
+            return self._said(UNDECIDED, reason=_sentence(error))
+        if self.claim.output or self.claim.start:
+            refuted = self._attacked(problem)
+            if refuted is not None:
+                return refuted
+        bounded = math.isfinite(self.claim.end) and not self.claim.stable
+        loop_verdict = self._by_tube(problem) if bounded else self._by_region(problem)
+        if loop_verdict.verdict == UNDECIDED and not self.claim.output:
+            return self._unstable(problem) or loop_verdict
+        return loop_verdict
+
+    def _by_region(self, problem: LoopProblem) -> LoopVerdict:
+        """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
+        try:
+            maker = FormMaker(problem, self.stop)
+            self.maker = maker
+            starts = bool(self.claim.output or self.claim.start) and not self.continuous
+            verdict = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
+            if verdict.verdict == UNDECIDED and starts:
+                return self._by_tube_and_region(problem, maker) or verdict
+        except (FuzzyarmError, EnclosureError) as error:
+            verdict = self._said(UNDECIDED, reason=_sentence(error))
+        return verdict
+
+    def _by_tube_and_region(self, problem: LoopProblem, maker: FormMaker) -> LoopVerdict | None:
+        """Return what a tube as far as a proved region says; None where there is no such region."""
+        stable = self._searched(maker, claim_of_stability(self.claim), self.stop.half())
+        if stable.certificate is None:
+            return None
+        assert self.loop is not None
+        assert isinstance(stable.certificate, Certificate)
+        haven = Haven(maker, stable.certificate, self.loop, self.claim)
+        way, reason = followed(
+            problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
+        )
+        if reason:
+            return self._said(UNDECIDED, reason=reason, evidence=in_the_way(way), rest=stable.rest)
+        return self._said(
+            PROVED, tube=way, region=stable.region, rest=stable.rest, fall=stable.fall,
+            uncertain=stable.uncertain, evidence=_own_start(problem),
+        )  # fmt: skip
+
+    def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
+        """Judge a claim for a bounded time: by a tube; where that fails, by a region."""
+        try:
+            way, reason = followed(
+                problem, self.claim, budget=self.stop.half().left, tell=self._told_of_boxes
+            )
+        except (FuzzyarmError, EnclosureError) as error:
+            return self._said(UNDECIDED, reason=_sentence(error))
+        if not reason:
+            return self._said(PROVED, tube=way, evidence=_own_start(problem))
+        try:
+            verdict = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
+        except (FuzzyarmError, EnclosureError):
+            verdict = None
+        if verdict is not None and verdict.proved:
+            return verdict
+        whole = way if way.complete else None
+        return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
+
+    def _told_of_boxes(self, share: float, boxes: int) -> None:
+        """Show how far a tube is."""
+        self.stop.say(boxes, 1.0 - share)
+
+    def _said(self, verdict: str, **facts: Any) -> LoopVerdict:
+        return LoopVerdict(
+            statement=self.statement,
+            verdict=verdict,
+            pieces=self.attempts,
+            seconds=time.monotonic() - self.started,
+            work=self.stop.spent,
+            line=0 if self.claim.span == NOWHERE else self.claim.span.line,
+            claim=self.claim,
+            **facts,
+        )
+
+    def _searched(self, maker: FormMaker, claim: LoopClaim, stop: Stop) -> LoopVerdict:
+        bounds = (claim.low, claim.high) if claim.output else None
+        reason = "no quadratic function was found that falls"
+        good: list[Proposal] = []
+        verdict: LoopVerdict | None = None
+        for proposal in proposals(maker, claim, stop, continuous=self.continuous, target=bounds):
+            self.attempts += 1
+            self.stop.say(self.attempts)
+            if isinstance(proposal, str):
+                reason = proposal
+                continue
+            form = proposal.form
+            against = refutation(form, proposal.p, proposal.multipliers, proposal.rate)
+            if against:
+                reason = against
+                continue
+            good.append(proposal)
+            if claim.output:  # the first one will do
+                verdict, against = self._judged(maker, claim, proposal)
+                reason = against or reason
+                if verdict is not None:
+                    return verdict
+        if not claim.output:
+            # The search has seen its own form of the loop; the largest that the checker accepts.
+            for proposal in sorted(good, key=lambda candidate: -candidate.size)[:MOST_CHECKED]:
+                if self.stop.now:
+                    break
+                verdict, against = self._judged(maker, claim, proposal)
+                reason = against or reason
+                if verdict is not None:
+                    return verdict
+        over = "time ran out" if stop.now else reason
+        return self._said(UNDECIDED, reason=over, rest=_plain(maker.rest))
+
+    def _judged(
+        self, maker: FormMaker, claim: LoopClaim, proposal: Proposal
+    ) -> tuple[LoopVerdict | None, str]:
+        """Return what the checker, and runs as witnesses, say of a proposal."""
+        assert proposal.form.evidence is not None
+        certificate = Certificate(
+            claim,
+            self.text.path,
+            fingerprints_of(self.text),
+            proposal.form.evidence,
+            self.continuous,
+            proposal.p,
+            proposal.multipliers,
+            proposal.rate,
+            proposal.form.names,
+            sensors_by_name(maker.problem),
+            dict(self.connect or {}),
+        )
+        against, facts, loop = verified(maker.problem, certificate, self.pieces)
+        if against or loop is None:
+            return None, against
+        if not (certificate.rate or certificate.continuous):  # by how much V falls in each period
+            rate = rate_of(loop, certificate.p, certificate.multipliers)
+            certificate = replace(certificate, rate=rate)
+            facts["fall"] = _float_down(rate)
+        against = contradiction(maker.problem, loop, certificate)
+        if against:
+            return None, f"a certificate is contradicted: {against}"
+        self.loop = loop
+        return self._said(PROVED, certificate=certificate, **facts), ""
+
+    def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
+        """Return a refutation by a run from the starts of the claim, if one of some runs is one."""
+        if self.continuous:  # runs are those of the sampled loop
+            return None
+        breach = refuting_run(problem, self.claim, self.stop)
+        return breach and self._said(REFUTED, evidence=breach.words, run=breach.run)
+
+    def _unstable(self, problem: LoopProblem) -> LoopVerdict | None:
+        """Return a refutation of stability by the loop next to rest."""
+        if self.continuous or self.maker is None:
+            return None
+        try:
+            form = form_at_rest(self.maker)
+            assert form.evidence is not None
+            loop = checked_loop(problem, form.names, form.evidence, pieces=self.pieces)
+            least = growth(loop, Stop(min(EIGENVALUES, self.stop.left)))
+        except (FuzzyarmError, EnclosureError):
+            return None
+        grows = f"next to rest a deviation grows {least:.6g} times in each period"
+        return self._said(REFUTED, evidence=(grows,)) if least else None
+
+
+def _own_start(problem: LoopProblem) -> tuple[str, ...]:
+    """Say where the plant starts by itself, of states of which a claim does not say it."""
+    values = ", ".join(f"{name} = {problem.start[name].low:g}" for name in problem.begins_alone)
+    return (f"of runs that start as the plant does: {values}",) if values else ()
+
+
+def _float_down(x: Fraction) -> float:
+    near = float(x)
+    return near if Fraction(near) <= x else math.nextafter(near, 0.0)
+
+
+def _sentence(error: Exception) -> str:
+    hint, text = getattr(error, "hint", ""), str(error)
+    return f"{text} ({hint})" if hint and hint not in text else text
+
+
+def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
+    return {name: float(value) for name, value in values.items()}
+
+
+def check_certificate(
+    certificate: Certificate | TubeCertificate | str,
+    text: ControllerText | None = None,
+    plant: Plant | None = None,
+    *,
+    named: str | None = None,
+    trust: bool = False,
+) -> LoopVerdict:
+    """Check a certificate, without any search.
+
+    Parameters
+    ----------
+    certificate : Certificate, TubeCertificate or str
+        Or its file.
+    text : ControllerText, optional
+        The controller; by default its file is read, from the folder at hand or from that of the
+        certificate.
+    plant : Plant, optional
+        In place of the one that the claim names.
+    named : str, optional
+        A plant whose code may run, where the claim names the same one.
+    trust : bool, optional
+        Whether the plant of the claim may be code, which is run.
+
+    Returns
+    -------
+    LoopVerdict
+        ``proved``, or ``undecided`` with what is wrong.
+
+    Raises
+    ------
+    CertificateError
+        If it is not a certificate, or one of other files.
+    PlantError
+        If its plant is code that may not run.
+    """
+    started = time.monotonic()
+    place = Path(".")
+    if isinstance(certificate, str):
+        place = Path(certificate).parent
+        certificate = read_certificate(certificate)
+    if text is None:
+        path = next(
+            (p for p in (Path(certificate.controller), place / certificate.controller,
+                         place / Path(certificate.controller).name) if p.is_file()),
+            None,
+        )  # fmt: skip
+        if path is None:
+            raise CertificateError(f"the controller {certificate.controller} is not there")
+        text = read_controller(str(path))
+    _require_files(certificate, text)
+    claim = certificate.claim
+    statement = loop_sentence(
+        claim, certificate.sensors, certificate.connect, plant=plant, text=text,
+        continuous=isinstance(certificate, Certificate) and certificate.continuous,
+    )  # fmt: skip
+    if plant is None:
+        plant = trusted_plant(claim.plant, named, trust=trust)
+    facts: dict[str, Any] = {}
+    try:
+        if isinstance(certificate, TubeCertificate):
+            return _checked(
+                statement, certificate, certificate.refutation(text, plant), facts, started
+            )
+        problem = problem_of(
+            text,
+            certificate.claim,
+            plant=plant,
+            sensors=certificate.sensors,
+            connect=certificate.connect,
+        )
+        against, facts, loop = verified(problem, certificate)
+        if loop is not None and not against:
+            against = contradiction(problem, loop, certificate)
+    except (FuzzyarmError, EnclosureError) as error:
+        against, facts = _sentence(error), {}
+    return _checked(statement, certificate, against, facts, started)
+
+
+def proof_words(verdict: LoopVerdict, text: ControllerText, plant: Plant) -> str:
+    """Return what a certificate proves, where, and of which numbers, for the head of a program."""
+    assert verdict.certificate is not None
+    words = [verdict.statement + ("" if verdict.continuous else ", as sampled")]
+    if verdict.region and not verdict.certificate.claim.start:
+        reach = [
+            f"{name} in {low:.6g} .. {high:.6g}" for name, (low, high) in verdict.region.items()
+        ]
+        words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
+    gains = [f"{gain.name} = {gain_words(gain)}" for gain in text.model.gains]
+    stated = {name for name, _, _ in verdict.certificate.claim.parameters}
+    numbers = [
+        f"{name} = {number_text(parameter(plant, name).value)}"
+        for name in plant.parameters
+        if name not in stated
+    ]
+    words += [f"gains {', '.join(gains)}"] * bool(gains)
+    words += [f"parameters {', '.join(numbers)}"] * bool(numbers)
+    return "; ".join([*words, f"certificate {verdict.certificate.seal}"])
+
+
+def _require_files(certificate: Certificate | TubeCertificate, text: ControllerText) -> None:
+    """Refuse a certificate of other files than those of a controller, or of more or fewer."""
+    now = fingerprints_of(text)
+    if set(now) != set(certificate.fingerprints):
+        expected_name = Path(certificate.controller).name
+        raise CertificateError(
+            f"this certificate is of {expected_name}, not of {Path(text.path).name}"
+        )
+    for name, fingerprint in certificate.fingerprints.items():
+        if now[name] != fingerprint:
+            raise CertificateError(f"{name} is not the file that was proved")
+
+
+def _checked(
+    statement: str,
+    certificate: Certificate | TubeCertificate,
+    against: str,
+    facts: Mapping[str, Any],
+    started: float,
+) -> LoopVerdict:
+    verdict = UNDECIDED if against else PROVED
+    return LoopVerdict(
+        statement=statement,
+        verdict=verdict,
+        certificate=certificate,
+        claim=certificate.claim,
+        reason=f"the certificate does not prove it: {against}" if against else "",
+        seconds=time.monotonic() - started,
+        **({} if against else facts),
+    )

@@ -1,0 +1,135 @@
+"""Runs as witnesses against a proved region: other code than that which proved it.
+
+A certificate stands on what the checker derives of the loop. The kernel that ``simulate`` runs
+shares nothing with that but the controller's instructions and the plant. So before *proved* is said
+of a region, runs begin at its border, and V must fall along them. They prove nothing; one that
+contradicts says that fuzzyarm is wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.control.loop.run import Run
+from fuzzyarm.proof.loop.certificate import Certificate
+from fuzzyarm.proof.loop.checked_loop import CheckedLoop
+from fuzzyarm.proof.loop.problem import LoopProblem
+from fuzzyarm.proof.loop.runs import converged, run_of
+from fuzzyarm.proof.loop.verification import has_known_start, start_quadric
+
+__all__ = ["WITNESSES", "contradiction"]
+
+Vector = NDArray[np.float64]
+
+WITNESSES = 12
+"""Runs; at the border of the starts, in directions that are drawn."""
+
+PERIODS = 200
+"""Control periods that each of them lasts."""
+
+SLACK = 1e-6
+"""Share of the region by which the integrator of a run may be off."""
+
+
+def contradiction(
+    problem: LoopProblem, loop: CheckedLoop, certificate: Certificate, count: int = WITNESSES
+) -> str:
+    """Return which run contradicts a region that is as good as proved; empty: none of some did.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    loop : CheckedLoop
+        As the checker derived it.
+    certificate : Certificate
+        Of the loop as sampled; of continuous time nothing is asked.
+    count : int, optional
+        How many runs.
+    """
+    if certificate.continuous:
+        return ""
+    p = np.array([[float(x) for x in row] for row in certificate.p])
+    reach = np.sqrt(np.maximum(np.diag(np.linalg.inv(p)), 0.0))
+    duration = PERIODS * problem.period
+    for start, values in _starts(problem, loop, certificate, count):
+        run = run_of(problem, start, values, duration=duration)
+        if run is None:
+            continue
+        against = _against(problem, loop, run, p, reach)
+        if against:  # unless by the steps of its integrator only
+            pair = converged(partial(_finer, problem, start, values, duration))
+            against = against if pair is None else _against(problem, loop, pair[1], p, reach)
+        if against:
+            words = ", ".join(f"{name} = {x:.6g}" for name, x in {**start, **values}.items())
+            return f"the run from {words} {against}"
+    return ""
+
+
+def _finer(
+    problem: LoopProblem,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    duration: float,
+    steps: int,
+) -> Run | None:
+    return run_of(problem, start, values, steps=steps, duration=duration)
+
+
+def _starts(
+    problem: LoopProblem, loop: CheckedLoop, certificate: Certificate, count: int
+) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
+    """Yield starts at the border of those that the region holds, and parameters."""
+    names = problem.states
+    if not has_known_start(problem, loop):
+        return
+    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
+    centre = -0.5 * np.linalg.solve(quadratic, linear)
+    level = -(constant + 0.5 * float(linear @ centre))
+    if level <= 0.0:
+        return
+    root = np.linalg.inv(np.linalg.cholesky(quadratic)).T
+    rest = np.array([float(loop.rest[name]) for name in names])
+    generator = np.random.default_rng(0)
+    free = {n: span for n, span in problem.parameters.items() if span.low < span.high}
+    for _ in range(count):
+        way = generator.standard_normal(len(names))
+        way /= np.linalg.norm(way)
+        at = rest + centre + 0.9999 * math.sqrt(level) * (root @ way)
+        values = {n: float(generator.choice([span.low, span.high])) for n, span in free.items()}
+        yield dict(zip(names, map(float, at), strict=True)), values
+
+
+def _against(problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach: Vector) -> str:
+    """Return what a run did that no run from the region does."""
+    if run.diverged is not None:
+        return f"diverges after {run.diverged:.4g} s"
+    course: Mapping[str, Vector] = _states_of(problem, run)
+    for name, values in course.items():
+        far = np.abs(values - float(loop.rest[name])).max() / reach[loop.names.index(name)]
+        if far > 1.0 + SLACK:
+            return f"leaves the region: {name} goes {far:.4g} times beyond its reach"
+    if set(course) != set(loop.names):  # memory is not seen in a run
+        return ""
+    z = np.array([course[name] - float(loop.rest[name]) for name in loop.names]).T
+    level = np.einsum("ki,ij,kj->k", z, p, z)
+    if (np.diff(level) > SLACK).any():
+        return f"lets V rise from {level[int(np.argmax(np.diff(level)))]:.6g}"
+    return ""
+
+
+def _states_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
+    """Return the states of the plant that are outputs, at all samples."""
+    interface = problem.site.interface
+    key_of = dict(zip(problem.equations.states, problem.states, strict=True))
+    states = {}
+    for port, root in zip(interface.outputs, problem.equations.outputs, strict=True):
+        state = key_of.get(getattr(root, "name", ""))
+        if state is not None and not problem.sensors:
+            states[state] = np.asarray(run.outputs[interface.label(port)])
+    return states

@@ -1,0 +1,36 @@
+"""What holds of a rule base at every point: bounds, slopes, symmetry, errors of a table.
+
+:func:`prove` gives a :class:`Verdict` on a statement; :class:`Prover` gives single bounds. A
+rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into
+pieces on which the output is a quotient of polynomials; everything else goes by boxes.
+:func:`sector` and :func:`slopes_at` set an output beside a linear law;
+:mod:`fuzzyarm.proof.map.controllers` does so with the drives of a controller.
+"""
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.base.lazy import lazily
+from fuzzyarm.proof.map.bounds import Bounds, UnprovableError
+from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.map.sector import NoSectorError, Sector, sector, slopes_at
+from fuzzyarm.proof.map.tables import table_proof
+from fuzzyarm.proof.map.verdicts import Verdict, property_text, prove, prove_all, read_property
+
+__all__ = [
+    "Bounds",
+    "NoSectorError",
+    "Prover",
+    "Sector",
+    "UnprovableError",
+    "Verdict",
+    "property_text",
+    "prove",
+    "prove_all",
+    "read_property",
+    "sector",
+    "slopes_at",
+    "table_proof",
+]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

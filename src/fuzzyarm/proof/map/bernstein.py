@@ -1,0 +1,469 @@
+r"""Polynomials on simplices in Bernstein form, and the extremes of their quotients.
+
+On a simplex with vertices v₀ … v_d a polynomial of degree n is Σ b_α B_α with one coefficient
+for each multi-index α of d + 1 numbers that add up to n. The coefficients at the vertices are
+values, and all values lie between the smallest and the largest coefficient. So
+
+    N / D ≤ c   wherever   N − c D has no coefficient above 0   and   D > 0.
+
+Halving an edge makes new coefficients by averages of the old ones (de Casteljau), and the
+bounds converge quadratically. Coefficients are found by evaluation at the lattice α / n and
+one fixed matrix; no symbol is ever handled.
+
+Source: G. Farin, *Triangular Bernstein–Bézier patches*, 1986.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import combinations
+from math import comb, factorial, isinf, prod
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.proof.map.arithmetic import (
+    FLOATS,
+    Arithmetic,
+    Array,
+    Stop,
+    TimeOverError,
+    any_of_rows,
+    as_fraction,
+    greatest_of_rows,
+    rationals,
+)
+
+__all__ = [
+    "Extremum",
+    "Quotients",
+    "barycentric",
+    "from_values",
+    "lattice",
+    "maximise",
+    "vertices_of",
+]
+
+Index = tuple[int, ...]
+
+MARGIN = 3e-14
+"""Share of the sizes of what was added up that floats are taken to be off by: 130 roundings."""
+
+
+# ── the lattice and its matrices ─────────────────────────────────────────────────────
+
+
+@cache
+def lattice(dimension: int, degree: int) -> tuple[Index, ...]:
+    """Return the multi-indices of a degree; those of the vertices are its multiples."""
+
+    def spread(total: int, places: int) -> list[Index]:
+        if places == 1:
+            return [(total,)]
+        return [
+            (first, *rest)
+            for first in range(total, -1, -1)
+            for rest in spread(total - first, places - 1)
+        ]
+
+    return tuple(spread(degree, dimension + 1))
+
+
+@cache
+def vertices_of(dimension: int, degree: int) -> tuple[int, ...]:
+    """Return where the coefficients at the vertices stand."""
+    indices = lattice(dimension, degree)
+    return tuple(
+        indices.index(tuple(degree if i == j else 0 for i in range(dimension + 1)))
+        for j in range(dimension + 1)
+    )
+
+
+@cache
+def _beside_vertices(dimension: int, degree: int) -> tuple[tuple[int, int, int], ...]:
+    """Return (vertex, another or the same, the coefficient one step from one to the other)."""
+    indices = lattice(dimension, degree)
+    neighbours = []
+    for near in range(dimension + 1):
+        for far in range(dimension + 1):
+            index = [0] * (dimension + 1)
+            index[near] += degree - 1
+            index[far] += 1
+            neighbours.append((near, far, indices.index(tuple(index))))
+    return tuple(neighbours)
+
+
+@cache
+def barycentric(dimension: int, degree: int, *, exact: bool) -> Array:
+    """Return the lattice points as weights of the vertices: (points, vertices)."""
+    arithmetic = rationals() if exact else FLOATS
+    return arithmetic.array(
+        [[Fraction(a, degree) for a in index] for index in lattice(dimension, degree)]
+    )
+
+
+_from_values: dict[tuple[int, int, bool], Array] = {}
+
+
+def from_values(dimension: int, degree: int, *, exact: bool, stop: Stop | None = None) -> Array:
+    """Return the matrix from values at the lattice to coefficients, which may take long."""
+    key = dimension, degree, exact
+    if key not in _from_values:
+        _from_values[key] = _found_from_values(dimension, degree, stop or Stop(), exact=exact)
+    return _from_values[key]
+
+
+def _found_from_values(dimension: int, degree: int, stop: Stop, *, exact: bool) -> Array:
+    indices = lattice(dimension, degree)
+
+    def basis(at: Index, index: Index) -> Fraction:
+        multinomial = factorial(degree) // prod(map(factorial, index))
+        return multinomial * prod(
+            (Fraction(a, degree) ** b for a, b in zip(at, index, strict=True)), start=Fraction(1)
+        )
+
+    matrix = []
+    for at in indices:
+        stop.check()
+        matrix.append([basis(at, index) for index in indices])
+    if not exact:
+        return np.linalg.inv(np.array(matrix, dtype=float))
+    return _inverse(matrix, rationals(), stop)
+
+
+def _inverse(matrix: list[list[Fraction]], arithmetic: Arithmetic, stop: Stop) -> Array:
+    """Return the inverse by elimination; the pivots of a Bernstein matrix are not 0."""
+    size = len(matrix)
+    unit = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
+    work = arithmetic.array([[*a, *b] for a, b in zip(matrix, unit, strict=True)])
+    for i in range(size):
+        stop.check()
+        pivot = next(r for r in range(i, size) if work[r, i] != 0)
+        work[[i, pivot]] = work[[pivot, i]]
+        work[i] = work[i] / work[i, i]
+        for r in range(size):
+            if r != i and work[r, i] != 0:
+                work[r] = work[r] - work[i] * work[r, i]
+    return work[:, size:]
+
+
+@cache
+def halving(dimension: int, degree: int, first: int, second: int, *, exact: bool) -> Array:
+    """Return the matrix to the coefficients of the half in which `second` moves to the middle."""
+    indices = lattice(dimension, degree)
+    number = {index: i for i, index in enumerate(indices)}
+    rows = [[Fraction(0)] * len(indices) for _ in indices]
+    for row, index in enumerate(indices):
+        # de Casteljau at ½: b'_α = 2⁻ⁿ Σₖ C(n, k) b_β, n = α_second, where β has k moved from
+        # `second` to `first`.
+        order = index[second]
+        for k in range(order + 1):
+            source = list(index)
+            source[second], source[first] = order - k, index[first] + k
+            rows[row][number[tuple(source)]] += Fraction(comb(order, k), 2**order)
+    return (rationals() if exact else FLOATS).array(rows)
+
+
+# ── quotients on many simplices ──────────────────────────────────────────────────────
+
+
+@dataclass
+class Quotients:
+    """N / D on many simplices; D is not negative.
+
+    Attributes
+    ----------
+    upper, lower : ndarray, shape (simplices, coefficients)
+        Coefficients of N and of D.
+    error : ndarray of float64 or None
+        How far those of D may be off; those of N by `reach` times as much. None: exact.
+    reach : float
+        How large N / D may become where D is not 0.
+    corners : ndarray, shape (simplices, vertices, inputs)
+        The vertices, in shares of the cell.
+    owner : ndarray of int
+        The piece that each is a part of.
+    degree : int
+        Of both polynomials.
+    """
+
+    upper: Array
+    lower: Array
+    error: Array | None
+    reach: float
+    corners: Array
+    owner: Array
+    degree: int
+
+    @property
+    def exact(self) -> bool:
+        """Whether nothing is rounded."""
+        return self.error is None
+
+    @property
+    def count(self) -> int:
+        """How many simplices there are."""
+        return len(self.owner)
+
+    def negated(self) -> Quotients:
+        """Return −N / D."""
+        return Quotients(
+            -self.upper, self.lower, self.error, self.reach, self.corners, self.owner, self.degree
+        )
+
+    def take(self, which: Array) -> Quotients:
+        """Return some of the simplices."""
+        error = None if self.error is None else self.error[which]
+        return Quotients(
+            self.upper[which],
+            self.lower[which],
+            error,
+            self.reach,
+            self.corners[which],
+            self.owner[which],
+            self.degree,
+        )
+
+    def joined(self, *others: Quotients) -> Quotients:
+        """Return these simplices and others of the same kind."""
+        all_ = (self, *others)
+        errors = [quotients.error for quotients in all_ if quotients.error is not None]
+        return Quotients(
+            np.concatenate([quotients.upper for quotients in all_]),
+            np.concatenate([quotients.lower for quotients in all_]),
+            np.concatenate(errors) if errors else None,
+            max(quotients.reach for quotients in all_),
+            np.concatenate([quotients.corners for quotients in all_]),
+            np.concatenate([quotients.owner for quotients in all_]),
+            self.degree,
+        )
+
+    # ── bounds ───────────────────────────────────────────────────────────────────────
+
+    def excess(self, bound: Any, stop: Stop) -> Array:
+        """Return the largest coefficient of N − bound D of each, errors added."""
+        if self.error is None:
+            parts = [
+                greatest_of_rows(self.upper[part] - bound * self.lower[part])
+                for part in _in_parts(self.count, stop)
+            ]
+            return np.concatenate([np.zeros(0, dtype=object), *parts])
+        differences = self.upper - bound * self.lower
+        return greatest_of_rows(differences + (self.reach + abs(bound)) * self.error)
+
+    def attained(self) -> tuple[Any, int, Array] | None:
+        """Return the greatest value at a vertex, with the simplex and the position; or None.
+
+        Where D vanishes at a vertex, the limits along its edges count: the quotients of the
+        coefficients next to the vertex.
+        """
+        dimension = self.corners.shape[2]
+        top: tuple[Any, int, Array] | None = None
+        for near, far, position in _beside_vertices(dimension, self.degree):
+            upper, lower = self.upper[:, position], self.lower[:, position]
+            sure = lower > (0 if self.error is None else 1e3 * self.error[:, position])
+            if near != far:
+                vertex = vertices_of(dimension, self.degree)[near]
+                sure &= (self.lower[:, vertex] == 0) & (self.upper[:, vertex] == 0)
+            rows = np.flatnonzero(sure)
+            if not rows.size:
+                continue
+            values = upper[rows] / lower[rows]
+            best = int(values.argmax())
+            if top is None or values[best] > top[0]:
+                owner = int(rows[best])
+                a, b = self.corners[owner, near], self.corners[owner, far]
+                # A point next to the vertex, on the edge of the limit; the vertex itself where b is
+                # a.
+                top = values[best], owner, a + (b - a) / 2**24
+        return top
+
+    def bound(self) -> float:
+        """Return what N / D cannot exceed, crude; infinite where D may vanish."""
+        if not self.count:
+            return -np.inf
+        upper, lower = self.upper.astype(float), self.lower.astype(float)
+        error = np.zeros_like(lower) if self.error is None else self.error
+        room = lower - error
+        with np.errstate(all="ignore"):
+            # A numerator above 0 is largest over the least denominator, one below 0 over the most.
+            ratio = (upper + self.reach * error) / np.where(upper >= 0, room, lower + error)
+        empty = (upper == 0) & (lower == 0) & (error == 0)
+        ratio = np.where(empty, -np.inf, np.where(room > 0, ratio, np.inf))
+        value = float(ratio.max())
+        # Rationals were rounded to floats, and so was their quotient: up to three times a half ulp.
+        outward = value + abs(value) * 2.0**-51
+        return float(np.nextafter(outward, np.inf)) if np.isfinite(outward) else value
+
+    def without(self, pieces: Array) -> Quotients:
+        """Return the simplices that are not parts of some pieces."""
+        return self.take(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
+
+    def touches(self, bound: Any) -> tuple[int, Array] | None:
+        """Return the piece and the position of a vertex at which N / D is a bound; or None."""
+        for vertex, index in enumerate(vertices_of(self.corners.shape[2], self.degree)):
+            at = (self.lower[:, index] > 0) & (self.upper[:, index] >= bound * self.lower[:, index])
+            if at.any():
+                row = int(np.flatnonzero(at)[0])
+                return int(self.owner[row]), self.corners[row, vertex]
+        return None
+
+    # ── refinement ───────────────────────────────────────────────────────────────────
+
+    def halved(self, stop: Stop) -> Quotients:
+        """Return both halves of each, cut across the longest edge."""
+        shape = self.corners.astype(float)
+        vertices = shape.shape[1]
+        pairs = list(combinations(range(vertices), 2))
+        lengths = np.stack([((shape[:, i] - shape[:, j]) ** 2).sum(axis=1) for i, j in pairs])
+        longest = lengths.argmax(axis=0)
+        halves: list[Quotients] = []
+        for number, (i, j) in enumerate(pairs):
+            which = np.flatnonzero(longest == number)
+            parts = _in_parts(which.size, stop) if self.exact else [slice(None)] * bool(which.size)
+            for part in parts:
+                halves += [self._half(which[part], i, j), self._half(which[part], j, i)]
+        return halves[0].joined(*halves[1:])
+
+    def _half(self, which: Array, stays: int, moves: int) -> Quotients:
+        part = self.take(which)
+        dimension = part.corners.shape[2]
+        matrix = halving(dimension, self.degree, stays, moves, exact=self.exact).T
+        part.upper, part.lower = part.upper @ matrix, part.lower @ matrix
+        if part.error is not None:
+            part.error = part.error @ matrix
+        part.corners = part.corners.copy()
+        part.corners[:, moves] = (part.corners[:, moves] + part.corners[:, stays]) / 2
+        return part
+
+
+AT_ONCE = 500
+"""Simplices whose rationals are computed between two looks at the clock."""
+
+
+def _in_parts(count: int, stop: Stop) -> Iterator[slice]:
+    for start in range(0, count, AT_ONCE):
+        stop.check()
+        yield slice(start, start + AT_ONCE)
+
+
+# ── branch and bound ─────────────────────────────────────────────────────────────────
+
+
+class Extremum(NamedTuple):
+    """A supremum between two bounds.
+
+    Attributes
+    ----------
+    reached : number
+        A value that is attained, or a limit; None if there is none.
+    bound : number
+        What no value exceeds; None where there is no value.
+    corner : ndarray or None
+        Where, in shares of the cell of the piece.
+    owner : int
+        The piece.
+    pieces : int
+        How many simplices were looked at.
+    left : Quotients
+        What could not be decided: empty where `bound` is within the tolerance of `reached`.
+    """
+
+    reached: Any
+    bound: Any
+    corner: Array | None
+    owner: int
+    pieces: int
+    left: Quotients
+
+
+MOST = 400_000
+"""Open simplices at one time; coefficients of more do not fit into memory."""
+
+SMALLEST = 1e-7
+"""Simplices with shorter edges, in shares of a cell, are given up: floats do not tell there."""
+
+
+def maximise(
+    quotients: Quotients,
+    tolerance: Any,
+    stop: Stop,
+    *,
+    least: Any = None,
+    decide: bool = False,
+    smallest: float = SMALLEST,
+) -> Extremum:
+    """Return the supremum of N / D.
+
+    Parameters
+    ----------
+    quotients : Quotients
+        N and D on simplices.
+    tolerance : number
+        How far the bound may be above what is attained.
+    stop : Stop
+        When to give up.
+    least : number, optional
+        A value that is known to be attained elsewhere.
+    decide : bool
+        Ask only whether anything exceeds `least`: the search ends at the first that does.
+    smallest : float
+        Simplices with shorter edges, in shares of a cell, are given up.
+
+    Returns
+    -------
+    Extremum
+        With `left` empty unless the search was given up.
+    """
+    best, corner, owner = least, None, -1
+    count, waiting = quotients.count, quotients
+    given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
+    try:
+        while waiting.count:
+            attained = waiting.attained()
+            if attained is not None and (best is None or attained[0] > best):
+                best, corner = attained[0], attained[2]
+                owner = int(waiting.owner[attained[1]])
+                if decide:
+                    return Extremum(best, best, corner, owner, count, given_up)
+            waiting, too_small = _worth_halving(waiting, best, tolerance, smallest, stop)
+            given_up = given_up.joined(too_small)
+            if stop.tell is not None and waiting.count and best is not None:
+                stop.say(waiting.count, waiting.bound() - float(best))
+            if stop.now or waiting.count > MOST:
+                break
+            if waiting.count:
+                waiting = waiting.halved(stop)
+                count += waiting.count
+    except TimeOverError:
+        pass
+    given_up = given_up.joined(waiting)
+    bound = None if best is None else best + tolerance
+    if given_up.count:
+        crude = given_up.bound()
+        bound = crude if bound is None or _exceeds(crude, bound) else bound
+    return Extremum(best, bound, corner, owner, count, given_up)
+
+
+def _exceeds(value: float, bound: Any) -> bool:
+    """Tell whether a float, which may be infinite, is above a number of either arithmetic."""
+    return value > 0.0 if isinf(value) else as_fraction(value) > as_fraction(bound)
+
+
+def _worth_halving(
+    waiting: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
+) -> tuple[Quotients, Quotients]:
+    """Return the simplices that may exceed what is attained, and those too small to be halved."""
+    # Without a value anywhere only what has none can be discarded.
+    keep = (
+        any_of_rows(waiting.lower != 0)
+        if best is None
+        else waiting.excess(best + tolerance, stop) > 0
+    )
+    waiting = waiting.take(np.flatnonzero(keep))
+    shape = waiting.corners.astype(float)
+    small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
+    return waiting.take(np.flatnonzero(~small)), waiting.take(np.flatnonzero(small))

@@ -1,0 +1,80 @@
+"""What a proof comes to, and how far bounds are widened: shared by pieces and boxes."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+from fuzzyarm.base.errors import FuzzyarmError
+
+__all__ = [
+    "GAP",
+    "LIKE_EXPECT",
+    "WIDENED",
+    "Bounds",
+    "Claim",
+    "NothingFiresError",
+    "Point",
+    "UnprovableError",
+]
+
+WIDENED = 1e-12
+"""Share of an output's range by which bounds that floats found are widened outward."""
+
+GAP = 1e-8
+"""Share of an output's range to which bounds are sought where nothing else is asked for."""
+
+LIKE_EXPECT = 1e-9
+"""Share of an output's range to which ``=``, ``odd`` and sectors hold, as ``expect`` lines do."""
+
+Point = dict[str, float]
+
+
+class UnprovableError(FuzzyarmError, ValueError):
+    """Nothing can be proved of a rule base or of one statement; the message names why."""
+
+
+class NothingFiresError(UnprovableError):
+    """No rule of the output fires anywhere in the region."""
+
+
+class Bounds(NamedTuple):
+    """What an output, its slope or the error of a table cannot leave.
+
+    Attributes
+    ----------
+    low, high : float
+        The bounds, rounded outward.
+    reached_low, reached_high : float
+        What is attained, or is a limit; NaN where nothing was evaluated.
+    at_low, at_high : dict of str to float
+        Where, to the nearest floats.
+    pieces : int
+        How many simplices or boxes were looked at.
+    way : str
+        ``exact`` (rationals), ``widened`` (floats, widened outward) or ``boxes``.
+    complete : bool
+        Whether the bounds are within the tolerance of what is attained.
+    """
+
+    low: float
+    high: float
+    reached_low: float
+    reached_high: float
+    at_low: Point
+    at_high: Point
+    pieces: int
+    way: str
+    complete: bool
+
+
+class Claim(NamedTuple):
+    """The answer to whether a supremum is at most a bound.
+
+    `holds` is None where it stays open; `at` is where it fails, as exact numbers.
+    """
+
+    holds: bool | None
+    at: dict[str, Fraction]
+    pieces: int
+    exact: bool

@@ -1,0 +1,384 @@
+"""From bounds of firing strengths to bounds of the crisp value.
+
+An output is made of numbers, of samples, of sets, or of sets joined between samples; of interval
+type 2 of both readings of them. What they have between bounds are curves over panels, sums of
+weighted numbers, or humps of maxima. Of each there are bounds of the numbers that a defuzzifier may
+take (:mod:`fuzzyarm.symbolic.defuzzifiers`), and its value is an expression of these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.inference.centroid_bounds import (
+    average_bounds,
+    centroid_bounds,
+    ends_of_average_bounds,
+    ends_of_centroid_bounds,
+)
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.firing_intervals import LOWER, UPPER
+from fuzzyarm.inference.place_bounds import (
+    Humps,
+    bisector_bounds,
+    halving_bounds,
+    largest_bounds,
+    mean_bounds,
+    nearest_bounds,
+    nearest_half_bounds,
+    smallest_bounds,
+)
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.proof.map.aggregates import AggregateSamples, JoinedPanels, Panels, Strengths, folded
+from fuzzyarm.proof.map.arithmetic import Array, Stop
+from fuzzyarm.proof.map.bounds import UnprovableError
+from fuzzyarm.proof.map.memberships import SLACK, Interval
+from fuzzyarm.proof.map.places import humps_of_numbers, places
+from fuzzyarm.symbolic.evaluation import bounds
+from fuzzyarm.symbolic.kinds import SHAPES, DefuzzifierKind
+
+__all__ = ["WAYS", "BoundingMethod", "Crisp", "Valued", "crisp", "value_bounds"]
+
+Valued = tuple[Array, Array, Array]
+"""Bounds of a value, NaN where there is none in a box, and where there may be none."""
+
+
+# ── what a defuzzifier takes ─────────────────────────────────────────────────────────
+
+Figures = dict[str, Interval]
+"""Bounds of numbers that an aggregate has, by name; NaN where there are none."""
+
+
+class BoundingMethod(NamedTuple):
+    """How what a defuzzifier takes of an aggregate is bounded.
+
+    Attributes
+    ----------
+    curves : callable or None
+        From the edges of panels and, for each side of the set, its lower and upper curve.
+    sums : callable or None
+        From the bounds of the least and the greatest value of numbers and, for each side, the
+        bounds of their weights.
+    midpoints : callable or None
+        From samples and bounds of their heights, where the sampling ``midpoints`` has a definition
+        of its own.
+    humps : mapping of str to callable
+        From the humps of maxima, for each of the numbers.
+    """
+
+    curves: Callable[..., Figures] | None = None
+    sums: Callable[..., Figures] | None = None
+    midpoints: Callable[..., Interval] | None = None
+    humps: Mapping[str, Callable[[Humps], Interval]] = MappingProxyType({})
+
+
+def _centroid(edges: Array, *sides: Interval) -> Figures:
+    """Return the centroid of a set, or of the sum of both of them (Nie and Tan)."""
+    lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
+    return {"centroid": centroid_bounds(edges, lower, upper)}
+
+
+def _centroid_of_numbers(least: Interval, greatest: Interval, *sides: Interval) -> Figures:
+    lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
+    return {"centroid": average_bounds(least[0], greatest[1], lower, upper)}
+
+
+def _weighted(least: Interval, greatest: Interval, weights: Interval) -> Figures:
+    (low, _), (_, high), (lower, upper) = least, greatest, weights
+    tops = np.maximum(high * lower, high * upper).sum(axis=1)
+    bottoms = np.minimum(low * lower, low * upper).sum(axis=1)
+    slack = 1e-13 * np.maximum(np.abs(high), np.abs(low)).sum(axis=1)
+    nothing = ~(upper > 0.0).any(axis=1)
+    ends = bottoms - slack, tops + slack
+    return {"weighted": (np.where(nothing, np.nan, ends[0]), np.where(nothing, np.nan, ends[1]))}
+
+
+def _average(least: Interval, greatest: Interval, weights: Interval) -> Figures:
+    """Return the average of numbers that may be unbounded, as the ends of a sigmoid are."""
+    low, high = least[0], greatest[1]
+    finite = [np.where(np.isfinite(end), end, 0.0) for end in (low, high)]
+    bottom, top = average_bounds(finite[0], finite[1], *weights)
+    counts = weights[1] > 0.0
+    bottom = np.where((counts & (low == -np.inf)).any(axis=1), -np.inf, bottom)
+    top = np.where((counts & (high == np.inf)).any(axis=1), np.inf, top)
+    return {"average": (bottom, top)}
+
+
+def _half(edges: Array, curves: Interval) -> Figures:
+    return {"half": bisector_bounds(edges, *curves)}
+
+
+def _half_of_numbers(least: Interval, greatest: Interval, weights: Interval) -> Figures:
+    return {"half": halving_bounds(least[0], greatest[1], *weights)}
+
+
+def _ends(edges: Array, upper: Interval, lower: Interval) -> Figures:
+    left, right = ends_of_centroid_bounds(edges, lower, upper)
+    return {"left": left, "right": right}
+
+
+def _ends_of_numbers(
+    least: Interval, greatest: Interval, upper: Interval, lower: Interval
+) -> Figures:
+    left, right = ends_of_average_bounds(least, greatest, lower, upper)
+    return {"left": left, "right": right}
+
+
+WAYS: dict[str, BoundingMethod] = {
+    "gravity": BoundingMethod(_centroid, _centroid_of_numbers),
+    "area": BoundingMethod(_half, _half_of_numbers, midpoints=nearest_half_bounds),
+    "top": BoundingMethod(
+        humps={
+            "first": smallest_bounds,
+            "last": largest_bounds,
+            "mean": mean_bounds,
+            "nearest": nearest_bounds,
+        }
+    ),
+    "ends": BoundingMethod(_ends, _ends_of_numbers),
+    "average": BoundingMethod(sums=_average),
+    "sum": BoundingMethod(sums=_weighted),
+}
+"""By what is taken; for interval type 2 the first side is the upper set."""
+
+
+def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
+    """Return bounds of the value of a defuzzifier from those of the numbers that it is made of."""
+    if record.figure:
+        return figures[record.figure]
+    figure_bounds = [figures[name] for name in record.symbols]
+    nothing = np.isnan(figure_bounds[0][0])
+    if record.rises:  # as the floats do that inference computes: no rounding turns them round
+        low, high = (record.array(*(figure[side] for figure in figure_bounds)) for side in (0, 1))
+        return np.where(nothing, np.nan, low), np.where(nothing, np.nan, high)
+    values = np.full((2, len(nothing)), np.nan)
+    for box in np.flatnonzero(~nothing).tolist():
+        ranges = {
+            name: (float(ends[0][box]), float(ends[1][box]))
+            for name, ends in zip(record.symbols, figure_bounds, strict=True)
+        }
+        values[:, box] = bounds(record.expression, ranges)
+    return values[0], values[1]
+
+
+# ── what an output is made of ────────────────────────────────────────────────────────
+
+
+class Crisp:
+    """Bounds of the value of one output from bounds of its firing strengths.
+
+    Attributes
+    ----------
+    width : int
+        How many numbers a box takes.
+    jumps : bool
+        Whether the value jumps.
+    """
+
+    width: int
+
+    def __init__(self, output: OutputPlan, way: BoundingMethod) -> None:
+        self.output, self.way, self.jumps = output, way, output.record.aspect.jumps
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        """Return the bounds over boxes of the inputs, from `low` to `high`."""
+        raise NotImplementedError
+
+    def value(self, figures: Figures) -> Interval:
+        """Return bounds of the value from those of the numbers that it is made of."""
+        return value_bounds(self.output.record, figures)
+
+    def from_humps(self, humps: Humps) -> Interval:
+        """Return bounds of the value from the humps of maxima."""
+        return self.value(
+            {name: self.way.humps[name](humps) for name in self.output.record.symbols}
+        )
+
+    def sides(self, strengths: Strengths) -> list[Strengths]:
+        """Return the strengths of the upper and of the lower set; of type 1 all of them."""
+        sides_of_members = self.output.sides
+        if not sides_of_members:
+            return [strengths]
+        return [
+            [strength for strength in strengths if sides_of_members[strength[0]] == side]
+            for side in (UPPER, LOWER)
+        ]
+
+
+def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
+    """Return what bounds the value of an output."""
+    defuzzifier, way = output.output.defuzzifier, WAYS[output.record.of]
+    if output.discrete:
+        return _OfNumbers(output, way, names)
+    if way.humps:
+        return _OfPlaces(output, way, stop)
+    if defuzzifier.joined:
+        return _OfCurves(output, way, JoinedPanels(output, stop))
+    if defuzzifier.resolution is not None:
+        return _OfSamples(output, way)
+    return _OfCurves(output, way, Panels(output, stop))
+
+
+class _OfCurves(Crisp):
+    """Sets, as curves over panels."""
+
+    def __init__(self, output: OutputPlan, way: BoundingMethod, panels: Panels) -> None:
+        super().__init__(output, way)
+        self.panels, self.width = panels, panels.width
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        curves = [self.panels.bounds(side) for side in self.sides(strengths)]
+        assert self.way.curves is not None
+        may_lack: Array = ~np.any(curves[UPPER][0] > 0.0, axis=(1, 2))
+        return *self.value(self.way.curves(self.panels.edges, *curves)), may_lack
+
+
+class _OfSamples(Crisp):
+    """Sets at samples, as weights of their positions."""
+
+    def __init__(self, output: OutputPlan, way: BoundingMethod) -> None:
+        super().__init__(output, way)
+        self.samples = AggregateSamples(output)
+        self.width = self.samples.width
+        self.nearest = output.output.defuzzifier.sampling == "midpoints" and way.midpoints
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        weighted = [
+            tuple(side * self.samples.weights for side in self.samples.bounds(strengths_of_side))
+            for strengths_of_side in self.sides(strengths)
+        ]
+        may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
+        positions = self.samples.positions
+        # The sampled bisector with midpoints takes the nearest sample, which sums do not bound.
+        if self.nearest:
+            half = self.nearest(positions, *weighted[UPPER])
+            return *self.value({"half": half}), may_lack
+        assert self.way.sums is not None
+        same = (positions, positions)
+        return *self.value(self.way.sums(same, same, *weighted)), may_lack
+
+
+class _OfPlaces(Crisp):
+    """Sets of which the maxima count."""
+
+    def __init__(self, output: OutputPlan, way: BoundingMethod, stop: Stop) -> None:
+        super().__init__(output, way)
+        self.places = places(output, stop)
+        self.width = self.places.width
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        humps, lead = self.places.humps(strengths)
+        return *self.from_humps(humps), ~(lead > 0.0)
+
+
+class _OfNumbers(Crisp):
+    """Numbers: constants, linear forms, formulas, and sets that are inverted (Tsukamoto)."""
+
+    def __init__(self, output: OutputPlan, way: BoundingMethod, names: Sequence[str]) -> None:
+        super().__init__(output, way)
+        self.names, self.width = names, len(output.members)
+        if output.record.inverts:
+            self._demand_inverses()
+
+    def _demand_inverses(self) -> None:
+        """Refuse a set that neither rises nor falls."""
+        for member in self.output.members:
+            if member.pieces:
+                try:
+                    tsukamoto_at_point(self.output, member, 0.5)
+                except InferenceError as error:
+                    raise UnprovableError(str(error)) from None
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        weights = folded(self.output, strengths)
+        numbers = {m: self._number(m, weights[m], low, high) for m in weights}
+        if self.output.record.of == "ends":
+            return self._reduced(weights, numbers)
+        least, most = _columns(numbers.values())
+        lower, upper = _columns(weights.values())
+        may_lack: Array = ~np.any(lower > 0.0, axis=1)
+        if self.way.humps:
+            return *self.from_humps(humps_of_numbers(least, most, lower, upper)), may_lack
+        assert self.way.sums is not None
+        figures = self.way.sums((least, least), (most, most), (lower, upper))
+        return *self.value(figures), may_lack
+
+    def _reduced(self, weights: dict[int, Interval], numbers: dict[int, Interval]) -> Valued:
+        """Return bounds of what Karnik and Mendel's way takes of both readings."""
+        assert self.way.sums is not None
+        pairs = self.output.pairs
+        upper, lower = (
+            _columns([weights[pair[side]] for pair in pairs]) for side in (UPPER, LOWER)
+        )
+        one, other = (_columns([numbers[pair[side]] for pair in pairs]) for side in (UPPER, LOWER))
+        least, most = (
+            tuple(choose(one[end], other[end]) for end in (0, 1))
+            for choose in (np.minimum, np.maximum)
+        )
+        may_lack: Array = ~np.any(upper[0] > 0.0, axis=1)
+        return *self.value(self.way.sums(least, most, upper, lower)), may_lack
+
+    def _number(self, index: int, strength: Interval, low: Array, high: Array) -> Interval:
+        """Return bounds of the number of a consequent over boxes."""
+        member = self.output.members[index]
+        if member.value is not None:
+            constant = np.full(len(low), member.value)
+            return constant, constant
+        if member.pieces:
+            return self._inverted(member, strength)
+        if member.formula is not None:
+            root = member.formula.with_constants(self.names)
+            height = member.term.shape.height
+            intervals = [
+                bounds(root, dict(zip(self.names, zip(a, b, strict=True), strict=True)))
+                for a, b in zip(low.tolist(), high.tolist(), strict=True)
+            ]
+            ends = height * np.array(intervals, dtype=float)
+            return ends[:, 0], ends[:, 1]
+        *coefficients, constant_ = member.term.shape.parameters
+        least = np.full(len(low), float(constant_))
+        most = least.copy()
+        size = np.abs(least)
+        for i, coefficient in enumerate(coefficients):
+            a, b = coefficient * low[:, i], coefficient * high[:, i]
+            least, most = least + np.minimum(a, b), most + np.maximum(a, b)
+            size = size + np.maximum(np.abs(a), np.abs(b))
+        # Each product and sum rounds by 2⁻⁵³ of its size; 1e-14 covers some dozens of them.
+        return least - 1e-14 * size, most + 1e-14 * size
+
+    def _inverted(self, member: Member, strength: Interval) -> Interval:
+        """Return between which positions a monotone set reaches a strength.
+
+        The position rises or falls with the strength. Where a set only tends to 0 or to 1, there
+        is no first or last one.
+        """
+        degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
+        # Boxes share their ends: each degree is inverted once.
+        distinct, back = np.unique(np.stack(degrees), return_inverse=True)
+        at = np.array([self._positions(member, share) for share in distinct.tolist()])
+        values = at[back.reshape(2, -1)]
+        output = self.output.output
+        sizes = [abs(x) for x in (*member.term.shape.parameters, output.low, output.high)]
+        # Inverses are formulas in floats; infinite positions stay infinite.
+        slack = 1e-13 * (max(sizes) + np.where(np.isfinite(values), np.abs(values), 0.0))
+        return (values - slack).min(axis=(0, 2)), (values + slack).max(axis=(0, 2))
+
+    def _positions(self, member: Member, degree: float) -> tuple[float, float]:
+        """Return where a set reaches a degree, and where inference says so: not at infinity."""
+        position = tsukamoto_at_point(self.output, member, degree)
+        shape = member.term.shape
+        inverse = SHAPES[shape.kind].position_of
+        if inverse is None or member.hedges:
+            return position, position
+        return inverse(min(1.0, degree / shape.height), *shape.parameters), position
+
+
+def _columns(intervals: Any) -> Interval:
+    """Return intervals over boxes, one for each column, as arrays of the shape (boxes, columns)."""
+    least, most = zip(*intervals, strict=True)
+    return np.stack(least, axis=1), np.stack(most, axis=1)

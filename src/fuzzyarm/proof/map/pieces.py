@@ -1,0 +1,639 @@
+"""The inputs of a rule base cut into simplices on which every height is affine.
+
+1. Each input is cut at the corners of its terms, at the levels at which the aggregate of the
+   output changes form, and where the caller wants (levels of a table). A cell is one stretch
+   of each input; within it every membership is a straight line of one input. Positions are
+   kept as shares of the cell, 0 to 1, so that no slope is steep.
+2. A cell falls into d! simplices (Kuhn); cells whose memberships run the other way are
+   mirrored, so that the cuts of the next step mostly fall on edges that are there already.
+3. Wherever a minimum or a maximum of two heights, or a layer of the aggregate, is not decided
+   on a simplex, it is cut there: a new vertex on one edge, two simplices for one, until no
+   simplex has both signs among its vertices.
+
+Then heights are affine, the area has degree 2 and the moment degree 3 at most. Everything
+runs over all simplices at once, rule by rule, in floats or in rationals alike.
+
+Source of the triangulation: H. W. Kuhn, *Some combinatorial lemmas in topology*, 1960.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from itertools import pairwise, permutations
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.inference.overlap import Layers
+from fuzzyarm.proof.map.arithmetic import (
+    Arithmetic,
+    Array,
+    Stop,
+    any_of_rows,
+    greatest_of_rows,
+    least_of_rows,
+    sums_of_rows,
+)
+from fuzzyarm.proof.map.straight import (
+    Corners,
+    Straight,
+    StraightAntecedent,
+    StraightRule,
+    height_at,
+)
+
+__all__ = ["Cell", "Cut", "PieceGrid", "Pieces", "TooManyPiecesError", "cut"]
+
+MOST_PIECES = 2_000_000
+"""Simplices of one cut."""
+
+MOST_NUMBERS = 200_000_000
+"""Numbers of all simplices together, corners, heights and slopes: 1.6 GB in floats."""
+
+FEW_LEVELS = 3
+"""With more levels of the aggregate than this, cutting the inputs at all of them costs more
+cells than cutting single simplices where a height passes one."""
+
+SAME = 4e-15
+"""By how much two heights (0 to 1) may differ and floats still take them for equal."""
+
+
+class TooManyPiecesError(FuzzyarmError, ValueError):
+    """A rule base falls into more pieces than are handled."""
+
+    def __init__(self, count: int, most: int) -> None:
+        counted = f" ({count:,} and counting)" if count < 10**9 else ""
+        super().__init__(f"more than {most:,} pieces{counted}")
+
+
+class Cell(NamedTuple):
+    """A stretch of one input; of no width where a term has its own value at one point."""
+
+    left: Fraction
+    right: Fraction
+
+
+class Cut(NamedTuple):
+    """What is cut: the box of the inputs, and where they are cut besides at corners.
+
+    Attributes
+    ----------
+    box : tuple of (Fraction, Fraction)
+        The stretch of each input.
+    positions : tuple of sequences of Fraction
+        Further cuts of each input.
+    mirrored : bool
+        Whether the heights at the opposite point (each input with the other sign) are wanted
+        too: columns after the others.
+    form : tuple of Fraction
+        Weights of a sum of the inputs; pieces are cut where it is 0.
+    """
+
+    box: tuple[tuple[Fraction, Fraction], ...]
+    positions: tuple[Sequence[Fraction], ...] = ()
+    mirrored: bool = False
+    form: tuple[Fraction, ...] = ()
+
+
+# ── one input ────────────────────────────────────────────────────────────────────────
+
+
+class PieceGrid:
+    """The cells of each input, and every membership at both ends of each.
+
+    Attributes
+    ----------
+    cells : list of list of Cell
+        For each input.
+    ends : list of (Array, Array)
+        For each proposition: its membership at the left and the right ends of the cells of
+        its input, from within. The mirrored propositions stand after the others.
+    inputs : list of int
+        The input of each proposition.
+    jumps : list of bool
+        For each input, whether a membership jumps within the box.
+    """
+
+    def __init__(self, model: Straight, what: Cut, arithmetic: Arithmetic, stop: Stop) -> None:
+        self.arithmetic = arithmetic
+        self.stop = stop
+        lines = [(proposition.input, proposition.corners) for proposition in model.propositions]
+        if what.mirrored:
+            lines += [(i, _mirrored(corners)) for i, corners in lines]
+        self.inputs = [i for i, _ in lines]
+        levels = _levels_of(model)
+        self.cells: list[list[Cell]] = []
+        self.jumps: list[bool] = []
+        exact: list[tuple[list[Fraction], list[Fraction]]] = [([], []) for _ in lines]
+        for i, (low, high) in enumerate(what.box):
+            mine = [(n, corners) for n, (owner, corners) in enumerate(lines) if owner == i]
+            extra = list(what.positions[i]) if what.positions else []
+            cuts = _cuts([corners for _, corners in mine], low, high, extra, levels)
+            cells, jumps = self._cells_of(cuts, mine, exact)
+            self.cells.append(cells)
+            self.jumps.append(jumps)
+        self.ends = [(arithmetic.array(a), arithmetic.array(b)) for a, b in exact]
+
+    def _cells_of(
+        self,
+        cuts: list[Fraction],
+        mine: list[tuple[int, Corners]],
+        exact: list[tuple[list[Fraction], list[Fraction]]],
+    ) -> tuple[list[Cell], bool]:
+        cells: list[Cell] = []
+        jumps = False
+        stretches = list(pairwise(cuts))
+        lines = []
+        for a, b in stretches:
+            self.stop.check()  # a thousand terms have a million ends
+            lines.append([_line_between(corners, a, b) for _, corners in mine])
+        for index, x in enumerate(cuts):
+            self.stop.check()
+            at = [height_at(corners, x) for _, corners in mine]
+            before = [b for _, b in lines[index - 1]] if index else None
+            after = [a for a, _ in lines[index]] if index < len(lines) else None
+            if at not in (before, after):  # a value that neither side has
+                cells.append(Cell(x, x))
+                for (number, _), value in zip(mine, at, strict=True):
+                    exact[number][0].append(value)
+                    exact[number][1].append(value)
+            jumps |= any(side is not None and side != at for side in (before, after))
+            if after is not None:
+                cells.append(Cell(*stretches[index]))
+                for (number, _), (a, b) in zip(mine, lines[index], strict=True):
+                    exact[number][0].append(a)
+                    exact[number][1].append(b)
+        return cells, jumps
+
+
+def _mirrored(corners: Corners) -> Corners:
+    return tuple((-x, y) for x, y in reversed(corners))
+
+
+def _levels_of(model: Straight) -> tuple[Fraction, ...]:
+    """Return the heights at which the aggregate changes form, where they are few."""
+    if model.form is None:
+        return ()
+    layers = [layer for layers in model.form.set_layers for layer in layers]
+    layers += [layer for overlap in model.form.overlaps for layer in overlap.layers]
+    ends = {Fraction(layer.start) for layer in layers}
+    ends |= {Fraction(layer.start + layer.depth) for layer in layers}
+    levels = sorted(level for level in ends if 0 < level < 1)
+    return tuple(levels) if len(levels) <= FEW_LEVELS else ()
+
+
+def _cuts(
+    lines: Sequence[Corners],
+    low: Fraction,
+    high: Fraction,
+    extra: Sequence[Fraction],
+    levels: Sequence[Fraction],
+) -> list[Fraction]:
+    positions = {x for corners in lines for x, _ in corners} | set(extra)
+    for corners in lines:
+        for (x0, y0), (x1, y1) in pairwise(corners):
+            for level in levels:
+                if (y0 - level) * (y1 - level) < 0 and x0 < x1:
+                    positions.add(x0 + (level - y0) / (y1 - y0) * (x1 - x0))
+    inner = sorted(x for x in positions if low < x < high)
+    return [low, *inner, high] if low < high else [low]
+
+
+def _line_between(corners: Corners, a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
+    """Return the heights of a line at both ends of a stretch without corners, from within."""
+    if a < corners[0][0] or b <= corners[0][0]:
+        return corners[0][1], corners[0][1]
+    if a >= corners[-1][0]:
+        return corners[-1][1], corners[-1][1]
+    for (x0, y0), (x1, y1) in pairwise(corners):
+        if x0 <= a and b <= x1 and x0 < x1:
+            slope = (y1 - y0) / (x1 - x0)
+            return y0 + slope * (a - x0), y0 + slope * (b - x0)
+    raise AssertionError("a stretch with a corner inside")
+
+
+# ── all inputs ───────────────────────────────────────────────────────────────────────
+
+
+class _Affine(NamedTuple):
+    """A height on some simplices: its values at the vertices and its slopes along the inputs."""
+
+    values: Array
+    slopes: Array
+
+
+class Pieces:
+    """Simplices on which every height is affine.
+
+    Attributes
+    ----------
+    grid : PieceGrid
+        The cells.
+    corners : ndarray, shape (pieces, vertices, inputs)
+        The vertices, in shares of the cell.
+    cell : ndarray of int, shape (pieces, inputs)
+        The cell of each input.
+    heights : ndarray, shape (pieces, vertices, columns)
+        Of every column.
+    slopes : ndarray, shape (pieces, inputs, columns)
+        Of the heights, for a share of the cell.
+    doubtful : ndarray of bool
+        Where floats could not tell which of two heights with different slopes is higher.
+    count : int
+        How many pieces there are.
+    """
+
+    def __init__(
+        self,
+        model: Straight,
+        what: Cut,
+        arithmetic: Arithmetic,
+        only: Array | None = None,
+        stop: Stop | None = None,
+    ) -> None:
+        self.model = model
+        self.stop = stop or Stop()
+        self.arithmetic = arithmetic
+        self.grid = PieceGrid(model, what, arithmetic, self.stop)
+        self.systems = 2 if what.mirrored else 1
+        dimension = len(what.box)
+        numbers = [len(cells) for cells in self.grid.cells]
+        columns = self.systems * model.columns
+        numbers_of_each = (dimension + 1) * (dimension + columns) + dimension * columns
+        self.most = min(MOST_PIECES, MOST_NUMBERS // numbers_of_each)
+        count = math.prod(numbers) if only is None else len(only)
+        self._demand_few(count * math.factorial(dimension))
+        orders = np.array(list(permutations(range(dimension))))
+        flat = np.arange(count) if only is None else np.asarray(only)
+        cells = np.stack(np.unravel_index(flat, numbers), axis=1)
+        self.count = count * len(orders)
+        # Longer than they need be, so that cutting a few pieces does not copy all of them.
+        self._cell = np.repeat(cells, len(orders), axis=0)
+        self._corners = self._simplices(cells, orders)
+        self._heights = arithmetic.zeros(self.count, dimension + 1, columns)
+        self._slopes = arithmetic.zeros(self.count, dimension, columns)
+        self._doubtful = np.zeros(self.count, dtype=bool)
+
+    @property
+    def cell(self) -> Array:
+        """The cell of each input, for each piece."""
+        return self._cell[: self.count]
+
+    @property
+    def corners(self) -> Array:
+        """The vertices, in shares of the cell."""
+        return self._corners[: self.count]
+
+    @property
+    def heights(self) -> Array:
+        """The heights at the vertices."""
+        return self._heights[: self.count]
+
+    @property
+    def slopes(self) -> Array:
+        """The slopes of the heights, for a share of the cell."""
+        return self._slopes[: self.count]
+
+    @property
+    def doubtful(self) -> Array:
+        """Where floats could not tell two heights with different slopes apart."""
+        return self._doubtful[: self.count]
+
+    def _demand_few(self, count: int) -> None:
+        if count > self.most:
+            raise TooManyPiecesError(count, self.most)
+
+    def _make_room(self, count: int) -> None:
+        self._demand_few(count)
+        room = len(self._cell)
+        if count <= room:
+            return
+        more = min(max(count, 2 * room), self.most) - room
+        for name in ("_cell", "_corners", "_heights", "_slopes", "_doubtful"):
+            array = getattr(self, name)
+            grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
+            grown[:room] = array
+            setattr(self, name, grown)
+
+    @property
+    def flat_cells(self) -> Array:
+        """The number of the cell of each piece, as `only` takes it."""
+        numbers = [len(cells) for cells in self.grid.cells]
+        return np.asarray(np.ravel_multi_index(tuple(self.cell.T), numbers))
+
+    def widths(self, which: int) -> Array:
+        """Return the width of each piece's cell along an input."""
+        cells = self.grid.cells[which]
+        return self.arithmetic.array([c.right - c.left for c in cells])[self.cell[:, which]]
+
+    def position(self, owner: int, corner: Array) -> list[Fraction]:
+        """Return the inputs at a share of the cell of a piece."""
+        from fuzzyarm.proof.map.arithmetic import as_fraction
+
+        positions = []
+        for i, share in enumerate(corner):
+            left, right = self.grid.cells[i][self.cell[owner, i]]
+            positions.append(left + (right - left) * as_fraction(share))
+        return positions
+
+    def _simplices(self, cells: Array, orders: Array) -> Array:
+        count, dimension = cells.shape
+        # Kuhn: each simplex is a walk from one corner of the cell to the opposite one, axis by axis
+        # in one of d! orders; its vertices are the d + 1 corners on the way.
+        turn = orders.argsort(axis=1)  # the step at which each axis is walked
+        unit = np.arange(dimension + 1)[None, :, None] > turn[:, None, :]
+        shape = np.tile(unit, (count, 1, 1))
+        for axis in range(dimension):
+            mirrored = self._runs_backwards(axis)[cells[:, axis]]
+            which = np.repeat(mirrored, len(orders))
+            shape[which, :, axis] = ~shape[which, :, axis]
+        values: Array = self.arithmetic.zeros(*shape.shape)
+        values[shape] = self.arithmetic.number(Fraction(1))
+        return values
+
+    def _runs_backwards(self, axis: int) -> Array:
+        """Tell the cells whose memberships read the other way round come first in order.
+
+        Then the diagonals of neighbours meet as the crossings of their memberships do.
+        """
+        ends = [e for i, e in zip(self.grid.inputs, self.grid.ends, strict=True) if i == axis]
+        marks = []
+        for cell in range(len(self.grid.cells[axis])):
+            pairs = [(float(a[cell]), float(b[cell])) for a, b in ends]
+            there = sorted(pair for pair in pairs if any(pair))
+            back = sorted((b, a) for a, b in there)
+            marks.append(back < there)
+        return np.array(marks, dtype=bool)
+
+    # ── the rules, one after the other ───────────────────────────────────────────────
+
+    def fire(self, adds: bool) -> None:
+        """Fill in the heights rule by rule, cutting wherever a height has a kink."""
+        for system in range(self.systems):
+            for rule in self.model.rules:
+                self._fire_rule(rule, system, adds=adds)
+        if self.model.form is not None:
+            self._cut_at_layers()
+
+    def _fire_rule(self, rule: StraightRule, system: int, *, adds: bool) -> None:
+        weight = self.arithmetic.number(rule.weight)
+        shift = system * len(self.model.propositions)
+        first = system * self.model.columns
+
+        def strength(which: Array, undecided: list[Array]) -> _Affine:
+            truth = self._truth(rule.antecedent, which, shift, undecided)
+            if rule.weight == 1:
+                return truth
+            return _Affine(truth.values * weight, truth.slopes * weight)
+
+        def against(which: Array) -> list[Array]:
+            undecided: list[Array] = []
+            truth = strength(which, undecided)
+            if not adds:
+                undecided += [
+                    truth.values - self.heights[which, :, first + column] for column in rule.columns
+                ]
+            return undecided
+
+        which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
+        which = self._refine(which, against)
+        truth = strength(which, [])
+        for column in rule.columns:
+            if adds:
+                self.heights[which, :, first + column] += truth.values
+                self.slopes[which, :, first + column] += truth.slopes
+                continue
+            affine = _Affine(
+                self.heights[which, :, first + column], self.slopes[which, :, first + column]
+            )
+            highest = self._chosen(affine, truth, which, largest=True)
+            self.heights[which, :, first + column] = highest.values
+            self.slopes[which, :, first + column] = highest.slopes
+
+    def may_fire(self, node: StraightAntecedent, shift: int) -> Array:
+        """Tell the pieces in whose cells an antecedent may be above 0."""
+        if node.kind == "is":
+            number = node.proposition + shift
+            left, right = self.grid.ends[number]
+            cells: Array = (left > 0) | (right > 0)
+            return cells[self.cell[:, self.grid.inputs[number]]]
+        if node.kind in {"not", "one"}:
+            return np.ones(self.count, dtype=bool)
+        parts = [self.may_fire(operand, shift) for operand in node.operands]
+        together = np.logical_or if node.kind in {"max", "bounded or"} else np.logical_and
+        return np.asarray(together.reduce(parts))
+
+    def _truth(
+        self, node: StraightAntecedent, which: Array, shift: int, undecided: list[Array]
+    ) -> _Affine:
+        """Return an antecedent on some pieces; note what has to be decided, innermost first."""
+        dimension = self.corners.shape[2]
+        if node.kind == "is":
+            number = node.proposition + shift
+            axis = self.grid.inputs[number]
+            cells = self.cell[which, axis]
+            left, right = (end[cells] for end in self.grid.ends[number])
+            slopes = self.arithmetic.zeros(len(which), dimension)
+            slopes[:, axis] = right - left
+            share = self.corners[which, :, axis]
+            return _Affine(left[:, None] + (right - left)[:, None] * share, slopes)
+        if node.kind == "one":
+            ones = self.arithmetic.ones(len(which), dimension + 1)
+            return _Affine(ones, self.arithmetic.zeros(len(which), dimension))
+        one = self.arithmetic.number(Fraction(1))
+        first = self._truth(node.operands[0], which, shift, undecided)
+        if node.kind == "not":
+            return _Affine(one - first.values, -first.slopes)
+        for operand in node.operands[1:]:
+            self.stop.check()
+            second = self._truth(operand, which, shift, undecided)
+            first = self._joined(node, first, second, which, undecided)
+        return first
+
+    def _joined(
+        self,
+        node: StraightAntecedent,
+        first: _Affine,
+        second: _Affine,
+        which: Array,
+        undecided: list[Array],
+    ) -> _Affine:
+        """Return two operands under their norm; note what has to be decided between them."""
+        if node.kind in {"bounded and", "bounded or"}:  # max(0, a + b − 1) and min(1, a + b)
+            one = self.arithmetic.number(Fraction(1))
+            limit = one if node.kind == "bounded or" else one - one
+            shift_by = one - limit
+            total = _Affine(first.values + second.values - shift_by, first.slopes + second.slopes)
+            flat = _Affine(0 * total.values + limit, 0 * total.slopes)
+            first, second = total, flat
+        undecided.append(first.values - second.values)
+        largest = node.kind in {"max", "bounded and"}
+        return self._chosen(first, second, which, largest=largest)
+
+    def _chosen(self, first: _Affine, second: _Affine, which: Array, *, largest: bool) -> _Affine:
+        """Return the larger or the smaller of two heights that do not cross inside a piece."""
+        gap = first.values - second.values
+        values = (np.maximum if largest else np.minimum)(first.values, second.values)
+        takes_first = (sums_of_rows(gap) >= 0) == largest
+        slopes = np.where(takes_first[:, None], first.slopes, second.slopes)
+        if not self.arithmetic.exact:
+            unclear = greatest_of_rows(np.abs(gap)) <= 4 * SAME
+            differ = greatest_of_rows(np.abs(first.slopes - second.slopes)) > 1e-9
+            self.doubtful[which[unclear & differ]] = True
+        return _Affine(values, slopes)
+
+    def _cut_at_layers(self) -> None:
+        """Cut where a height passes a level at which the aggregate changes form."""
+        form = self.model.form
+        assert form is not None
+        number = self.arithmetic.number
+        for system in range(self.systems):
+            first = system * self.model.columns
+
+            def column(index: int, which: Array, first: int = first) -> Array:
+                return self.heights[which, :, first + index]
+
+            for index, layers in enumerate(form.set_layers):
+                levels = [number(level) for level in _inner_levels(layers)]
+
+                def own_levels(
+                    ids: Array, index: int = index, levels: Any = levels, column: Any = column
+                ) -> list[Array]:
+                    return [column(index, ids) - level for level in levels]
+
+                which = np.flatnonzero(any_of_rows(self.heights[:, :, first + index] > 0))
+                self._refine(which, own_levels)
+            for overlap in form.overlaps:
+                levels = [number(level) for level in _inner_levels(overlap.layers)]
+                members = (overlap.member, *overlap.others)
+                some = [any_of_rows(self.heights[:, :, first + m] > 0) for m in members]
+                which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
+
+                def against(
+                    ids: Array, overlap: Any = overlap, levels: Any = levels, column: Any = column
+                ) -> list[Array]:
+                    undecided = []
+                    above = column(overlap.others[0], ids)
+                    for other in overlap.others[1:]:
+                        undecided.append(above - column(other, ids))
+                        above = np.maximum(above, column(other, ids))
+                    own_degree = column(overlap.member, ids)
+                    lower = np.minimum(own_degree, above)
+                    return [*undecided, own_degree - above, *(lower - level for level in levels)]
+
+                self._refine(which, against)
+
+    # ── cutting ──────────────────────────────────────────────────────────────────────
+
+    def form_at(self, weights: Sequence[Fraction], which: Array, shares: Array) -> Array:
+        """Return Σ wᵢ xᵢ at points of pieces: `shares` has (pieces, points, inputs)."""
+        number = self.arithmetic.number
+        total = self.arithmetic.zeros(*shares.shape[:2])
+        for axis, weight in enumerate(weights):
+            if weight:
+                cells = self.grid.cells[axis]
+                left = self.arithmetic.array([c.left for c in cells])[self.cell[which, axis]]
+                width = self.widths(axis)[which]
+                total = total + number(weight) * (
+                    left[:, None] + width[:, None] * shares[:, :, axis]
+                )
+        return np.asarray(total)
+
+    def cut_at_form(self, weights: Sequence[Fraction]) -> None:
+        """Cut where a sum of the inputs is 0."""
+        self._refine(
+            np.arange(self.count),
+            lambda which: [self.form_at(weights, which, self.corners[which])],
+        )
+
+    def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
+        """Cut pieces until none of the differences has both signs on one; return them all."""
+        parts: list[Array] = []
+        while which.size:
+            self.stop.check(self.count)
+            # The first that is mixed is cut at first: the later ones are affine only once it is
+            # decided.
+            differences = undecided_on(which)
+            cuts = np.full(len(which), -1)
+            for number, gap in enumerate(differences):
+                cuts = np.where((cuts < 0) & self._is_mixed(gap), number, cuts)
+            parts.append(which[cuts < 0])
+            following = [
+                self._split(which[selection], differences[number][selection])
+                for number in range(len(differences))
+                if (selection := np.flatnonzero(cuts == number)).size
+            ]
+            which = np.concatenate(following) if following else np.zeros(0, dtype=int)
+        return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
+
+    def _is_mixed(self, gap: Array) -> Array:
+        low, high = least_of_rows(gap), greatest_of_rows(gap)
+        if self.arithmetic.exact:
+            return np.asarray((low < 0) & (high > 0))
+        return np.asarray((low < -SAME) & (high > SAME))
+
+    def _split(self, which: Array, gap: Array) -> Array:
+        """Cut each piece in two where a difference is 0 on one of its edges."""
+        rows = np.arange(len(which))
+        above, below = gap.argmax(axis=1), gap.argmin(axis=1)
+        share = gap[rows, above] / (gap[rows, above] - gap[rows, below])
+        start, end = self.count, self.count + len(which)
+        self._make_room(end)
+        self.count = end
+        for values in (self._corners, self._heights):
+            a, b = values[which, above], values[which, below]
+            # The new vertex stands for `below` in the new piece, and for `above` in the old one.
+            middle = a + share[:, None] * (b - a)
+            values[start:end] = values[which]
+            values[start + rows, below] = middle
+            values[which, above] = middle
+        for inherited in (self._cell, self._slopes, self._doubtful):
+            inherited[start:end] = inherited[which]
+        return np.concatenate([which, np.arange(start, end)])
+
+
+def _inner_levels(layers: Layers) -> list[Fraction]:
+    """Return the heights between 0 and the top at which layers begin or end."""
+    ends = {Fraction(layer.start) for layer in layers}
+    ends |= {Fraction(layer.start) + Fraction(layer.depth) for layer in layers}
+    return sorted(level for level in ends if level > 0)
+
+
+def cut(
+    model: Straight,
+    what: Cut,
+    arithmetic: Arithmetic,
+    only: Array | None = None,
+    stop: Stop | None = None,
+) -> Pieces:
+    """Cut a rule base into pieces on which its heights are affine.
+
+    Parameters
+    ----------
+    model : Straight
+        The rule base and one output; its antecedents without products.
+    what : Cut
+        The box and further cuts.
+    arithmetic : Arithmetic
+        Floats or rationals.
+    only : ndarray of int, optional
+        Numbers of the cells that are wanted (:attr:`Pieces.flat_cells`); all by default.
+    stop : Stop, optional
+        When to give up.
+
+    Raises
+    ------
+    TooManyPiecesError
+        If there are more than :data:`MOST_PIECES`, or than fit into memory.
+    TimeOverError
+        When time is over.
+    """
+    pieces = Pieces(model, what, arithmetic, only, stop)
+    if not model.multiplies:
+        pieces.fire(model.adds)
+    if what.form:
+        pieces.cut_at_form(what.form)
+    return pieces

@@ -1,0 +1,724 @@
+"""Bounds of one output that hold at every point: value, slope, error of a table, coverage.
+
+Floats come first: they decide nearly everything, with a margin for their rounding. What they
+leave open (a bound that is attained, a slope that is exactly 0) is cut again in rationals,
+only in the cells where it is open. A rule base that is not made of straight pieces goes by
+boxes (:mod:`fuzzyarm.proof.map.boxes`), which are always sound and mostly wider.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from copy import copy
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fuzzyarm.inference.plan import plan
+from fuzzyarm.language.model.rulebase import Output, RuleBase
+from fuzzyarm.proof.map.arithmetic import (
+    FLOATS,
+    Arithmetic,
+    Array,
+    Stop,
+    TimeOverError,
+    as_fraction,
+    rationals,
+)
+from fuzzyarm.proof.map.bernstein import SMALLEST, Extremum, Quotients, maximise
+from fuzzyarm.proof.map.bounds import (
+    GAP,
+    WIDENED,
+    Bounds,
+    Claim,
+    NothingFiresError,
+    Point,
+    UnprovableError,
+)
+from fuzzyarm.proof.map.pieces import Cut, TooManyPiecesError, cut
+from fuzzyarm.proof.map.straight import NotStraightError, Straight, straight, with_fixed
+from fuzzyarm.proof.map.surface import Surface, TableValues
+
+if TYPE_CHECKING:
+    from fuzzyarm.proof.map.boxes import Boxes
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["Prover", "QuotientProblem", "written"]
+
+Make = Callable[[Surface], Quotients]
+
+Box = tuple[tuple[Fraction, Fraction], ...]
+"""A stretch of each input."""
+
+
+@dataclass(frozen=True)
+class QuotientProblem:
+    """A quotient over a box, and the cuts of the inputs that it needs.
+
+    `steep`: for slopes, which floats cannot give where they cannot tell which of two heights
+    is higher.
+    """
+
+    box: Box
+    make: Make
+    positions: tuple[Any, ...] = ()
+    mirrored: bool = False
+    steep: bool = False
+    form: tuple[Fraction, ...] = ()
+
+
+class Prover:
+    """Proves statements on one output of a rule base; it caches the pieces that it has cut.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    output : str
+        Which output.
+    tolerance : float, optional
+        How far bounds may be from what is attained, in units of what is bounded; 1e-8 of
+        the range of the output by default.
+    stop : Stop, optional
+        When to give up, and the callback for progress.
+    exact : bool
+        Compute everything in rationals.
+
+    Attributes
+    ----------
+    reason : str
+        Why boxes are used; empty for exact pieces.
+    inputs : tuple of Variable
+        Those that are not fixed.
+    fixed : dict of str to Fraction
+        Inputs with one value, see :meth:`with_fixed`.
+    """
+
+    def __init__(
+        self,
+        rulebase: RuleBase,
+        output: str,
+        *,
+        tolerance: float | None = None,
+        stop: Stop | None = None,
+        exact: bool = False,
+    ) -> None:
+        self.rulebase = rulebase
+        self.output: Output = rulebase.output(output)
+        self.stop = stop or Stop()
+        self.exact = exact
+        low, high = self.output.low, self.output.high
+        self.range = high - low if math.isfinite(high - low) else 1.0
+        self.tolerance = tolerance
+        self.gap = tolerance if tolerance is not None else GAP * self.range
+        self.inputs = rulebase.inputs
+        self.names = tuple(variable.name for variable in self.inputs)
+        self.fixed: dict[str, Fraction] = {}
+        self._surfaces: dict[tuple[Any, ...], Surface] = {}
+        self._any_boxes: Boxes | None = None
+        self.reason = ""
+        self.model: Straight | None = None
+        try:
+            self.model = straight(rulebase, output)
+        except NotStraightError as error:
+            self.reason = str(error)
+
+    @cached_property
+    def stays_inside(self) -> bool:
+        """Whether no value but that for *no rule* can leave the range of the output."""
+        return self.output.outside != "extend" or self.lies_between
+
+    @cached_property
+    def lies_between(self) -> bool:
+        """Whether nothing that rules conclude lies beyond the range of the output."""
+        output_plan = plan(self.rulebase).outputs[self.output.name]
+        if not output_plan.discrete or not output_plan.record.is_between:
+            return output_plan.record.is_between
+        low, high = self.output.low, self.output.high
+        return all(m.value is not None and low <= m.value <= high for m in output_plan.members)
+
+    # ── the box ──────────────────────────────────────────────────────────────────────
+
+    def box(self, region: Mapping[str, tuple[float, float]]) -> Box:
+        """Return the stretch of each input, all of its range where the region says nothing.
+
+        Raises
+        ------
+        UnprovableError
+            If an input is unbounded and the region does not bound it.
+        """
+        ranges = []
+        for variable in self.inputs:
+            low, high = region.get(variable.name, (variable.low, variable.high))
+            if variable.outside != "extend":  # beyond its range an input takes the border
+                low, high = (min(max(x, variable.low), variable.high) for x in (low, high))
+            if not (math.isfinite(low) and math.isfinite(high)):
+                raise UnprovableError(
+                    f"'{variable.name}' is unbounded",
+                    hint=f"say in which part:  {variable.name} in LOW .. HIGH -> …",
+                )
+            ranges.append((Fraction(low), Fraction(high)))
+        return tuple(ranges)
+
+    def with_fixed(self, values: Mapping[str, Fraction]) -> Prover:
+        """Return the prover of a rule base of straight pieces in which some inputs have a value.
+
+        Pieces then have the dimension of those that are left, at least one.
+        """
+        values = {name: values[name] for name in self.names if name in values}
+        if self.model is None or not 0 < len(values) < len(self.names):
+            return self
+        prover = copy(self)
+        axes = {self.names.index(name): x for name, x in values.items()}
+        prover.model = with_fixed(self.model, axes)
+        prover.inputs = tuple(variable for variable in self.inputs if variable.name not in values)
+        prover.names = tuple(variable.name for variable in prover.inputs)
+        prover.fixed = {**self.fixed, **values}
+        prover._surfaces = {}
+        return prover
+
+    @property
+    def pieces_cut(self) -> int:
+        """How many pieces the largest cut so far has."""
+        return max((surface.pieces.count for surface in self._surfaces.values()), default=0)
+
+    # ── questions ────────────────────────────────────────────────────────────────────
+
+    def value(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
+        """Return bounds of the output over a region, ``no-rule`` values included."""
+        box = self.box(region)
+        if self.model is None:
+            return self._boxes(box).value(self.gap)
+        no_rule = self.no_rule
+        try:
+            bounds = self._clamped(
+                self.bounds_of(QuotientProblem(box, Surface.value), shifted=True)
+            )
+        except NothingFiresError:
+            if no_rule is None:
+                raise
+            at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
+            ends = (no_rule, no_rule, no_rule, no_rule)
+            return Bounds(*ends, at, at, self.pieces_cut, "exact", True)
+        if no_rule is not None:  # it is not brought into the range
+            silent = self.without_value(region)
+            if silent is not None:
+                bounds = _including(bounds, no_rule, silent)
+        return bounds
+
+    @property
+    def no_rule(self) -> float | None:
+        """The number in place of a missing value; None if it is not a number."""
+        no_rule = self.output.no_rule
+        is_number = isinstance(no_rule, int | float) and not math.isnan(no_rule)
+        return float(no_rule) if is_number else None
+
+    def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
+        """Return bounds of the slope along an input, wherever the output has one."""
+        self.demand_pieces("slopes")
+        axis = self.names.index(name)
+        question = QuotientProblem(
+            self.box(region), lambda surface: surface.slope(axis), steep=True
+        )
+        self._demand_no_jumps(question, axis)
+        return self.bounds_of(question)
+
+    def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
+        """Return bounds of the length of the gradient: the high one is a Lipschitz constant."""
+        self.demand_pieces("slopes")
+        question = QuotientProblem(self.box(region), Surface.gradient_squared, steep=True)
+        for axis in range(len(self.names)):
+            self._demand_no_jumps(question, axis)
+        # Squares: a gap g of the length ℓ is one of 2 ℓ g of its square.
+        bounds = self.bounds_of(question, both=False, share=2.0 * self.range)
+        low, high = 0.0, math.nextafter(math.sqrt(bounds.high), math.inf)
+        return bounds._replace(
+            low=low, high=high, reached_low=low, reached_high=math.sqrt(bounds.reached_high)
+        )
+
+    def table(
+        self,
+        table: LookupTable,
+        mode: str,
+        region: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+    ) -> Bounds:
+        """Return bounds of what a table is above the output (negative: below it) over a region."""
+        box = self.box(region)
+        table = self._fitting(table)
+        if self.model is None:
+            at = self.outside_range(region)
+            if at is not None:
+                raise UnprovableError(f"the error of a table: {self.beyond_range(at)}")
+            return self._boxes(box).table(table, mode, self.gap)
+        self._demand_value_everywhere("the error of a table")
+        self.demand_inside_range("the error of a table", box)
+        return self.bounds_of(self._table_question(table, mode, box))
+
+    def demand_bounds(self) -> None:
+        """Refuse a rule base that cannot be proved about, before any long work."""
+        if self.model is None:
+            self._boxes(self.box({}))
+
+    def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
+        """Tell whether a table differs nowhere by more than `bound`."""
+        question = self._table_question(self._fitting(table), mode, self.box({}))
+        above = self.at_most(question, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+
+    def boxes_at_most(
+        self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool
+    ) -> tuple[bool, int]:
+        """Tell whether boxes show the output to be at most `bound`, and how many it took."""
+        return self._boxes(self.box(region)).at_most(bound, negated=negated)
+
+    def value_at_most(
+        self,
+        region: Mapping[str, tuple[float, float]],
+        bound: float,
+        *,
+        negated: bool,
+        strict: bool,
+    ) -> Claim:
+        """Tell whether the output (or minus the output) is at most `bound`, below it if strict."""
+        assert self.model is not None
+        return self.at_most(
+            QuotientProblem(self.box(region), Surface.value),
+            Fraction(bound),
+            negated=negated,
+            strict=strict,
+            shifted=True,
+        )
+
+    def slope_at_most(
+        self,
+        region: Mapping[str, tuple[float, float]],
+        name: str,
+        bound: Fraction,
+        *,
+        negated: bool,
+    ) -> Claim:
+        """Tell whether the slope (or minus the slope) is at most `bound`."""
+        self.demand_pieces("slopes")
+        axis = self.names.index(name)
+        question = QuotientProblem(
+            self.box(region), lambda surface: surface.slope(axis), steep=True
+        )
+        self._demand_no_jumps(question, axis)
+        return self.at_most(question, bound, negated=negated)
+
+    def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
+        """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
+        self.demand_pieces("symmetry")
+        self._demand_value_everywhere("symmetry")
+        self.demand_inside_range("symmetry", self.box({}))
+        question = QuotientProblem(self.box(region), Surface.odd, mirrored=True)
+        above = self.at_most(question, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+
+    def uncovered(self, region: Mapping[str, tuple[float, float]]) -> dict[str, Fraction] | None:
+        """Return a point at which no rule fires; None if there is none.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        return self._silent(region, valued=False)
+
+    def without_value(
+        self, region: Mapping[str, tuple[float, float]]
+    ) -> dict[str, Fraction] | None:
+        """Return a point at which no rule fires, or only such whose sets have no area in the range.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        return self._silent(region, valued=True)
+
+    def _silent(
+        self, region: Mapping[str, tuple[float, float]], *, valued: bool
+    ) -> dict[str, Fraction] | None:
+        box = self.box(region)
+        if self.model is None:
+            return self._boxes(box).silent(valued=valued)
+        question = QuotientProblem(box, Surface.value)
+        surface = self.surface(question, rationals() if self.exact else FLOATS)
+        if not self.exact:
+            doubtful_cells = surface.nearly_silent(valued=valued)
+            if not doubtful_cells.size:
+                return None
+            cells = np.unique(surface.pieces.flat_cells[doubtful_cells])
+            surface = self.surface(question, rationals(), cells)
+        corner = surface.silent(valued=valued)
+        return None if corner is None else self.named(surface.pieces.position(*corner))
+
+    def outside_range(
+        self, region: Mapping[str, tuple[float, float]]
+    ) -> dict[str, Fraction] | None:
+        """Return a point at which the output has no value, for it leaves its range; None: nowhere.
+
+        Only an output with ``outside error`` is without one there.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        if self.output.outside != "error" or self.lies_between:
+            return None
+        for sign, limit in ((-1, self.output.low), (1, self.output.high)):
+            if math.isinf(limit):
+                continue
+            claim = self._inside_at(region, sign, limit)
+            if claim.holds is None:
+                where = f"outside its range, where '{self.output.name}' has no value"
+                raise UnprovableError(f"whether it may be {where}, is open")
+            if not claim.holds:
+                return claim.at
+        return None
+
+    def _inside_at(
+        self, region: Mapping[str, tuple[float, float]], sign: int, limit: float
+    ) -> Claim:
+        """Tell whether the output, whatever is done outside its range, stays on one side of it."""
+        if self.model is None:
+            holds, pieces = self.boxes_at_most(region, sign * limit, negated=sign < 0)
+            return Claim(holds or None, {}, pieces, False)
+        return self.value_at_most(region, sign * limit, negated=sign < 0, strict=False)
+
+    def beyond_range(self, at: Mapping[str, Fraction]) -> str:
+        """Return in words that the output leaves its range at a point and has no value there."""
+        value = self._concluded(at)
+        number = "" if value is None else f" is {float(value):.10g},"
+        ends = f"{self.output.low:g} .. {self.output.high:g}"
+        return (
+            f"'{self.output.name}'{number} outside its range {ends}, at {written(at)}: "
+            "it has no value there"
+        )
+
+    # ── the search ───────────────────────────────────────────────────────────────────
+
+    def bounds_of(
+        self,
+        question: QuotientProblem,
+        *,
+        shifted: bool = False,
+        both: bool = True,
+        share: float = 1.0,
+    ) -> Bounds:
+        """Return both ends of a quotient, to the tolerance; in rationals where floats fail."""
+        arithmetic = rationals() if self.exact else FLOATS
+        surface = self.surface(question, arithmetic)
+        gap = arithmetic.number(Fraction(self.gap * share))
+        quotients = question.make(surface)
+        shift = surface.centre if shifted else arithmetic.number(Fraction(0))
+        doubtful = self._doubtful(question, surface)
+        searched = {
+            sign: maximise(
+                (quotients if sign == 1 else quotients.negated()).without(doubtful), gap, self.stop
+            )
+            for sign in ((-1, 1) if both else (1,))
+        }
+        owners = [search.left.owner for search in searched.values()]
+        undecided = np.concatenate([*owners, np.flatnonzero(doubtful)])
+        if any(search.reached is None for search in searched.values()):
+            if self.exact or not undecided.size:
+                raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
+            rational = self.in_rationals()
+            return rational.bounds_of(question, shifted=shifted, both=both, share=share)
+        # What floats leave open is cut once in rationals, for both ends.
+        exact = (
+            self._again(question, surface, undecided) if undecided.size and not self.exact else None
+        )
+        pieces, complete, ends = 0, True, []
+        for sign, search in searched.items():
+            pieces = max(pieces, search.pieces)
+            reached, bound = search.reached, search.bound
+            at: dict[str, Fraction] = {}
+            if search.corner is not None:
+                at = self.named(surface.pieces.position(search.owner, search.corner))
+            if exact is not None and (search.left.count or doubtful.any()):
+                again = self._searched_again(exact, sign, reached)
+                bound = max(float(reached) + float(gap), float(again.bound))
+                if again.corner is not None:
+                    place = exact[0].pieces.position(again.owner, again.corner)
+                    reached, at = again.reached, self.named(place)
+                pieces += again.pieces
+            elif exact is None and doubtful.any():
+                bound = math.inf
+            complete &= float(bound) <= float(reached) + 2.0 * float(gap)
+            ends.append((sign, reached, bound, at))
+        return self._as_bounds(ends, shift, pieces, complete=complete)
+
+    def without_memory(self) -> Prover:
+        """Return the same prover with pieces of its own, to be forgotten with it."""
+        prover = copy(self)
+        prover._surfaces = {}
+        return prover
+
+    def in_rationals(self) -> Prover:
+        """Return the same prover without floats: strengths may be too small for them."""
+        prover = self.without_memory()
+        prover.exact = True
+        return prover
+
+    def _again(
+        self, question: QuotientProblem, surface: Surface, left: Array
+    ) -> tuple[Surface, Quotients] | None:
+        """Return in rationals the cells that floats have left open; None when time is over."""
+        if self.stop.now:
+            return None
+        try:
+            exact = self.surface(question, rationals(), np.unique(surface.pieces.flat_cells[left]))
+            return exact, question.make(exact)
+        except TimeOverError:
+            return None  # the bounds of floats stand
+
+    def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
+        number, quotients = rationals().number, exact[1]
+        oriented = quotients if sign == 1 else quotients.negated()
+        floor = number(Fraction(float(least)))
+        return maximise(oriented, number(Fraction(self.gap)), self.stop, least=floor)
+
+    def at_most(
+        self,
+        question: QuotientProblem,
+        bound: Fraction,
+        *,
+        negated: bool,
+        strict: bool = False,
+        shifted: bool = False,
+    ) -> Claim:
+        """Tell whether a quotient (or minus the quotient) is at most a bound everywhere."""
+        count = 0
+        cells: Array | None = None
+        for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
+            try:
+                surface = self.surface(question, arithmetic, cells)
+                quotients = question.make(surface)
+            except TimeOverError:
+                break
+            centre = as_fraction(surface.centre) if shifted else Fraction(0)
+            limit = bound + centre if negated else bound - centre
+            doubtful = self._doubtful(question, surface)
+            oriented = (quotients.negated() if negated else quotients).without(doubtful)
+            margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
+            least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
+            start = arithmetic.number(limit)
+            # Floats sort out what is clearly below the bound. What is near it they never decide, so
+            # it goes to rationals after a few halvings.
+            smallest = SMALLEST if arithmetic.exact else 1 / 16
+            extremum = maximise(
+                oriented, start - start, self.stop,
+                least=start, decide=arithmetic.exact, smallest=smallest,
+            )  # fmt: skip
+            count += extremum.pieces
+            fails = extremum.owner >= 0 and extremum.reached > least
+            if arithmetic.exact and strict and not fails:
+                touching = oriented.touches(start)
+                if touching is not None:
+                    at = self.named(surface.pieces.position(*touching))
+                    return Claim(False, at, count, True)
+            if fails:
+                corner = extremum.corner
+                assert corner is not None
+                if question.steep:  # a slope has two sides: step inside the piece
+                    inside = surface.pieces.corners[extremum.owner].sum(axis=0) / (corner.size + 1)
+                    corner = corner + (inside - corner) / 2**14
+                at = self.named(surface.pieces.position(extremum.owner, corner))
+                return Claim(False, at, count, arithmetic.exact)
+            undecided = np.concatenate([extremum.left.owner, np.flatnonzero(doubtful)])
+            if not undecided.size and extremum.owner < 0:
+                return Claim(True, {}, count, arithmetic.exact)
+            if self.stop.now or arithmetic.exact:
+                break
+            owners = undecided
+            if extremum.owner >= 0:  # above the bound by less than floats can tell
+                above = oriented.excess(start, self.stop) > 0
+                owners = np.concatenate([owners, oriented.owner[above]])
+            cells = np.unique(surface.pieces.flat_cells[owners])
+        return Claim(None, {}, count, False)
+
+    @staticmethod
+    def _doubtful(question: QuotientProblem, surface: Surface) -> Array:
+        doubtful = surface.pieces.doubtful
+        return doubtful if question.steep else np.zeros_like(doubtful)
+
+    def _as_bounds(
+        self, ends: list[tuple[int, Any, Any, dict[str, Fraction]]], shift: Any, pieces: int, *,
+        complete: bool,
+    ) -> Bounds:  # fmt: skip
+        bounds: dict[int, tuple[float, float, Point]] = {}
+        for sign, reached, bound, at in ends:
+            if self.exact:
+                high = as_fraction(bound) * sign + as_fraction(shift)
+                outer = _outward(high, sign)
+                inner = float(as_fraction(reached) * sign + as_fraction(shift))
+            else:
+                outer = float(bound) * sign + float(shift)
+                outer += sign * WIDENED * max(self.range, abs(outer))
+                inner = float(reached) * sign + float(shift)
+            bounds[sign] = outer, inner, {name: float(x) for name, x in at.items()}
+        low, reached_low, at_low = bounds.get(-1, (-math.inf, math.nan, {}))
+        most, reached_high, at_high = bounds[1]
+        way = "exact" if self.exact else "widened"
+        return Bounds(low, most, reached_low, reached_high, at_low, at_high, pieces, way, complete)
+
+    # ── surfaces, remembered ─────────────────────────────────────────────────────────
+
+    def surface(
+        self, question: QuotientProblem, arithmetic: Arithmetic, cells: Array | None = None
+    ) -> Surface:
+        """Return the pieces that a question needs; whole cuts are remembered."""
+        assert self.model is not None
+        positions = tuple(tuple(position) for position in question.positions)
+        key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
+        if cells is None and key in self._surfaces:
+            surface = self._surfaces[key]
+            surface.pieces.stop = self.stop
+            return surface
+        what = Cut(question.box, positions, question.mirrored, question.form)
+        try:
+            pieces = cut(self.model, what, arithmetic, cells, self.stop)
+            new_surface = Surface(self.model, pieces)
+        except TooManyPiecesError as error:
+            raise UnprovableError(str(error)) from None
+        if cells is None:
+            self._surfaces[key] = new_surface
+        return new_surface
+
+    def _table_question(self, table: LookupTable, mode: str, box: Box) -> QuotientProblem:
+        names = self.names
+
+        def make(surface: Surface) -> Quotients:
+            return surface.difference(TableValues(table, mode, surface.pieces, names))
+
+        return QuotientProblem(box, make, TableValues.positions(table, mode, names))
+
+    def _boxes(self, box: Box) -> Boxes:
+        from fuzzyarm.proof.map.boxes import Boxes
+
+        ends = [(float(low), float(high)) for low, high in box]
+        if self._any_boxes is None:
+            self._any_boxes = Boxes(self.rulebase, self.output.name, ends, self.stop)
+        return self._any_boxes.over(ends, self.stop)
+
+    # ── single points ────────────────────────────────────────────────────────────────
+
+    def exactly(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
+        """Return the output at a point in exact arithmetic; None where it has no value."""
+        value = self._concluded(at)
+        if value is None:
+            return None if self.no_rule is None else Fraction(self.no_rule)
+        low, high = (
+            Fraction(end) if math.isfinite(end) else None
+            for end in (self.output.low, self.output.high)
+        )
+        least = value if low is None else max(value, low)
+        inside = least if high is None else min(least, high)
+        if self.output.outside == "error" and inside != value:
+            return None
+        return inside if self.output.outside == "clamp" else value
+
+    def _concluded(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
+        """Return what rules conclude at a point, whatever is done outside the range."""
+        assert self.model is not None
+        box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
+        surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
+        quotients = surface.value()
+        if not quotients.lower[0, 0] > 0 or surface.silent(valued=True) is not None:
+            return None
+        return as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
+
+    def named(self, position: list[Fraction]) -> dict[str, Fraction]:
+        """Return inputs by name, those that are fixed included, in the order of the rule base."""
+        values = {**self.fixed, **dict(zip(self.names, position, strict=True))}
+        return {variable.name: values[variable.name] for variable in self.rulebase.inputs}
+
+    # ── what is refused ──────────────────────────────────────────────────────────────
+
+    def demand_pieces(self, what: str) -> None:
+        """Refuse a rule base that is not made of straight pieces."""
+        if self.model is None:
+            raise UnprovableError(f"proofs of {what} need straight pieces: {self.reason}")
+
+    def _demand_no_jumps(self, question: QuotientProblem, axis: int) -> None:
+        surface = self.surface(question, rationals() if self.exact else FLOATS)
+        if surface.pieces.grid.jumps[axis]:
+            raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
+        low, high = question.box[axis]
+        region = {
+            name: (float(a), float(b))
+            for name, (a, b) in zip(self.names, question.box, strict=True)
+        }
+        if low < high and self.without_value(region) is not None:
+            raise UnprovableError("there are points at which no rule fires")
+        self.demand_inside_range("slopes", question.box)
+
+    def _demand_value_everywhere(self, what: str) -> None:
+        at = self.without_value({})
+        if at is not None:
+            raise UnprovableError(f"{what}: no rule fires at {written(at)}")
+
+    def _fitting(self, table: LookupTable) -> LookupTable:
+        """Return a table over all inputs; one of other inputs is refused."""
+        if not set(table.names) <= set(self.names):
+            raise UnprovableError(
+                f"the table is over {', '.join(table.names)},"
+                f" and the rule base over {', '.join(self.names)}"
+            )
+        from fuzzyarm.table.compiler import over_inputs
+
+        return over_inputs(table, self.rulebase.inputs)
+
+    def demand_inside_range(self, what: str, box: Box) -> None:
+        """Refuse an output that leaves its range: it is clamped there, or has no value."""
+        assert self.model is not None
+        if math.isfinite(self.model.low) or self.output.outside == "extend":
+            return
+        bounds = self.bounds_of(QuotientProblem(box, Surface.value), shifted=True)
+        if bounds.low < self.output.low or bounds.high > self.output.high:
+            then = "is clamped" if self.output.outside == "clamp" else "has no value there"
+            raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and {then}")
+
+    def _clamped(self, bounds: Bounds) -> Bounds:
+        """Bring bounds of the value into the range, as the value is; a centroid lies in it."""
+        low, high = self.output.low, self.output.high
+        free = self.model is not None and not math.isfinite(self.model.low)
+        if self.output.outside != "clamp" and free:
+            return bounds
+        return bounds._replace(
+            low=min(max(bounds.low, low), high),
+            high=min(max(bounds.high, low), high),
+            reached_low=min(max(bounds.reached_low, low), high),
+            reached_high=min(max(bounds.reached_high, low), high),
+        )
+
+
+def _including(bounds: Bounds, value: float, at: dict[str, Fraction]) -> Bounds:
+    point = {name: float(x) for name, x in at.items()}
+    if value < bounds.reached_low:
+        bounds = bounds._replace(low=min(value, bounds.low), reached_low=value, at_low=point)
+    if value > bounds.reached_high:
+        bounds = bounds._replace(high=max(value, bounds.high), reached_high=value, at_high=point)
+    return bounds
+
+
+def _outward(number: Fraction, sign: int) -> float:
+    """Return the nearest float that is not inside."""
+    value = float(number)
+    if sign * (Fraction(value) - number) < 0:
+        value = math.nextafter(value, sign * math.inf)
+    return value
+
+
+def written(at: Mapping[str, Any]) -> str:
+    """Return a point as ``e = 1, ce = 2``."""
+    return ", ".join(f"{name} = {float(x):.10g}" for name, x in at.items())

@@ -1,0 +1,337 @@
+r"""What an output is beside a linear law: its slopes at a point, and the sector that it lies in.
+
+With σ = Σ wᵢ xᵢ an output u lies in the sector [k₁, k₂] where
+
+    k₁ σ² ≤ u σ ≤ k₂ σ²,
+
+so that u is σ times a gain between k₁ and k₂, whatever else it depends on: what the circle
+criterion asks for. Along one input (the others at 0) σ is that input; over several it is a sum
+of them, and u has to vanish where σ does. On pieces that are cut at σ = 0 the quotient u / σ is
+one of polynomials, like everything else (:mod:`fuzzyarm.proof.map.surface`). At σ = 0 both vanish,
+which floats cannot tell from nearly: sectors are found in rationals.
+
+Source: H. K. Khalil, *Nonlinear Systems*, section 7.1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
+from fuzzyarm.proof.map.bernstein import Quotients, vertices_of
+from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Point, UnprovableError
+from fuzzyarm.proof.map.pieces import Cut, PieceGrid, cut
+from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
+from fuzzyarm.proof.map.surface import Surface
+
+__all__ = ["NoSectorError", "Sector", "Slopes", "form_text", "sector", "slopes_at"]
+
+Form = Mapping[str, float | Fraction]
+"""Weights of the inputs in a sum."""
+
+
+class NoSectorError(UnprovableError):
+    """An output is not 0 where the sum of its inputs is: no gain bounds it."""
+
+
+# ── sectors ──────────────────────────────────────────────────────────────────────────
+
+
+class Sector(NamedTuple):
+    """Between which gains an output lies.
+
+    Attributes
+    ----------
+    weights : dict of str to Fraction
+        Of the inputs in σ.
+    low, high : float
+        The least and the greatest u / σ, rounded outward.
+    at_low, at_high : dict of str to float
+        Where they are attained or, next to σ = 0, approached.
+    slack : float
+        u may leave the sector by so much: 0, or 1e-9 of the range where u vanishes with σ only
+        up to that, as rules whose terms lie at thirds.
+    pieces : int
+        How many simplices were looked at.
+    complete : bool
+        Whether the gains are within the tolerance of what is attained.
+    """
+
+    weights: dict[str, Fraction]
+    low: float
+    high: float
+    at_low: Point
+    at_high: Point
+    slack: float
+    pieces: int
+    complete: bool
+
+
+def sector(
+    prover: Prover, weights: Form, region: Mapping[str, tuple[float, float]] | None = None
+) -> Sector:
+    """Return the least and the greatest u / σ.
+
+    Parameters
+    ----------
+    prover : Prover
+        Of the output u.
+    weights : mapping of str to float or Fraction
+        Of the inputs in σ = Σ wᵢ xᵢ; inputs without a weight are 0, unless `region` says where.
+    region : mapping of str to (float, float), optional
+        Part of the inputs; all of their ranges by default.
+
+    Returns
+    -------
+    Sector
+        In units of the output by units of σ, found in rationals.
+
+    Raises
+    ------
+    NoSectorError
+        If u is not 0 somewhere where σ is.
+    UnprovableError
+        If the rule base is not made of straight pieces, or does not say a value everywhere.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    >>> found = sector(Prover(pd7, "u"), {"e": 1, "ce": 1})
+    >>> round(found.low, 5), round(found.high, 5)
+    (0.41644, 2.0)
+    """
+    prover.demand_pieces("sectors")
+    region = dict(region or {})
+    values = _fixed_inputs(prover, weights, region)
+    exact = (prover if prover.exact else prover.in_rationals()).with_fixed(values)
+    form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
+    box = exact.box({name: span for name, span in region.items() if name in exact.names})
+    exact.demand_inside_range("sectors", box)
+    silent = _silent(exact, region)
+    if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
+        _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
+    slack = _slack(exact, QuotientProblem(box, lambda surface: surface.over_form(form), form=form))
+    # The tolerance is one of u; u / σ is asked for to that over the largest |σ|.
+    far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
+    share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
+
+    def side(sign: int) -> Bounds:
+        def make(surface: Surface) -> Quotients:
+            # Within the slack u counts as inside: k₁ is asked of u + slack, k₂ of u − slack.
+            quotients = surface.over_form(form, -sign * slack)
+            return quotients if sign > 0 else quotients.negated()
+
+        return exact.bounds_of(QuotientProblem(box, make, form=form), both=False, share=share)
+
+    high, low = side(1), side(-1)
+    ends = (-low.high, high.high)
+    # Without a rule u is 0, whatever σ is: a gain of 0.
+    if silent:
+        ends = min(ends[0], 0.0), max(ends[1], 0.0)
+    return Sector(
+        {name: w for name, w in zip(exact.names, form, strict=True) if w},
+        *ends,
+        low.at_high,
+        high.at_high,
+        float(slack),
+        max(low.pieces, high.pieces),
+        low.complete and high.complete,
+    )
+
+
+def _fixed_inputs(
+    prover: Prover, weights: Form, region: Mapping[str, tuple[float, float]]
+) -> dict[str, Fraction]:
+    """Return the values of the inputs that have one."""
+    if not any(weights.get(name) for name in prover.names):
+        raise UnprovableError("a sector needs an input with a weight other than 0")
+    values = {}
+    for variable in prover.inputs:
+        low, high = region.get(variable.name, (0.0, 0.0))
+        if low != high or (weights.get(variable.name) and variable.name not in region):
+            continue
+        if not variable.low <= low <= variable.high:
+            raise UnprovableError(f"'{variable.name}' cannot be {low:g}: say where it is")
+        values[variable.name] = Fraction(low)
+    if all(weights.get(name, 0) == 0 or name in values for name in prover.names):
+        raise UnprovableError("no input with a weight is free to move")
+    return values
+
+
+def _silent(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
+    """Tell whether there are points without a rule, at which the output is 0; refuse others."""
+    at = prover.without_value(region)
+    if at is None:
+        return False
+    no_rule = prover.no_rule
+    if no_rule is None:
+        raise UnprovableError(f"sectors: no rule fires at {written(at)}")
+    if no_rule != 0.0:
+        raise NoSectorError(f"no sector: the output is {no_rule:g} at {written(at)} (no rule)")
+    return True
+
+
+def _slack(prover: Prover, question: QuotientProblem) -> Fraction:
+    """Return how far the output is taken to be off; refuse one that is not 0 where σ is."""
+    surface = prover.surface(question, rationals())
+    quotients = question.make(surface)
+    dimension = surface.pieces.corners.shape[2]
+    slack = Fraction(0)
+    for vertex, position in enumerate(vertices_of(dimension, quotients.degree)):
+        upper, lower = quotients.upper[:, position], quotients.lower[:, position]
+        # σ is 0 here and u is not: no gain bounds u / σ, unless u is 0 up to rounding.
+        for row in np.flatnonzero((lower == 0) & (upper != 0)):
+            owner = int(quotients.owner[row])
+            at = prover.named(surface.pieces.position(owner, surface.pieces.corners[owner, vertex]))
+            _demand_zero(prover, at)
+            slack = Fraction(LIKE_EXPECT * prover.range)
+    return slack
+
+
+def _demand_zero(prover: Prover, at: Mapping[str, Fraction]) -> None:
+    value = prover.exactly(at)
+    if value is None or abs(value) > Fraction(LIKE_EXPECT * prover.range):
+        text = "not 0" if value is None else f"{float(value):.6g}"
+        at = prover.named([at[name] for name in prover.names])
+        raise NoSectorError(f"no sector: the output is {text} at {written(at)}")
+
+
+def form_text(weights: Form, digits: int = 7) -> str:
+    """Return a sum of inputs as ``1.5 e + 0.5 ce``."""
+    text = ""
+    for name, weight in weights.items():
+        size = abs(float(weight))
+        sign = " - " if weight < 0 else " + "
+        sign = sign if text else sign.strip(" +")
+        text += f"{sign}{'' if size == 1.0 else f'{size:.{digits}g} '}{name}"
+    return text
+
+
+# ── slopes at a point ────────────────────────────────────────────────────────────────
+
+
+class _Side(NamedTuple):
+    """A simplex at a point: its edges from there, and the gradient that the output has in it."""
+
+    edges: np.ndarray
+    gradient: tuple[Fraction, ...]
+
+
+class Slopes(NamedTuple):
+    """The gradients of an output at a point: one for each piece that meets there.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The inputs.
+    value : Fraction
+        The output at the point.
+    sides : tuple
+        The pieces with their gradients.
+    """
+
+    names: tuple[str, ...]
+    value: Fraction
+    sides: tuple[_Side, ...]
+
+    def around(self, name: str) -> tuple[Fraction, Fraction]:
+        """Return the least and the greatest slope along an input, over all pieces."""
+        axis = self.names.index(name)
+        gradients = [side.gradient[axis] for side in self.sides]
+        return min(gradients), max(gradients)
+
+    def along(self, direction: Mapping[str, Fraction]) -> Fraction | None:
+        """Return the slope in a direction, to one side; None where no piece lies there."""
+        weights = [direction.get(name, Fraction(0)) for name in self.names]
+        plain = np.array([float(weight) for weight in weights])
+        for side in self.sides:
+            # A direction leads into a simplex if it is a sum of its edges with weights of at least
+            # 0.
+            shares = np.linalg.solve(side.edges.T, plain)
+            if (shares >= -1e-9 * np.abs(shares).max(initial=1e-300)).all():
+                return sum(
+                    (a * b for a, b in zip(side.gradient, weights, strict=True)), start=Fraction(0)
+                )
+        return None
+
+
+def slopes_at(prover: Prover, point: Mapping[str, float]) -> Slopes:
+    """Return the gradients of an output at a point, in rationals.
+
+    Parameters
+    ----------
+    prover : Prover
+        Of the output.
+    point : mapping of str to float
+        Where; inputs without a value are 0.
+
+    Raises
+    ------
+    UnprovableError
+        If the rule base is not made of straight pieces, the point lies outside the ranges, no
+        rule fires there, or the output jumps.
+    """
+    prover.demand_pieces("slopes at a point")
+    assert prover.model is not None
+    at = [Fraction(point.get(name, 0.0)) for name in prover.names]
+    whole = prover.box({v.name: _finite(v.low, v.high) for v in prover.rulebase.inputs})
+    if not all(low <= x <= high for x, (low, high) in zip(at, whole, strict=True)):
+        raise UnprovableError(f"{_words(prover, at)} is out of range")
+    value = prover.exactly(dict(zip(prover.names, at, strict=True)))
+    if value is None:
+        raise UnprovableError(f"no rule fires at {_words(prover, at)}")
+    cuts = tuple([x] for x in at)
+    box = _neighbourhood(prover, Cut(whole, cuts), at)
+    pieces = cut(prover.model, Cut(box, cuts), rationals(), stop=prover.stop)
+    if any(pieces.grid.jumps):
+        raise UnprovableError(f"the output jumps at {_words(prover, at)}")
+    surface = Surface(prover.model, pieces)
+    slopes = [surface.slope(axis) for axis in range(len(prover.names))]
+    wide = np.logical_and.reduce([pieces.widths(axis) > 0 for axis in range(len(at))])
+    sides = []
+    for owner in np.flatnonzero(wide):
+        corners = [pieces.position(int(owner), corner) for corner in pieces.corners[owner]]
+        if at not in corners:
+            continue
+        vertex = corners.index(at)
+        gradient = []
+        for slope in slopes:
+            position = vertices_of(len(at), slope.degree)[vertex]
+            row = int(np.flatnonzero(slope.owner == owner)[0])
+            below = slope.lower[row, position]
+            if not below > 0:
+                raise UnprovableError(f"no rule fires with any strength at {_words(prover, at)}")
+            gradient.append(as_fraction(slope.upper[row, position] / below))
+        edges = np.array(
+            [[float(a - b) for a, b in zip(corner, at, strict=True)]
+             for k, corner in enumerate(corners) if k != vertex]
+        )  # fmt: skip
+        sides.append(_Side(edges, tuple(gradient)))
+    return Slopes(prover.names, value, tuple(sides))
+
+
+def _neighbourhood(
+    prover: Prover, what: Cut, at: list[Fraction]
+) -> tuple[tuple[Fraction, Fraction], ...]:
+    """Return the cells around a point."""
+    assert prover.model is not None
+    grid = PieceGrid(prover.model, what, rationals(), prover.stop)
+    box = []
+    for x, cells in zip(at, grid.cells, strict=True):
+        near = [cell for cell in cells if cell.left <= x <= cell.right]
+        box.append((min(cell.left for cell in near), max(cell.right for cell in near)))
+    return tuple(box)
+
+
+def _finite(low: float, high: float) -> tuple[float, float]:
+    return (low if math.isfinite(low) else -1e9), (high if math.isfinite(high) else 1e9)
+
+
+def _words(prover: Prover, at: list[Fraction]) -> str:
+    return written(dict(zip(prover.names, at, strict=True)))

@@ -1,0 +1,523 @@
+"""The memoryless part of one axis of a controller, line by line, with a law for each signal.
+
+A control period (:mod:`fuzzyarm.control.controllers.period`) over laws: it knows slopes, and asks
+rule bases for what :mod:`fuzzyarm.proof.map.sector` proves. The ranges of the sources are those of
+:mod:`fuzzyarm.control.controllers.reach`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.control.controllers.on_plant import Site
+from fuzzyarm.control.controllers.period import Algebra, Call, ControlPeriod, Lesson, Update
+from fuzzyarm.control.controllers.program import SourceError
+from fuzzyarm.control.controllers.reach import (
+    Reach,
+    combine,
+    hull,
+    largest,
+    overlap,
+    reaches_of,
+    symmetric,
+)
+from fuzzyarm.control.controllers.text import ControllerText, input_names
+from fuzzyarm.inference import infer
+from fuzzyarm.language.model.controller import Drive, SignalLine, Source, Zoom
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.bounds import LIKE_EXPECT
+from fuzzyarm.proof.map.laws import (
+    NOTHING,
+    ONE,
+    Gains,
+    SignalLaw,
+    combined,
+    constant,
+    curved,
+    inside,
+    only_value,
+    over,
+    plus,
+    scaled,
+    snapped,
+    table_law,
+    times,
+    unknown,
+)
+from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.map.sector import Sector, Slopes, sector, slopes_at
+from fuzzyarm.symbolic.evaluation import specialise
+from fuzzyarm.symbolic.nodes import Node, symbols
+from fuzzyarm.symbolic.operations import EVERYTHING, Interval
+from fuzzyarm.symbolic.sources import Setting
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Asked", "AxisLines", "LineWalk", "source_name"]
+
+BOXES_SECONDS = 2.0
+"""How long the range of one rule base may take that goes by boxes: its bounds only get closer."""
+
+
+# ── one axis ──────────────────────────────────────────────────────────────────────────
+
+
+class AxisLines:
+    """One axis of a controller: its lines, its sources, and what has been proved already.
+
+    Attributes
+    ----------
+    definitions : dict
+        By the name of a source, what it is and the law of the signal that it is taken of.
+    only_values : bool
+        Whether rule bases are only evaluated, at a point.
+    """
+
+    def __init__(
+        self, text: ControllerText, site: Site | None, name: str, stop: Stop, cache: dict[Any, Any]
+    ) -> None:
+        self.text, self.site, self.name, self.stop = text, site, name, stop
+        reaches = reaches_of(text, site)
+        own_reaches = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
+        self._names = _names_of(own_reaches)
+        self.sources: dict[str, Reach] = {
+            self._names[of]: reach for of, reach in own_reaches.items()
+        }
+        self.definitions: dict[str, tuple[Source, SignalLaw | None]] = {}
+        self.only_values = False
+        self._cache = cache
+
+    def silent(self, sheet: RuleBase) -> RuleBase:
+        """Return a rule base that is NaN where no rule fires and it states no value for that."""
+        key = "silent", id(sheet)
+        if key not in self._cache:
+            outputs = tuple(
+                output
+                if isinstance(output.no_rule, int | float)
+                else replace(output, no_rule=math.nan)
+                for output in sheet.outputs
+            )
+            self._cache[key] = replace(sheet, outputs=outputs)
+        rulebase: RuleBase = self._cache[key]
+        return rulebase
+
+    def name_of(self, of: Source) -> str:
+        """Return what a source is called; those that differ have names that differ."""
+        return self._names[of]
+
+    def remember(self, name: str, of: Source, inner: SignalLaw | None) -> None:
+        """Note what a source is made of; the first walk knows."""
+        self.definitions.setdefault(name, (of, inner))
+
+    # --- what rule bases are asked; axes share the answers ---
+
+    def prover(self, sheet: RuleBase, output: str) -> Prover:
+        """Return the prover of an output."""
+        key = id(sheet), output
+        if key not in self._cache:
+            self._cache[key] = Prover(sheet, output)
+        prover: Prover = self._cache[key]
+        prover.stop = self.stop
+        return prover
+
+    def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
+        """Return bounds of an output; None if there are none."""
+        key = "value", id(prover), tuple(sorted(region.items()))
+        if key not in self._cache:
+            if prover.model is None:
+                prover.stop = Stop(min(BOXES_SECONDS, self.stop.left))
+            try:
+                self._cache[key] = prover.value(region)
+            except FuzzyarmError:
+                self._cache[key] = None
+            prover.stop = self.stop
+        return self._cache[key]
+
+    def sector(
+        self,
+        prover: Prover,
+        weights: Mapping[str, Fraction],
+        region: Mapping[str, tuple[float, float]],
+    ) -> Sector:
+        """Return a sector of an output."""
+        key = "sector", id(prover), tuple(weights.items()), tuple(sorted(region.items()))
+        if key not in self._cache:
+            self._cache[key] = sector(prover, weights, region)
+        sector_: Sector = self._cache[key]
+        return sector_
+
+
+# ── the walk over one axis ───────────────────────────────────────────────────────────
+
+
+class Asked(NamedTuple):
+    """What a walk is about: where the sources are, and the weights of σ (none: no sector)."""
+
+    at: Mapping[str, Interval]
+    form: Mapping[str, float]
+
+
+@dataclass
+class _Notes:
+    """What a walk has seen on its way.
+
+    `zones`: where each source keeps its inputs within their universes; `points`: sources at
+    which rule bases have their extremes; `groups`: the sources that meet in a rule base; `flat`:
+    what has the slope 0 around rest.
+    """
+
+    zones: dict[str, Interval] = field(default_factory=dict)
+    points: list[dict[str, float]] = field(default_factory=list)
+    groups: list[tuple[str, ...]] = field(default_factory=list)
+    flat: list[str] = field(default_factory=list)
+
+
+class LineWalk(Algebra[SignalLaw]):
+    """Laws as the numbers of a control period of an axis, with sources where they are asked for."""
+
+    def __init__(self, case: AxisLines, question: Asked) -> None:
+        self.case = case
+        self.question = question
+        self.notes = _Notes()
+        self.drives: dict[str, list[tuple[Drive, SignalLaw]]] = {}
+
+    def run(self) -> LineWalk:
+        """Go over all lines."""
+        ControlPeriod(self.case.text, self).run({}, {}, only={self.case.name})
+        return self
+
+    def drive(self, axis: str, line: Drive, value: SignalLaw) -> SignalLaw:
+        """Note a drive, before its limits."""
+        self.drives.setdefault(line.port, []).append((line, value))
+        return value
+
+    # --- numbers ---
+
+    def number(self, value: float) -> SignalLaw:
+        """Return the law of a number."""
+        return constant(value)
+
+    def unknown(self, name: str) -> SignalLaw:
+        """Return the law of a partner."""
+        return unknown(EVERYTHING, f"'{name}' is a law of its own")
+
+    def add(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a sum."""
+        return plus(a, b)
+
+    def negated(self, x: SignalLaw) -> SignalLaw:
+        """Return a law times -1."""
+        return scaled(x, -1.0)
+
+    def subtract(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a difference."""
+        return plus(a, scaled(b, -1.0))
+
+    def multiply(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a product."""
+        return times(a, b)
+
+    def divide(self, a: SignalLaw, b: SignalLaw) -> SignalLaw:
+        """Return the law of a quotient."""
+        return over(a, b)
+
+    def limit(self, x: SignalLaw, low: float, high: float) -> SignalLaw:
+        """Return it as it is: limits of drives are judged with what is noted."""
+        return x
+
+    def near(self, x: SignalLaw, before: SignalLaw, most: float) -> SignalLaw:
+        """Return it as it is."""
+        return x
+
+    # --- sources ---
+
+    def source(self, update: Update[SignalLaw]) -> SignalLaw:
+        """Return a curve of its signal, or a source of its own, where it is asked for."""
+        of = update.source
+        curve = self._curve(update)
+        if curve is not None:
+            law = curved(curve, update.x, exact=bool(self.question.form))
+            if law.gains and law.gains == dict.fromkeys(law.gains, NOTHING):
+                self.notes.flat.append(source_name(of))
+            return law
+        name = self.case.name_of(of)
+        self.case.remember(name, of, None if update.kind.ports else update.x)
+        at = self.question.at.get(name, NOTHING)
+        along: Interval | str
+        if not self.question.form or at == NOTHING:
+            along = NOTHING
+        elif set(self.question.form) == {name}:
+            along = Interval(1.0 / self.question.form[name], 1.0 / self.question.form[name])
+        else:
+            along = f"'{name}' is one part of the sum only"
+        return SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)
+
+    def _curve(self, update: Update[SignalLaw]) -> Node | None:
+        """Return a source as an expression over ``x``, where it is one: it remembers nothing."""
+        kind = update.kind
+        if kind.of != "signal" or kind.states or kind.function is None:
+            return None
+        numbers = {"period": self.case.text.model.period}
+        for name, law in update.settings.items():
+            if law.constant is not None:
+                numbers[name] = law.constant
+        root = specialise(kind.expression, numbers)
+        return root if set(symbols(root)) <= {"x"} else None
+
+    def zoom(
+        self, line: Zoom, signals: Mapping[str, SignalLaw], by: SignalLaw, inside: SignalLaw
+    ) -> dict[str, SignalLaw]:
+        """Return magnified signals, which keep their slopes within the window only."""
+        return {name: self._zoomed(law, by, inside) for name, law in signals.items()}
+
+    def _zoomed(self, law: SignalLaw, by: SignalLaw, inside: SignalLaw) -> SignalLaw:
+        factor, window = by.constant, inside.constant
+        if factor is None or window is None or law.rest != NOTHING:
+            return unknown(EVERYTHING, "signals are magnified where they are not 0 at rest")
+        inner = overlap(law.at, symmetric(window))
+        large = scaled(law, factor)
+        along = law.along
+        if isinstance(along, Interval) and isinstance(large.along, Interval):
+            along = hull(along, large.along)
+        at = hull(law.at, combine("multiply", inner, Interval(factor, factor)))
+        return replace(large, at=at, linear=None, along=along)
+
+    # --- rule bases ---
+
+    def called(self, call: Call[SignalLaw]) -> list[SignalLaw]:
+        """Return the laws of a rule base or a table."""
+        assert isinstance(call.line, SignalLine)
+        assert call.line.source is not None
+        if call.line.source.kind != "rules":
+            return [self._table(call)]
+        sheet = call.sheet
+        if not isinstance(sheet, RuleBase):
+            return [unknown(EVERYTHING, f"'{call.name}' could not be read")] * len(call.line.names)
+        laws = call.inputs(input_names(sheet))
+        self._note_group(laws)
+        return [self._conclusion(sheet, output.name, laws) for output in sheet.outputs]
+
+    def learn(self, lesson: Lesson[SignalLaw]) -> None:
+        """Leave it: the table is unknown where it is looked up."""
+
+    def _note_group(self, laws: Mapping[str, SignalLaw]) -> None:
+        sources: dict[str, None] = {}
+        for law in laws.values():
+            sources.update(dict.fromkeys(law.linear or {}))
+        if len(sources) > 1:
+            self.notes.groups.append(tuple(sources))
+
+    def _conclusion(self, sheet: RuleBase, output: str, laws: Mapping[str, SignalLaw]) -> SignalLaw:
+        prover = self.case.prover(sheet, output)
+        if self.case.only_values:
+            inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in laws.items()}
+            value = float(infer(self.case.silent(sheet), inputs)[output])
+            return unknown(Interval(value, value), "")
+        region = {}
+        for variable in prover.inputs:
+            at = laws[variable.name].at
+            universe = Interval(variable.low, variable.high)
+            self._note_zone(laws[variable.name], universe)
+            if variable.outside != "extend":
+                at = snapped(at, universe)
+            region[variable.name] = (at.low, at.high)
+        at = self._range(prover, region, laws)
+        try:
+            slopes = slopes_at(prover, {name: only_value(law.rest) for name, law in laws.items()})
+        except FuzzyarmError as error:
+            rest = {name: tuple(law.rest) for name, law in laws.items()}
+            law = SignalLaw(at, self._range(prover, rest, {}), str(error), str(error), None, "")
+        else:
+            value = float(slopes.value)
+            gains, around = _chained(slopes, laws)
+            law = SignalLaw(at, Interval(value, value), gains, around, None, "")
+        along, slack = self._along_rules(prover, region, laws, law.rest)
+        return replace(law, along=along, slack=slack)
+
+    def _note_zone(self, law: SignalLaw, universe: Interval) -> None:
+        """Remember where a source takes its input to the ends of the universe."""
+        if law.linear is None or len(law.linear) != 1 or not math.isfinite(largest(universe)):
+            return
+        ((name, weight),) = law.linear.items()
+        if weight:
+            # An input that is weight · source stays in its universe while the source stays in this.
+            zone = combine("divide", universe, Interval(weight, weight))
+            interval = self.notes.zones.get(name)
+            self.notes.zones[name] = zone if interval is None else overlap(interval, zone)
+
+    def _range(
+        self, prover: Prover, region: Mapping[str, Any], laws: Mapping[str, SignalLaw]
+    ) -> Interval:
+        """Return where a conclusion can be; that of the whole output where no bound is closer."""
+        output = prover.output
+        whole = Interval(output.low, output.high) if prover.stays_inside else EVERYTHING
+        if prover.no_rule is not None:
+            whole = hull(whole, Interval(prover.no_rule, prover.no_rule))
+        bounds = self.case.value(prover, region)
+        if bounds is None:
+            return whole
+        if output.outside != "extend":
+            bounds = bounds._replace(
+                low=max(bounds.low, whole.low), high=min(bounds.high, whole.high)
+            )
+        for extreme in (bounds.at_low, bounds.at_high):
+            self._note_point(extreme, laws)
+        return Interval(bounds.low, bounds.high)
+
+    def _note_point(self, point: Mapping[str, float], laws: Mapping[str, SignalLaw]) -> None:
+        """Remember the sources at which a rule base has an extreme."""
+        values: dict[str, float] = {}
+        for name, law in laws.items():
+            if law.linear is None or len(law.linear) != 1 or name not in point:
+                return
+            ((source, weight),) = law.linear.items()
+            if not weight:
+                return
+            values.setdefault(source, point[name] / weight)
+        self.notes.points.append(values)
+
+    def _along_rules(
+        self,
+        prover: Prover,
+        region: Mapping[str, tuple[float, float]],
+        laws: Mapping[str, SignalLaw],
+        rest: Interval,
+    ) -> tuple[Interval | str, float]:
+        if not self.question.form:
+            return "", 0.0
+        moving = [name for name, law in laws.items() if law.at.low < law.at.high]
+        if not moving:
+            size = largest(rest)
+            small = size <= LIKE_EXPECT * prover.range
+            return (NOTHING, size) if small else ("it is not 0 at rest", 0.0)
+        result = self._weights(moving, laws)
+        if isinstance(result, str):
+            return result, 0.0
+        weights, by = result
+        try:
+            sector = self.case.sector(prover, weights, region)
+        except FuzzyarmError as error:
+            return str(error), 0.0
+        gains = Interval(sector.low, sector.high)
+        universe = {
+            variable.name: Interval(variable.low, variable.high) for variable in prover.inputs
+        }
+        beyond = [name for name in moving if not inside(laws[name].at, universe[name])]
+        has_value = all(prover.rulebase.variable(n).outside != "error" for n in beyond)
+        if beyond and (len(moving) > 1 or not has_value):
+            then = "" if has_value else ", where there is no value"
+            return f"an input leaves its universe{then}", 0.0
+        if beyond:
+            gains = hull(gains, NOTHING)  # the value stays where the input is cut off
+        return combined("multiply", gains, by), sector.slack
+
+    def _weights(
+        self, moving: Sequence[str], laws: Mapping[str, SignalLaw]
+    ) -> tuple[dict[str, Fraction], Interval] | str:
+        """Return a sum of the inputs of a rule base, and between which multiples of σ it lies.
+
+        One input is what its own law says; of several each is a multiple of one source of σ.
+        """
+        if len(moving) == 1:
+            along = laws[moving[0]].along
+            return along if isinstance(along, str) else ({moving[0]: Fraction(1)}, along)
+        weights: dict[str, Fraction] = {}
+        remaining = dict(self.question.form)
+        for name in moving:
+            linear = {s: w for s, w in (laws[name].linear or {}).items() if s in self.question.form}
+            if len(linear) != 1 or next(iter(linear)) not in remaining:
+                return f"'{name}' is not a multiple of one source"
+            ((source, weight),) = linear.items()
+            weights[name] = Fraction(remaining.pop(source)) / Fraction(weight)
+        if remaining:
+            return "it depends on a part of the sum only"
+        # In small numbers: the weight of the first input is 1, and its own goes into the gain.
+        base = weights[moving[0]]
+        by = combined("divide", ONE, Interval(float(base), float(base)))
+        return {name: _simple(weight / base) for name, weight in weights.items()}, by
+
+    # --- tables ---
+
+    def _table(self, call: Call[SignalLaw]) -> SignalLaw:
+        if not isinstance(call.sheet, LookupTable):
+            return unknown(EVERYTHING, f"'{call.name}' could not be read")
+        try:
+            table = call.lattice()
+        except SourceError as error:
+            return unknown(EVERYTHING, str(error))
+        at = Interval(float(table.values.min()), float(table.values.max()))
+        if call.learner is not None:
+            bound = largest(call.period.operand(call.learner.bound).at)
+            return unknown(hull(at, symmetric(bound)), f"'{call.name}' learns")
+        laws = call.inputs(table.names)
+        self._note_group(laws)
+        for axis in table.axes:
+            self._note_zone(laws[axis.name], Interval(axis.low, axis.high))
+        if all(law.at.low == law.at.high for law in laws.values()):
+            value = float(table.lookup(*(law.at.low for law in laws.values())))
+            at = Interval(value, value)
+        return table_law(table, laws, at, exact=bool(self.question.form))
+
+
+def _chained(slopes: Slopes, laws: Mapping[str, SignalLaw]) -> tuple[Gains | str, Gains | str]:
+    """Return slopes by sources from slopes by inputs."""
+    sources: dict[str, None] = {}
+    for law in laws.values():
+        for part in (law.gains, law.around):
+            if isinstance(part, str):
+                return part, part
+            sources.update(dict.fromkeys(part))
+    gains: Gains = {}
+    around: Gains = {}
+    for source in sources:
+        total = NOTHING
+        for name, law in laws.items():
+            assert isinstance(law.around, dict)
+            gain = Interval(*map(float, slopes.around(name)))
+            # The chain rule, over all pieces that meet at rest.
+            slope = combine("multiply", gain, law.around.get(source, NOTHING))
+            total = combine("add", total, slope)
+        around[source] = gains[source] = total
+        inner = {name: dict(law.gains).get(source, NOTHING) for name, law in laws.items()}  # type: ignore[arg-type]
+        # Where each input has one slope by the source, the source moves along a line: two pieces,
+        # one ahead and one back.
+        if all(interval.low == interval.high for interval in inner.values()):
+            ways = {name: Fraction(interval.low) for name, interval in inner.items()}
+            ahead = slopes.along(ways)
+            back = slopes.along({name: -way for name, way in ways.items()})
+            values = [float(x) for x in (ahead, None if back is None else -back) if x is not None]
+            if values:
+                gains[source] = Interval(min(values), max(values))
+    return gains, around
+
+
+def _simple(ratio: Fraction) -> Fraction:
+    """Return a ratio of floats as the small fraction that it stands for, where there is one."""
+    near = ratio.limit_denominator(10**6)
+    return near if abs(near - ratio) <= abs(ratio) / 10**12 else ratio
+
+
+def source_name(of: Source, *, whole: bool = False) -> str:
+    """Return a source as it is called in what is said of it, with all its options or its weight."""
+    settings = [(word, value) for word, value in of.options if whole or word == "weight"]
+    words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in settings)
+    return f"{of.kind}{of.record.joined} {of.name}{words}"
+
+
+def _setting_words(of: Source, word: str, value: Setting) -> str:
+    if isinstance(value, tuple):
+        return " .. ".join(f"{end:g}" for end in value)
+    seconds = isinstance(value, float) and of.record.options[word].takes in ("time", "windup")
+    return f"{value:g} s" if seconds else str(value)
+
+
+def _names_of(sources: Iterable[Source]) -> dict[Source, str]:
+    """Return a name for each source: two that differ in an option are not the same."""
+    short = Counter(map(source_name, dict.fromkeys(sources)))
+    return {of: source_name(of, whole=short[source_name(of)] > 1) for of in sources}

@@ -1,0 +1,315 @@
+"""Expressions as graphs: what a formula or the definition of a kind computes, as data.
+
+A node is a constant, a symbol or an operation applied to nodes. Equal nodes are the same
+object, so a part that occurs twice in an expression is one node with two parents: readings
+walk the graph and do each part once. The operations themselves, and their meaning for
+each reader, are in :mod:`fuzzyarm.symbolic.operations`.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import ClassVar, TypeAlias
+from weakref import WeakValueDictionary
+
+__all__ = [
+    "Apply",
+    "Constant",
+    "Node",
+    "Number",
+    "Symbol",
+    "apply",
+    "as_node",
+    "children",
+    "constant",
+    "postorder",
+    "replace",
+    "substituted",
+    "symbol",
+    "symbols",
+    "trace",
+]
+
+# Every living node by its content: an equal expression is found here rather than made again. The
+# references are weak, so expressions of rule bases that are gone go as well.
+_nodes: WeakValueDictionary[tuple[object, ...], Node] = WeakValueDictionary()
+
+
+class Node:
+    """Base of all nodes: equality is identity, and Python's operators build expressions.
+
+    A comparison gives a node that is a condition; ``op.where`` chooses by it. A condition is
+    joined by ``&`` and ``|`` and denied by ``~``. Equality of values is ``op.equal``: two
+    nodes are ``==`` where they are the same expression.
+    """
+
+    __slots__ = ("__weakref__",)
+
+    def __add__(self, other: Number) -> Node:
+        return apply("add", self, other)
+
+    def __radd__(self, other: Number) -> Node:
+        return apply("add", other, self)
+
+    def __sub__(self, other: Number) -> Node:
+        return apply("subtract", self, other)
+
+    def __rsub__(self, other: Number) -> Node:
+        return apply("subtract", other, self)
+
+    def __mul__(self, other: Number) -> Node:
+        return apply("multiply", self, other)
+
+    def __rmul__(self, other: Number) -> Node:
+        return apply("multiply", other, self)
+
+    def __truediv__(self, other: Number) -> Node:
+        return apply("divide", self, other)
+
+    def __rtruediv__(self, other: Number) -> Node:
+        return apply("divide", other, self)
+
+    def __mod__(self, other: Number) -> Node:
+        return apply("remainder", self, other)
+
+    def __rmod__(self, other: Number) -> Node:
+        return apply("remainder", other, self)
+
+    def __pow__(self, exponent: Number) -> Node:
+        # A square is a product: the same bits on every machine, where pow() is not.
+        if isinstance(exponent, int | float) and exponent in {2, 3}:
+            square = apply("multiply", self, self)
+            return square if exponent == 2 else apply("multiply", square, self)
+        return apply("power", self, exponent)
+
+    def __rpow__(self, base: Number) -> Node:
+        return apply("power", base, self)
+
+    def __neg__(self) -> Node:
+        return apply("negative", self)
+
+    def __pos__(self) -> Node:
+        return self
+
+    def __abs__(self) -> Node:
+        return apply("absolute", self)
+
+    def __lt__(self, other: Number) -> Node:
+        return apply("less", self, other)
+
+    def __le__(self, other: Number) -> Node:
+        return apply("less_equal", self, other)
+
+    def __gt__(self, other: Number) -> Node:
+        return apply("less", other, self)
+
+    def __ge__(self, other: Number) -> Node:
+        return apply("less_equal", other, self)
+
+    def __and__(self, other: Node) -> Node:
+        return apply("both", self, other)
+
+    def __or__(self, other: Node) -> Node:
+        return apply("either", self, other)
+
+    def __invert__(self) -> Node:
+        return apply("negation", self)
+
+    def __bool__(self) -> bool:
+        raise TypeError(
+            "an expression has no truth value while it is traced: choose with op.where,"
+            " join conditions with & and |"
+        )
+
+    def __float__(self) -> float:
+        raise TypeError("an expression is not a number while it is traced: use the functions of op")
+
+
+class Constant(Node):
+    """A number."""
+
+    __slots__ = ("value",)
+    __match_args__: ClassVar[tuple[str, ...]] = ("value",)
+    value: float
+
+    def __repr__(self) -> str:
+        return repr(self.value)
+
+
+class Symbol(Node):
+    """A variable or a parameter, by its name."""
+
+    __slots__ = ("name",)
+    __match_args__: ClassVar[tuple[str, ...]] = ("name",)
+    name: str
+
+    def __repr__(self) -> str:
+        return self.name
+
+
+class Apply(Node):
+    """An operation, by its name, with its arguments."""
+
+    __slots__ = ("arguments", "operation")
+    __match_args__: ClassVar[tuple[str, ...]] = ("operation", "arguments")
+    operation: str
+    arguments: tuple[Node, ...]
+
+    def __repr__(self) -> str:
+        return f"{self.operation}({', '.join(map(repr, self.arguments))})"
+
+
+Number: TypeAlias = Node | float
+"""A number in the definition of a kind."""
+
+
+def constant(value: float) -> Constant:
+    """Return the node of a number; 0.0 and -0.0 differ."""
+    value = float(value)
+    # The bits are the key: 0.0 == -0.0, and NaN does not equal itself.
+    key = ("constant", struct.pack("d", value))
+    node = _nodes.get(key)
+    if node is None:
+        node = Constant()
+        node.value = value
+        _nodes[key] = node
+    assert isinstance(node, Constant)
+    return node
+
+
+def symbol(name: str) -> Symbol:
+    """Return the node of a name."""
+    key = ("symbol", name)
+    node = _nodes.get(key)
+    if node is None:
+        node = Symbol()
+        node.name = name
+        _nodes[key] = node
+    assert isinstance(node, Symbol)
+    return node
+
+
+def apply(operation: str, *arguments: Number) -> Apply:
+    """Return the node of an operation on nodes or numbers."""
+    nodes = tuple(as_node(argument) for argument in arguments)
+    # The arguments are alive as long as the node is, so their identities are unique.
+    key = (operation, *map(id, nodes))
+    node = _nodes.get(key)
+    if node is None:
+        node = Apply()
+        node.operation, node.arguments = operation, nodes
+        _nodes[key] = node
+    assert isinstance(node, Apply)
+    return node
+
+
+def as_node(value: Number) -> Node:
+    """Return a node as it is and a number as a constant."""
+    return value if isinstance(value, Node) else constant(value)
+
+
+def children(node: Node) -> tuple[Node, ...]:
+    """Return the arguments of a node; none for a constant or a symbol."""
+    return node.arguments if isinstance(node, Apply) else ()
+
+
+def postorder(*roots: Node) -> Iterator[Node]:
+    """Yield every node once, arguments before what uses them.
+
+    Nothing recurses here: a sum of a thousand terms is a thousand nodes deep.
+    """
+    visited: set[Node] = set()
+    for root in roots:
+        stack: list[tuple[Node, bool]] = [(root, False)]
+        while stack:
+            node, ready = stack.pop()
+            if node in visited:
+                continue
+            if ready:
+                visited.add(node)
+                yield node
+            else:
+                stack.append((node, True))
+                stack += [
+                    (child, False) for child in reversed(children(node)) if child not in visited
+                ]
+
+
+def symbols(*roots: Node) -> tuple[str, ...]:
+    """Return the names in an expression, each once, in the order of their appearance."""
+    return tuple(node.name for node in postorder(*roots) if isinstance(node, Symbol))
+
+
+def replace(root: Node, values: Mapping[str, Number]) -> Node:
+    """Return an expression with numbers or expressions in place of some symbols.
+
+    Nothing is simplified: x + 0 is not x where x is -0.0.
+    """
+    nodes: dict[Node, Node] = {}
+    for node in postorder(root):
+        if isinstance(node, Symbol) and node.name in values:
+            nodes[node] = as_node(values[node.name])
+        elif isinstance(node, Apply):
+            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
+        else:
+            nodes[node] = node
+    return nodes[root]
+
+
+def substituted(root: Node, part: Node, instead: Node) -> Node:
+    """Return an expression with another part in place of one."""
+    nodes: dict[Node, Node] = {}
+    for node in postorder(root):
+        if node is part:
+            nodes[node] = instead
+        elif isinstance(node, Apply):
+            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
+        else:
+            nodes[node] = node
+    return nodes[root]
+
+
+def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
+    """Return the names of the arguments of a definition, in order."""
+    code = getattr(function, "__code__", None)
+    if code is not None:  # a plain function says so itself: `inspect` is slow to import
+        names: tuple[str, ...] = code.co_varnames[: code.co_argcount]
+        return names
+    own: tuple[str, ...] | None = getattr(function, "argument_names", None)
+    if own is not None:
+        return own
+    import inspect
+
+    return tuple(inspect.signature(function).parameters)
+
+
+def trace(function: Callable[..., Number], names: Iterable[str]) -> Node:
+    """Run a definition on symbols, and return what it computes.
+
+    Parameters
+    ----------
+    function : callable
+        Takes one node for each name; uses arithmetic, comparisons and the functions of
+        :mod:`fuzzyarm.symbolic.op`.
+    names : iterable of str
+        Names of its arguments, in order.
+
+    Returns
+    -------
+    Node
+        The expression.
+
+    Raises
+    ------
+    TypeError
+        If the function needs the value of an expression, as ``if`` and :mod:`math` do.
+    """
+    result = function(*(symbol(name) for name in names))
+    # A bool is an int in Python, but a definition that returns one has compared plain numbers.
+    if isinstance(result, bool) or not isinstance(result, Node | int | float):
+        raise TypeError(f"a definition returns an expression, not {type(result).__name__}")
+    if isinstance(result, int | float) and math.isnan(result):
+        raise TypeError("a definition returns an expression, not nan")
+    return as_node(result)
