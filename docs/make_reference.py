@@ -193,7 +193,7 @@ PURPOSES = {
     "Rule bases and files": (
         "fuzzyarm", "fuzzyarm.exchange.files", "fuzzyarm.apps.builder", "fuzzyarm.language.model",
         "fuzzyarm.language", "fuzzyarm.exchange.formats", "fuzzyarm.exchange.live",
-        "fuzzyarm.symbolic", "fuzzyarm.base",
+        "fuzzyarm.symbolic.kinds", "fuzzyarm.symbolic.op", "fuzzyarm.base",
     ),
     "Evaluate, tabulate, prove": (
         "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof.map", "fuzzyarm.proof.loop",
@@ -219,7 +219,7 @@ PURPOSES = {
 
 def names_by_purpose() -> dict[str, list[tuple[str, str]]]:
     """Return the names of ``fuzzyarm`` with their first lines, grouped as ``help`` has them."""
-    text = (inspect.getdoc(fuzzyarm) or "").split("Packages with public names")[0]
+    text = (inspect.getdoc(fuzzyarm) or "").split("Rooms, each with")[0]
     found: dict[str, list[tuple[str, str]]] = {}
     for heading, body in re.findall(r"(?m)^(\w.*)\n((?:    \w.*\n(?: {8,}\S.*\n)*)+)", text):
         entries = [" ".join(each.split()) for each in re.split(r"\n(?=    \w)", body.rstrip())]
@@ -253,15 +253,18 @@ _NOT_FOR_IMPORT = ("fuzzyarm.apps.cli", "fuzzyarm.apps.lsp", "fuzzyarm.apps.watc
 
 
 def public_packages() -> list[str]:
-    """Return the packages, and modules on the top, that list what is public in ``__all__``."""
+    """Return the packages, and the modules that a room names, with public names of their own."""
     found = ["fuzzyarm"]
     for each in pkgutil.walk_packages(fuzzyarm.__path__, "fuzzyarm."):
-        private = each.name.startswith(_NOT_FOR_IMPORT) or "._" in each.name
-        if private or each.name == "fuzzyarm.__main__":
+        room = importlib.import_module(each.name.rpartition(".")[0])
+        if each.name.startswith(_NOT_FOR_IMPORT) or "._" in each.name:
             continue
-        if each.ispkg or each.name.count(".") == 1:
-            module = importlib.import_module(each.name)
-            if getattr(module, "__all__", ()):
+        module = importlib.import_module(each.name)
+        leaf = each.name.rpartition(".")[2]
+        named = leaf in getattr(room, "__all__", ()) and getattr(room, leaf) is module
+        if each.ispkg or named:
+            names = getattr(module, "__all__", ())
+            if not all(inspect.ismodule(getattr(module, name)) for name in names):
                 found.append(each.name)
     return found
 

@@ -79,95 +79,44 @@ Rooms, each with public names of its own; every one imports only those before it
     learning            Rule bases from samples, and judged by samples; controllers that learn
                         along a trajectory.
     exchange            Files and objects of other programs, and programs for other machines.
-    apps                What a person starts, and what is drawn for a person.
+    apps                What a person starts, and what is drawn for a person. Nothing imports
+                        this room.
 """
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 from fuzzyarm.base import above
 from fuzzyarm.base.lazy import lazily
 from fuzzyarm.version import __version__ as __version__
 
-if TYPE_CHECKING:
-    from fuzzyarm import apps as apps
-    from fuzzyarm import base as base
-    from fuzzyarm import control as control
-    from fuzzyarm import exchange as exchange
-    from fuzzyarm import inference as inference
-    from fuzzyarm import language as language
-    from fuzzyarm import learning as learning
-    from fuzzyarm import plant as plant
-    from fuzzyarm import proof as proof
-    from fuzzyarm import requests as requests
-    from fuzzyarm import symbolic as symbolic
-    from fuzzyarm import table as table
-    from fuzzyarm.apps.builder import RuleBaseBuilder
-    from fuzzyarm.base.diagnostic import RuleBaseError
-    from fuzzyarm.base.errors import FuzzyarmError
-    from fuzzyarm.base.shipped_files import shipped
-    from fuzzyarm.control.controllers import ControllerText
-    from fuzzyarm.control.loop import simulate, simulate_many
-    from fuzzyarm.exchange.files import (
-        FileWarning,
-        check_file,
-        check_text,
-        export_file,
-        load,
-        load_controller,
-        load_rulebase,
-    )
-    from fuzzyarm.exchange.live import from_live
-    from fuzzyarm.inference import compiled, explain, infer, infer_interval
-    from fuzzyarm.language import parse, write
-    from fuzzyarm.language.model import AnyRuleBase, RuleBase, Shape
-    from fuzzyarm.learning.tuning import tune
-    from fuzzyarm.proof.loop import prove
-    from fuzzyarm.symbolic import kinds, op
-    from fuzzyarm.table import (
-        LookupTable,
-        compile_table,
-        compile_with_report,
-        read_table,
-        write_table,
-    )
+NAMES = {
+    "apps.builder": ("RuleBaseBuilder",),
+    "base.errors": ("FuzzyarmError",),
+    "base.shipped_files": ("shipped",),
+    "control.controllers": ("ControllerText",),
+    "control.loop": ("simulate", "simulate_many"),
+    "exchange.files": (
+        "FileWarning",
+        "check_file",
+        "check_text",
+        "export_file",
+        "load",
+        "load_controller",
+        "load_rulebase",
+    ),
+    "exchange.live": ("from_live",),
+    "inference": ("compiled", "explain", "infer", "infer_interval"),
+    "language": ("RuleBaseError", "parse", "write"),
+    "language.model": ("AnyRuleBase", "RuleBase", "Shape"),
+    "learning.tuning": ("tune",),
+    "proof.loop": ("prove",),
+    "symbolic.kinds": ("kinds",),
+    "symbolic.op": ("op",),
+    "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
+}
+"""Public names by their module, which is loaded with the first use of a name."""
 
-__all__ = [
-    "AnyRuleBase",
-    "ControllerText",
-    "FileWarning",
-    "FuzzyarmError",
-    "LookupTable",
-    "RuleBase",
-    "RuleBaseBuilder",
-    "RuleBaseError",
-    "Shape",
-    "check_file",
-    "check_text",
-    "compile_table",
-    "compile_with_report",
-    "compiled",
-    "explain",
-    "export_file",
-    "from_live",
-    "infer",
-    "infer_interval",
-    "kinds",
-    "load",
-    "load_controller",
-    "load_rulebase",
-    "op",
-    "parse",
-    "prove",
-    "read_table",
-    "shipped",
-    "simulate",
-    "simulate_many",
-    "tune",
-    "write",
-    "write_table",
-]
+__all__ = [name for names in NAMES.values() for name in names]
 
 PACKAGES = (
     "apps",
@@ -208,40 +157,4 @@ above.register(
     }
 )  # what values are asked, and who answers: this package knows both
 
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazily(
-        __name__,
-        {
-            "exchange.files": (
-                "FileWarning",
-                "check_file",
-                "check_text",
-                "export_file",
-                "load",
-                "load_controller",
-                "load_rulebase",
-            ),
-            "apps.builder": ("RuleBaseBuilder",),
-            "proof.loop": ("prove",),
-            "control.controllers": ("ControllerText",),
-            "base.errors": ("FuzzyarmError",),
-            "symbolic.kinds": ("kinds",),
-            "symbolic.op": ("op",),
-            "inference": ("compiled", "explain", "infer", "infer_interval"),
-            "language": ("RuleBaseError", "parse", "write"),
-            "exchange.live": ("from_live",),
-            "control.loop": ("simulate", "simulate_many"),
-            "language.model": ("AnyRuleBase", "RuleBase", "Shape"),
-            "base.shipped_files": ("shipped",),
-            "table": (
-                "LookupTable",
-                "compile_table",
-                "compile_with_report",
-                "read_table",
-                "write_table",
-            ),
-            "learning.tuning": ("tune",),
-        },
-        ("__version__",),
-        PACKAGES,
-    )
+__getattr__, __dir__ = lazily(__name__, NAMES, ("__version__",), PACKAGES)

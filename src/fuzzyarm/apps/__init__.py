@@ -24,11 +24,12 @@ if TYPE_CHECKING:
     from fuzzyarm.apps import builder as builder
     from fuzzyarm.apps import designer as designer
     from fuzzyarm.apps import estimators as estimators
+    from fuzzyarm.apps import grading as grading
     from fuzzyarm.apps import notebook as notebook
     from fuzzyarm.apps import show as show
     from fuzzyarm.apps import study as study
 
-__all__ = ["builder", "designer", "estimators", "notebook", "show", "study"]
+__all__ = ["builder", "designer", "estimators", "grading", "notebook", "show", "study"]
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, (), __all__)
