@@ -6,8 +6,31 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm.apps.cli.main import main
+from fuzzyarm.base.text import diagnostic
+from fuzzyarm.base.text.diagnostic import split_lines
 
 ROOT = Path(__file__).parents[2]
+
+WRONG_FLL = """\
+Engine: wrong
+InputVariable: speed
+  enabled: true
+  range: 0 10
+  term: LOW Triangle 0 2 4
+OutputVariable: fan
+  enabled: true
+  range: 0 10
+  aggregation: Maximum
+  defuzzifier: Centroid 100
+  default: nan
+  term: ON Triangle 0 2 4
+RuleBlock: all
+  enabled: true
+  conjunction: Minimum
+  disjunction: Maximum
+  implication: Minimum
+  activation: General
+"""
 
 METHODS = """\
 inference and min, or max, implication min, aggregation max, defuzzifier centroid exact, \
@@ -97,3 +120,19 @@ def test_what_convert_writes_of_values_with_type_2_passes_check(tmp_path, monkey
     after = capsys.readouterr().out
     assert main(["eval", str(ROOT / "tests/formats/data/observer.t2fis"), "x1=-0.3", "x2=0.6"]) == 0
     assert capsys.readouterr().out == after
+
+
+def test_the_lines_of_a_file_are_found_once_for_all_its_findings(tmp_path, monkeypatch, capsys):
+    """A file of 90,000 wrong rules was divided into its lines for each of them."""
+    counts = []
+
+    def counted(text):
+        counts.append(text.count("rule: if"))
+        return split_lines(text)
+
+    rules = "".join(f"  rule: if speed is Z{k} then fan is ON\n" for k in range(200))
+    (tmp_path / "wrong.fll").write_text(WRONG_FLL + rules)
+    monkeypatch.setattr(diagnostic, "split_lines", counted)
+    assert main(["convert", str(tmp_path / "wrong.fll"), str(tmp_path / "o.frb")]) == 1
+    assert capsys.readouterr().err.count("error[") >= 200
+    assert sum(count == 200 for count in counts) <= 4

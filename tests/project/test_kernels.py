@@ -117,3 +117,33 @@ def test_a_forked_process_has_threads_of_its_own():
         "print(json.dumps([found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])]))"
     )
     assert in_new_process(code) == [[0, 1], 7]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+@pytest.mark.parametrize("wait", [0.0, 0.02])
+def test_a_process_forked_beside_a_first_call_of_another_thread_does_not_hang(wait):
+    # The other thread imports what the call needs; the child must not wait for its locks.
+    code = (
+        "import faulthandler, json, os, threading, time, warnings; warnings.simplefilter('ignore');"
+        "import fuzzyarm; pd7 = fuzzyarm.load(fuzzyarm.shipped('pd7.frb'));"
+        "call = lambda: fuzzyarm.infer(pd7, e=1.0, ce=0.5)['u'];"
+        "other = threading.Thread(target=call); other.start();"
+        f"time.sleep({wait}); child = os.fork();"
+        "child or faulthandler.dump_traceback_later(60, exit=True);"
+        "child or os._exit(7 if call() == 1.0 else 1);"
+        "other.join(); print(json.dumps(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])))"
+    )
+    assert in_new_process(code) == 7
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_lock_that_another_thread_held_is_free_in_a_forked_process():
+    code = (
+        "import json, os, threading, time, warnings; warnings.simplefilter('ignore');"
+        "from fuzzyarm.kernels import lock; held = lock(); taken = threading.Event();"
+        "hold = lambda: (held.acquire(), taken.set(), time.sleep(0.5), held.release());"
+        "other = threading.Thread(target=hold); other.start(); taken.wait(); child = os.fork();"
+        "child or os._exit(7 if held.acquire(timeout=30) else 1);"
+        "other.join(); print(json.dumps(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])))"
+    )
+    assert in_new_process(code) == 7

@@ -14,6 +14,7 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from table_strategies import tables
 
+from fuzzyarm.api import check_file
 from fuzzyarm.table import (
     Axis,
     LookupTable,
@@ -236,3 +237,27 @@ def test_an_archive_that_unpacks_to_more_than_any_table_is_refused_before_it_is(
         read_table(str(path))
     assert tracemalloc.get_traced_memory()[1] < 20_000_000
     tracemalloc.stop()
+
+
+def square(count):
+    levels = tuple(range(count))
+    axes = Axis("x", levels), Axis("y", levels)
+    return LookupTable(axes, "z", np.full((count, count), -0.123456789012))
+
+
+@pytest.mark.parametrize("suffix", [".lut", ".csv", ".json", ".tex"])
+def test_a_table_of_more_cells_than_are_read_is_not_written_as_text(tmp_path, suffix):
+    path = tmp_path / f"t{suffix}"
+    with pytest.raises(TableError, match=r"1,002,001 cells are not written as .*1,000,000") as told:
+        write_table(square(1001), path)
+    assert told.value.hint == "an .npz takes any table"
+    assert not path.exists()
+
+
+@pytest.mark.slow
+def test_the_largest_table_that_is_written_as_text_is_checked_and_read(tmp_path):
+    path = tmp_path / "t.lut"
+    write_table(square(1000), path)
+    assert path.stat().st_size > 16_000_000
+    assert check_file(path).diagnostics == ()
+    assert np.array_equal(read_table(path).values, square(1000).values)

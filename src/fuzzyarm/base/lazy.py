@@ -10,7 +10,11 @@ A package binds what :func:`lazily` returns where type checkers do not look
 
 from __future__ import annotations
 
+import importlib
+import os
 import sys
+import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
@@ -61,3 +65,24 @@ def lazily(
         return sorted({*homes_of, *others})
 
     return get, names
+
+
+# --- Processes that fork ---
+
+_LONGEST_WAIT = 10.0
+"""Of a fork for the imports of other threads, s: one of them may wait for what forks."""
+
+
+def _await_imports() -> None:
+    """Wait until no other thread imports: a forked process would wait for its lock for ever."""
+    locks = getattr(getattr(importlib, "_bootstrap", None), "_module_locks", {})
+    own, until = threading.get_ident(), time.monotonic() + _LONGEST_WAIT
+    while time.monotonic() < until:
+        owners = [getattr(made, "owner", None) for made in (of() for of in list(locks.values()))]
+        if not any(owner not in (None, own) for owner in owners):
+            return
+        time.sleep(0.001)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_await_imports)

@@ -564,10 +564,12 @@ def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Revie
         if suffix == ".frb":
             return check_text(read_text(path), name, on)
         if suffix == ".lut":
-            from fuzzyarm.table import parse_lut
+            from fuzzyarm.table.files import parse_table
 
-            text = read_text(path)
-            return Review(text, tuple(parse_lut(text, name).diagnostics))
+            with open(path, "rb") as file:
+                data = file.read()
+            text = data.decode("utf-8-sig", "replace")
+            return Review(text, tuple(parse_table(data, name).diagnostics))
         if suffix in READABLE:
             return _check_foreign(path, name)
         # Other formats of tables have no checks: reading them is the check.

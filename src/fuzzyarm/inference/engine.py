@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property, partial
-from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.inference.block import NotCoveredError, PointBlock, make_block
@@ -19,7 +18,7 @@ from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepa
 from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.stages import stages
 from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
-from fuzzyarm.symbolic.kernels import bound_routine, has_machine_code, point_routines
+from fuzzyarm.symbolic.kernels import bound_routine, has_machine_code, lock, point_routines
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.block import Layout
@@ -195,7 +194,7 @@ class _Engine:
         columns = block.numbers[block.columns : block.columns + len(inputs)]
         results = block.numbers[block.results : block.results + len(outputs)]
         run = self._on(block)
-        turn = Lock()
+        turn = lock()
 
         def ordinary(values: Iterable[Any]) -> list[float] | None:
             with turn:  # there is one block

@@ -32,6 +32,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from threading import RLock
 from types import FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar, cast, get_type_hints
+from weakref import WeakSet
 
 from fuzzyarm.base.errors import FuzzyarmError
 
@@ -221,7 +222,18 @@ def _name(function: Callable[..., Any]) -> str:
 _by_address: list[Callable[..., None]] = []
 """Functions that interpreted kernels call by address: -1 is the first, -2 the second …"""
 
-_addressing = RLock()
+_locks: WeakSet[Any] = WeakSet()
+"""Those of :func:`lock`."""
+
+
+def lock() -> Any:
+    """Return a lock of a thread that is free again in a forked process, whoever held it."""
+    made = RLock()
+    _locks.add(made)
+    return made
+
+
+_addressing = lock()
 
 _addresses: dict[tuple[Any, ...], tuple[int, Any]] = {}
 """Of a function, its bindings and whether it is machine code: its address, and what must live."""
@@ -532,8 +544,15 @@ def _threads() -> Any:
     return ThreadPoolExecutor(processors(), "fuzzyarm")
 
 
-if hasattr(os, "register_at_fork"):  # a forked process has none of them
-    os.register_at_fork(after_in_child=_threads.cache_clear)
+def _begin_alone() -> None:
+    """Forget other threads in a process that was forked: it has none of them."""
+    _threads.cache_clear()
+    for each in list(_locks):
+        each._at_fork_reinit()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_begin_alone)
 
 
 # --- Kernels as plain Python, with other functions under some of their names ---

@@ -33,6 +33,7 @@ from fuzzyarm.table.header import (
 )
 from fuzzyarm.table.text import (
     MAX_CHARACTERS,
+    MOST_CELLS,
     ParsedTable,
     TextGrid,
     finish,
@@ -115,7 +116,8 @@ def write_table(table: LookupTable, path: str | Path) -> None:
     Raises
     ------
     TableError
-        If the suffix is none of ``.lut``, ``.csv``, ``.npz``, ``.json``, ``.tex``.
+        If the suffix is none of ``.lut``, ``.csv``, ``.npz``, ``.json``, ``.tex``, or the table has
+        more than 1,000,000 cells and is no ``.npz``.
     OSError
         If the folder cannot be written.
     """
@@ -129,6 +131,9 @@ def write_table(table: LookupTable, path: str | Path) -> None:
 
 def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | bytes:
     """Return the content of a file of `table` with the given suffix."""
+    if suffix in {*_TEXTS, LATEX} and table.values.size > MOST_CELLS:
+        message = f"{table.values.size:,} cells are not written as {suffix}: at most {MOST_CELLS:,}"
+        raise TableError(message, hint="an .npz takes any table")
     if suffix in _TEXTS:
         return _TEXTS[suffix].write(table.plain())
     if suffix == ".npz":

@@ -31,6 +31,9 @@ from fuzzyarm.table.header import (
 MAX_CHARACTERS = 64_000_000
 """Longest table text that is read at all."""
 
+MOST_CELLS = 1_000_000
+"""Most cells that are written as text: 200 bytes of memory each, and every such text is read."""
+
 
 @dataclass(frozen=True, slots=True)
 class ParsedTable:

@@ -36,6 +36,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -345,17 +346,15 @@ def _write_system(arguments: argparse.Namespace, system: System, target: Path) -
 
 def _say_findings(findings: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
     stream = sys.stderr if to_errors else sys.stdout
-    for diagnostic in findings:
-        if diagnostic.span != NOWHERE:
-            print_findings([diagnostic], text_to_show(source), stream)
+    # Neighbours at once: each call divides the text into lines.
+    for has_position, neighbours in groupby(findings, lambda finding: finding.span != NOWHERE):
+        if has_position:
+            print_findings(list(neighbours), text_to_show(source), stream)
             continue
-        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
-        path = diagnostic.path or source
-        say(
-            f"{path}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}",
-            *hint,
-            to_errors=to_errors,
-        )
+        for finding in neighbours:
+            hint = [f"       = hint: {finding.hint}"] if finding.hint else []
+            label = f"{finding.severity}[{finding.name}]"
+            say(f"{finding.path or source}: {label}: {finding.message}", *hint, to_errors=to_errors)
 
 
 def _say_system(
@@ -412,17 +411,8 @@ def _report(
         if not written:
             print_error(f"{arguments.target}: not written")
         return
-    stream = sys.stdout if written else sys.stderr
-    text = text_to_show(arguments.source) if findings else ""
-    for diagnostic in findings:
-        if arguments.quiet and not diagnostic.is_error:
-            continue
-        if diagnostic.span != NOWHERE:
-            print_findings([diagnostic], text, stream)
-            continue
-        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
-        label = f"{diagnostic.severity}[{diagnostic.name}]"
-        say(f"{diagnostic.path}: {label}: {diagnostic.message}", *hint, to_errors=not written)
+    told = [finding for finding in findings if finding.is_error or not arguments.quiet]
+    _say_findings(told, arguments.source, to_errors=not written)
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:
