@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm.apps.cli.main import main
-from fuzzyarm.base.text import diagnostic
-from fuzzyarm.base.text.diagnostic import split_lines
+from fuzzyarm.base import diagnostic
+from fuzzyarm.base.diagnostic import split_lines
 
 ROOT = Path(__file__).parents[2]
 

@@ -140,7 +140,7 @@ def test_a_process_forked_beside_a_first_call_of_another_thread_does_not_hang(wa
 def test_a_lock_that_another_thread_held_is_free_in_a_forked_process():
     code = (
         "import json, os, threading, time, warnings; warnings.simplefilter('ignore');"
-        "from fuzzyarm.kernels import lock; held = lock(); taken = threading.Event();"
+        "from fuzzyarm.symbolic.kernels import lock; held = lock(); taken = threading.Event();"
         "hold = lambda: (held.acquire(), taken.set(), time.sleep(0.5), held.release());"
         "other = threading.Thread(target=hold); other.start(); taken.wait(); child = os.fork();"
         "child or os._exit(7 if held.acquire(timeout=30) else 1);"

@@ -14,7 +14,7 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from table_strategies import tables
 
-from fuzzyarm.api import check_file
+from fuzzyarm.exchange.files import check_file
 from fuzzyarm.table import (
     Axis,
     LookupTable,
