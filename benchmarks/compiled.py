@@ -5,7 +5,7 @@
 Compiles ``compiled.c`` with ``gcc -O3`` (no other flags) where a C compiler is present.
 pyfuzzylite 8 needs NumPy below 2 and so an environment of its own;
 FUZZYARM_FUZZYLITE_PYTHON may name its Python, too. ``--write`` puts the table into
-docs/performance.md and draws its pictures. Times are of the processor (all run on one
+docs/explanation/performance.md and draws its pictures. Times are of the processor (all run on one
 core), so that a busy machine does less harm. Ratios are medians over rounds, in each of
 which both sides were measured; in parentheses the middle half of the rounds.
 """
@@ -41,7 +41,7 @@ from fuzzyarm.inference.sets import polyline
 from fuzzyarm.language.model.rulebase import RuleBase
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs/performance.md"
+PAGE = ROOT / "docs/explanation/performance.md"
 POINTS = 1_000_000
 ROUNDS = 15
 SKFUZZY_POINTS = 2_000
@@ -412,7 +412,7 @@ def lines_of(found: Measured) -> str:
 
 
 def write_page(text: str) -> None:
-    """Put the tables between the marks in docs/performance.md."""
+    """Put the tables between the marks in docs/explanation/performance.md."""
     page = PAGE.read_text(encoding="utf-8")
     start, end = "<!-- compiled inference: begin -->", "<!-- compiled inference: end -->"
     pattern = re.compile(re.escape(start) + ".*?" + re.escape(end), re.DOTALL)
@@ -430,7 +430,9 @@ def main(words: list[str] | None = None) -> int:
         metavar="PYTHON",
         help="Python of an environment with pyfuzzylite 8",
     )
-    parser.add_argument("--write", action="store_true", help="renew docs/performance.md")
+    parser.add_argument(
+        "--write", action="store_true", help="renew docs/explanation/performance.md"
+    )
     arguments = parser.parse_args(words)
     if not arguments.fuzzylite:
         print("pyfuzzylite's Python is not given (--fuzzylite): it is left out", file=sys.stderr)

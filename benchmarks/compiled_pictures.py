@@ -1,4 +1,4 @@
-"""Draw what compiled.py measured, for docs/performance.md."""
+"""Draw what compiled.py measured, for docs/explanation/performance.md."""
 
 from __future__ import annotations
 

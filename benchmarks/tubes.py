@@ -3,7 +3,7 @@
     python benchmarks/tubes.py                   # all
     python benchmarks/tubes.py TORA motor        # those whose names have one of these words
 
-The problems and where they come from stand in docs/closed-loop.md.
+The problems and where they come from stand in docs/explanation/closed-loop.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Write docs/conformance.md from the answers in `results` and the reasons in `differences.json`.
+"""Write docs/explanation/conformance.md from the answers in `results` and the reasons in `differences.json`.
 
 python -m conformance.report
 """
@@ -16,7 +16,7 @@ from typing import Any
 from conformance.run import RESULTS, TOOLS
 from conformance.suite import FOLDER, Case, read_all
 
-PAGE = FOLDER.parent / "docs" / "conformance.md"
+PAGE = FOLDER.parent / "docs" / "explanation" / "conformance.md"
 DIFFERENCES = FOLDER / "differences.json"
 ORDER = ("pass", "differs", "error", "cannot")
 OWN = "fuzzyarm"
@@ -114,7 +114,7 @@ HEAD = """# Whose number is right
 known: fractions, found by an evaluator in rational arithmetic that shares no code with any program here, and confirmed a
 second way to 1e-13 of the range. Each program is asked as its users ask it. A case **passes** where every number
 is within 1e-9 of the output's range, and where there is no number none is given. **Cannot** means that the program has
-no such setting; it is no fault. [One example, four numbers](concepts/one-example-four-numbers.md) shows what such settings do.
+no such setting; it is no fault. [One example, four numbers](one-example-four-numbers.md) shows what such settings do.
 """
 
 

@@ -1,6 +1,6 @@
 """The pages as a site: `make docs` builds it into `build/docs`, without a network.
 
-Pages are Markdown (MyST). What `docs/make_reference.py` knows from the program itself, the Python
+Pages are Markdown (MyST). What `tools/make_reference.py` knows from the program itself, the Python
 API above all, is written before they are read.
 """
 
@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "src")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "tools"), str(HERE.parent / "src")]
 
 import make_reference  # noqa: E402
 from docutils import nodes  # noqa: E402

@@ -23,7 +23,7 @@ for name, figures in rows.items():
 print("from the path")
 for name, each in beyond.items():
     print(f"{name:<16}" + "".join(f"{value:9.4f}" for run in each.runs for value in run.rms_path))
-# There at the moment of the sample, and late in between: see docs/comparison.md.
+# There at the moment of the sample, and late in between: see docs/explanation/comparison.md.
 assert beyond["fuzzy-smooth"].beats_all
 assert min(beyond["fuzzy-smooth"].runs[0].rms_path) > max(beyond["pd-motor"].runs[0].rms_path)
 assert not beyond["fuzzy-fine"].beats_all

@@ -1,7 +1,8 @@
 """What looking a value up in a table means, in exact fractions: the oracle of every reading.
 
-Written from docs/tables.md and docs/export.md, without the code under test. Numbers are taken
-as the rational numbers that they are; nothing is rounded but where the definition says so.
+Written from docs/reference/tables.md and docs/reference/export.md, without the code under test.
+Numbers are taken as the rational numbers that they are; nothing is rounded but where the definition
+says so.
 """
 
 from __future__ import annotations

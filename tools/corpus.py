@@ -3,7 +3,7 @@
 For every file: whether it imports, what was found in it, and, where a reference with the
 outputs of another program is at hand, whether its rule base gives the same to 1e-6. A
 reference is NAME.json in the folder given by --reference (by default `reference` beside
-the files); docs/formats.md tells what is in it.
+the files); docs/reference/formats.md tells what is in it.
 
     python tools/corpus.py DIR [--reference DIR] [--verbose] [--json]
 """

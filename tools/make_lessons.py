@@ -1,6 +1,6 @@
 """Make notebooks and marimo files of the lessons: `python tools/make_lessons.py DIR [PAGE…]`.
 
-The pages in `docs/tutorial` and `docs/tutorial-controller.md` are the one definition. Prose becomes
+The pages in `docs/tutorial` and `docs/tutorial/controller.md` are the one definition. Prose becomes
 cells of text; a file that a page names is written by a cell; a command of a console block is a cell
 that runs it in the same process, so that it needs no shell; Python runs as it stands.
 """
@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = [*sorted((DOCS / "tutorial").glob("[0-9]*.md")), DOCS / "tutorial-controller.md"]
+PAGES = [*sorted((DOCS / "tutorial").glob("[0-9]*.md")), DOCS / "tutorial" / "controller.md"]
 FENCE = re.compile(r"(?ms)^(?P<indent> *)```(?P<kind>\w+)\n(?P<body>.*?)^ *```\n?")
 NAMED = re.compile(r"(?:#|//|/\*) ?([\w./-]+\.(?:frb|py|csv|lut))(?: \*/)?\n")
 STATUS = re.compile(r"\s+# exit status (\d+)$")

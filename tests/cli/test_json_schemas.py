@@ -25,7 +25,9 @@ SERVO = str(ROOT / "rulebases" / "servo.frb")
 
 @pytest.fixture(scope="module")
 def maker() -> Any:
-    spec = importlib.util.spec_from_file_location("make_schemas", ROOT / "docs" / "make_schemas.py")
+    spec = importlib.util.spec_from_file_location(
+        "make_schemas", ROOT / "tools" / "make_schemas.py"
+    )
     assert spec is not None and spec.loader is not None  # noqa: PT018
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -199,8 +201,8 @@ def test_the_schemas_and_the_page_are_as_they_are_made(maker: Any) -> None:
         if (ROOT / "docs" / "schemas" / f"{output.name}.json").read_text("utf-8")
         != maker.schema_text(output)
     ]
-    assert stale == [], "run python docs/make_schemas.py"
-    assert (ROOT / "docs" / "json.md").read_text("utf-8") == maker.page()
+    assert stale == [], "run python tools/make_schemas.py"
+    assert (ROOT / "docs" / "reference" / "json.md").read_text("utf-8") == maker.page()
     requests = maker.requests()
     assert len(list((ROOT / "docs" / "schemas").iterdir())) == len(maker.OUTPUTS) + len(requests)
 

@@ -24,7 +24,7 @@ from fuzzyarm.language.model.units import product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import interface_of
 
-PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "controllers.md"
 
 SERVO = """controller servo
 use pd7 from "pd7.frb"

@@ -38,7 +38,7 @@ from fuzzyarm.symbolic.records import KindError
 from fuzzyarm.symbolic.sources import SOURCES, OptionKind, SourceState, source
 from fuzzyarm.table import Axis, LookupTable
 
-PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "controllers.md"
 VALUES = st.lists(st.floats(-5, 5, width=32), min_size=1, max_size=40)
 WIDTHS = st.floats(1e-3, 8.0)
 

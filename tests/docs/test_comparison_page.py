@@ -16,7 +16,7 @@ from fuzzyarm.apps.cli import main
 from fuzzyarm.base.files import write_atomically
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "docs"))
+sys.path.insert(0, str(ROOT / "tools"))
 
 from make_comparison import PAGES, TABLE, page, printed  # noqa: E402
 
@@ -37,7 +37,7 @@ CONSTANTS = {"2.32", "0.066", "0.002", "55.44", "48.51", "0.24", "3.142857"}
 )
 def test_a_table_is_what_its_command_prints(name, command, shown, update_golden):
     if update_golden:
-        path = ROOT / "docs" / name
+        path = ROOT / "docs" / "explanation" / name
         write_atomically(path, page(path.read_text("utf-8"), "fuzzyarm compare"))
         return
     assert printed(command) == shown

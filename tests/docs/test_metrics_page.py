@@ -15,7 +15,7 @@ from fuzzyarm.language.statements import _VERBS, TABLE_MODES
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = (DOCS / "metrics.md").read_text("utf-8")
+PAGE = (DOCS / "reference" / "metrics.md").read_text("utf-8")
 LESSON = (DOCS / "tutorial" / "5-a-controller.md").read_text("utf-8")
 
 WITHOUT_SAMPLES = {"chatter", "rms_periods", "rms_path"}
@@ -141,7 +141,7 @@ GLOSSARY = (
 
 
 def test_the_glossary_has_the_words_once_each():
-    text = (DOCS / "glossary.md").read_text("utf-8")
+    text = (DOCS / "reference" / "glossary.md").read_text("utf-8")
     words = [
         word.strip()
         for cell in re.findall(r"(?m)^\| ([^|]+) \| [^|]+ \|$", text)

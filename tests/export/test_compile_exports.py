@@ -22,7 +22,7 @@ from fuzzyarm.table import read_table
 ROOT = Path(__file__).parents[2]
 PD7 = str(ROOT / "rulebases" / "pd7.frb")
 TABLE = str(ROOT / "rulebases" / "thesis-6.1.lut")
-PAGE = (ROOT / "docs" / "export.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "reference" / "export.md").read_text("utf-8")
 
 TWO = """rulebase two
 input a 0 .. 1

@@ -14,7 +14,7 @@ pytestmark = [
 ]
 
 EXPLAINED = {"tsukamoto": "fuzzylite gives infinity for a sigmoid that fires fully"}
-"""Part of a file's name → why its numbers differ; docs/formats.md tells more."""
+"""Part of a file's name → why its numbers differ; docs/reference/formats.md tells more."""
 
 
 @cache

@@ -151,7 +151,7 @@ def test_points_are_kept_where_a_shape_would_differ_by_more_than_one_percent(
 
 @pytest.mark.slow
 def test_a_rule_base_of_gaussians_is_short() -> None:
-    """The sizes of docs/from-scikit-fuzzy.md."""
+    """The sizes of docs/howto/from-scikit-fuzzy.md."""
     names = ["NB", "NM", "NS", "ZE", "PS", "PM", "PB"]
     e = control.Antecedent(np.linspace(-6, 6, 121), "e")
     ce = control.Antecedent(np.linspace(-3, 3, 121), "ce")

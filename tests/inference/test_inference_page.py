@@ -1,4 +1,4 @@
-"""The examples of docs/inference.md are run, and its numbers compared."""
+"""The examples of docs/explanation/inference.md are run, and its numbers compared."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/inference.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/explanation/inference.md").read_text(encoding="utf-8")
 
 
 def test_the_examples_run_as_they_stand(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""The examples of docs/type2.md are run, and what they show compared."""
+"""The examples of docs/explanation/type2.md are run, and what they show compared."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/type2.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/explanation/type2.md").read_text(encoding="utf-8")
 
 
 def test_python_gives_what_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,7 +37,7 @@ from fuzzyarm.language.model.rulebase import (
     propositions,
 )
 
-DOCS = Path(__file__).parents[2] / "docs" / "checks.md"
+DOCS = Path(__file__).parents[2] / "docs" / "reference" / "checks.md"
 SOURCES = Path(__file__).parents[2] / "src" / "fuzzyarm"
 PD7 = shipped("pd7.frb").read_text()
 

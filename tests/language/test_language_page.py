@@ -12,7 +12,7 @@ from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
-PATH = Path(__file__).parents[2] / "docs" / "language.md"
+PATH = Path(__file__).parents[2] / "docs" / "reference" / "language.md"
 PAGE = PATH.read_text()
 BLOCKS = re.findall(r"```frb ?(\w*)\n(.*?)```", PAGE, re.DOTALL)
 PREAMBLE = next(text for kind, text in BLOCKS if kind == "preamble")

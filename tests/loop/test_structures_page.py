@@ -9,7 +9,7 @@ import pytest
 from fuzzyarm.apps.cli import main
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "structures.md").read_text()
+PAGE = (ROOT / "docs" / "explanation" / "structures.md").read_text()
 LAWS = (ROOT / "docs" / "howto" / "fuzzy-pid.md").read_text()
 
 RUNS = re.findall(r"(?m)^\| `([\w/+-]+\.frb)` \| `([\w-]+)` \| `(--[^`]+)` \| (.+) \|$", PAGE)

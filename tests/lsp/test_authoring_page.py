@@ -13,7 +13,7 @@ import pytest
 from needs import need
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "authoring.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "howto" / "authoring.md").read_text("utf-8")
 
 
 def _block(language: str) -> str:
@@ -26,7 +26,7 @@ def test_every_picture_is_there() -> None:
     names = re.findall(r"!\[[^]]*\]\(([^)]+)\)", PAGE)
     assert len(names) >= 7
     for name in names:
-        assert (ROOT / "docs" / name).read_text("utf-8").lstrip().startswith(("<svg", "<?xml"))
+        assert (ROOT / "docs" / "howto" / name).read_text("utf-8").lstrip().startswith(("<svg", "<?xml"))
 
 
 def test_the_configuration_of_helix_can_be_read() -> None:

@@ -210,7 +210,7 @@ def test_no_hint_asks_an_index_for_fuzzyarm():
 
 
 def test_the_page_on_installing_lists_all_extras():
-    page = (ROOT / "docs" / "install.md").read_text("utf-8")
+    page = (ROOT / "docs" / "howto" / "install.md").read_text("utf-8")
     rows = re.findall(r"(?m)^\| `(\w+)` \|", page)
     assert sorted(rows) == sorted(PROJECT["optional-dependencies"])
 

@@ -249,7 +249,7 @@ SLOW = (
 
 
 def test_a_check_of_a_rule_base_loads_little():
-    """It takes less than five times as long as `import argparse` (docs/performance.md)."""
+    """It takes less than five times as long as `import argparse`."""
     code = (
         "import sys; before = set(sys.modules); from fuzzyarm.apps.cli import main;"
         "from fuzzyarm import shipped; main(['check', '--quiet', str(shipped('pd7.frb'))]);"

@@ -124,7 +124,7 @@ def shown_code():
     """Yield what pages and examples show."""
     for path in sorted((ROOT / "examples").glob("*.py")):
         yield path.name, path.read_text("utf-8")
-    for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+    for path in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         for block in re.findall(r"(?ms)^```python\n(.*?)^```", path.read_text("utf-8")):
             yield path.name, block
 

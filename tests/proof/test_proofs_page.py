@@ -1,4 +1,4 @@
-"""The examples of docs/proofs.md are run, and what they show compared."""
+"""The examples of docs/explanation/proofs.md are run, and what they show compared."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fuzzyarm.apps.cli.main import main
 from fuzzyarm.language import parse
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/proofs.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/explanation/proofs.md").read_text(encoding="utf-8")
 
 
 def test_the_statements_are_read() -> None:

@@ -1,11 +1,11 @@
-"""docs/python.md shows what comes out."""
+"""docs/howto/python.md shows what comes out."""
 
 import doctest
 from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).parents[2] / "docs" / "python.md"
+PAGE = Path(__file__).parents[2] / "docs" / "howto" / "python.md"
 
 
 def test_the_page_shows_what_comes_out(tmp_path, monkeypatch):

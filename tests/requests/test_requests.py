@@ -227,7 +227,7 @@ def test_a_slip_in_a_call_is_an_error_of_fuzzyarm_that_says_what_was_meant(make,
 
 
 def test_the_schemas_are_published():
-    place = ROOT / "docs" / "make_schemas.py"
+    place = ROOT / "tools" / "make_schemas.py"
     spec = importlib.util.spec_from_file_location("make_schemas", place)
     assert spec is not None and spec.loader is not None  # noqa: PT018
     maker = importlib.util.module_from_spec(spec)
@@ -235,7 +235,7 @@ def test_the_schemas_are_published():
     for kind in maker.requests():
         Draft202012Validator.check_schema(schema_of(kind))
         file = ROOT / "docs" / "schemas" / f"{maker.request_name(kind)}.json"
-        assert file.read_text("utf-8") == maker.request_text(kind), "python docs/make_schemas.py"
+        assert file.read_text("utf-8") == maker.request_text(kind), "python tools/make_schemas.py"
     assert {kind.__name__ for kind in JOBS.values()} <= {k.__name__ for k in maker.requests()}
 
 

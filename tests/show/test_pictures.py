@@ -1,4 +1,4 @@
-"""The pictures of the pages are what the program shows today; `docs/make_pictures.py` makes them.
+"""The pictures of the pages are what the program shows today; `tools/make_pictures.py` makes them.
 
 Those that take a run of a plant are made by the same command and looked at; here are the others.
 """
@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 STORED = Path(__file__).parents[2] / "docs" / "pictures"
-MAKE = STORED.parent / "make_pictures.py"
+MAKE = STORED.parents[1] / "tools" / "make_pictures.py"
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_pictures_say_what_the_program_says_today(drawn):
     names = sorted(path.name for path in drawn.glob("*.svg"))
     assert {"pd7-table.svg", "explained.svg", "watch.svg", "new.svg"} <= set(names)
     stale = [name for name in names if words(drawn / name) != words(STORED / name)]
-    assert stale == [], "run python docs/make_pictures.py, and look at them"
+    assert stale == [], "run python tools/make_pictures.py, and look at them"
     assert all(words(drawn / name) for name in names)
 
 
@@ -51,9 +51,9 @@ def test_pictures_say_what_the_program_says_today(drawn):
 def test_figures_look_as_they_do_today(drawn):
     for path in drawn.glob("*.png"):
         now, then = (Image.open(each).convert("RGB") for each in (path, STORED / path.name))
-        assert now.size == then.size, f"{path.name}: run python docs/make_pictures.py"
+        assert now.size == then.size, f"{path.name}: run python tools/make_pictures.py"
         difference = np.abs(np.asarray(now, float) - np.asarray(then, float)).mean()
-        assert difference < 1.0, f"{path.name}: run python docs/make_pictures.py"
+        assert difference < 1.0, f"{path.name}: run python tools/make_pictures.py"
 
 
 def test_every_picture_of_a_page_is_there_and_every_picture_has_its_page():

@@ -1,4 +1,4 @@
-"""docs/tables.md speaks of the format as it is."""
+"""docs/reference/tables.md speaks of the format as it is."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fuzzyarm.table import LookupTable, parse_lut
 from fuzzyarm.table.files import table_as
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "tables.md").read_text("utf-8")
+PAGE = (ROOT / "docs" / "reference" / "tables.md").read_text("utf-8")
 
 
 def test_the_example_is_a_table_in_canonical_form():
@@ -25,5 +25,5 @@ def test_every_mistake_is_explained():
         calls = r"(?:Diagnostic|_report|_fault)\(\s*\"([a-z]+(?:-[a-z]+)+)\""
         names |= set(re.findall(calls, path.read_text("utf-8")))
     assert len(names) > 20
-    pages = PAGE + (ROOT / "docs" / "checks.md").read_text("utf-8")
+    pages = PAGE + (ROOT / "docs" / "reference" / "checks.md").read_text("utf-8")
     assert {name for name in names if f"`{name}`" not in pages} == set()

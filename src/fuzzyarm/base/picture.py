@@ -5,6 +5,9 @@ A picture is made once and drawn by several renderers: :mod:`fuzzyarm.apps.show`
 :func:`panel_data`.
 Nothing here knows how wide a screen is, and nothing imports numpy; the numbers of a part may be
 arrays.
+
+To add a picture, write a function that returns a :class:`Panel`; terminal, figure and page draw it
+without another line. Look at it, at one and two times its size, dark and light, with long names.
 """
 
 from __future__ import annotations

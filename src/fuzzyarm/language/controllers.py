@@ -3,6 +3,11 @@
 They stand below a line ``controller NAME``, and are words of the language there only. Rows are as
 :mod:`fuzzyarm.language.rows` says; their nodes are the records of
 :mod:`fuzzyarm.language.model.controller`, and what a signal may come from is its table ``SOURCES``.
+
+To add a statement of a controller: its record in the model, which is its own node; its row here;
+its meaning in :mod:`fuzzyarm.language.controller_meaning`; its line in
+``docs/reference/controllers.md``. A source of signals needs its record alone
+(:mod:`fuzzyarm.symbolic.sources`).
 """
 
 from __future__ import annotations

@@ -9,6 +9,10 @@ renaming and the outline (its mentions).
 To add a statement: write its node below, add its row to :data:`STATEMENTS`, and say what it means
 in :func:`fuzzyarm.language.meaning.elaborate`. Two are written by hand, since they are not a line
 of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
+
+Further steps: a section with an example in ``docs/reference/language.md``, which the tests parse; a
+line in ``docs/reference/checks.md`` for each new finding; ``pytest --update-golden`` for the tables
+of the pages and the editor's grammar. ``tests/language/test_new_statement.py`` adds one in a test.
 """
 
 from __future__ import annotations

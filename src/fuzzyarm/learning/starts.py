@@ -6,6 +6,11 @@
   of each input;
 - **subtractive clustering** (S. L. Chiu, 1994): samples with many neighbours as centres; how
   many there are follows from the radius.
+
+To add a start, write a function that returns `Premises` of any smooth kinds: their derivatives are
+read from the expressions. :mod:`.structure` chooses by cross-validation, :mod:`.fit` is the whole
+way, and the score is that of the text read back. ``benchmarks/learning.py`` measures a change of
+methods.
 """
 
 from __future__ import annotations

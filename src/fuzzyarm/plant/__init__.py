@@ -1,7 +1,8 @@
 """Plants: the protocol, the two-link arm of the study and its trajectories, shipped ones.
 
 Angles are degrees where people write them (trajectories, errors) and radians inside;
-everything else is SI. See ``docs/arm.md`` and ``docs/plants.md`` for the equations.
+everything else is SI. See ``docs/explanation/arm.md`` and ``docs/reference/plants.md`` for the
+equations.
 """
 
 from __future__ import annotations

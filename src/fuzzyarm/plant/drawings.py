@@ -78,7 +78,9 @@ class PlantScene:
 
 # --- Any plant ---
 
-HINT = "draw(self, scene) returns a Drawing of fuzzyarm.base.picture; docs/plants.md has one"
+HINT = (
+    "draw(self, scene) returns a Drawing of fuzzyarm.base.picture; docs/reference/plants.md has one"
+)
 
 
 def is_drawn(plant: object) -> bool:

@@ -1,7 +1,19 @@
 """The shipped plants besides the arm: servo, cart-pole, coupled tanks, ball and beam, room.
 
-Equations and sources stand in ``docs/plants.md``. Every equation is a kernel and runs as machine
-code; `x` holds the states, `u` the inputs and `p` the parameters, in the order of the mappings.
+Equations and sources stand in ``docs/reference/plants.md``. Every equation is a kernel and runs as
+machine code; `x` holds the states, `u` the inputs and `p` the parameters, in the order of the
+mappings.
+
+To add a plant
+--------------
+Add a class with ports, states, parameters and a ``derivative`` that is a kernel, and its name in
+``LIBRARY``. ``longest_step`` is a fraction of the shortest time constant; ``bound`` is where a run
+has diverged. Its picture is a function of :mod:`fuzzyarm.plant.drawings`; how a hand pushes it in
+the designer stands in ``apps/designer/stage.py``. With it come a controller in ``rulebases/``;
+conserved quantities, its equations once more by hand, and the figures of its controller in
+``tests/plant/test_library.py``; equations and source in ``docs/reference/plants.md``. A plant of
+another package is a module beside this one (``environments.py``, ``fmu.py``) and a word in
+``find_plant``. What one plant has and others lack (trajectories, loads) the plant says of itself.
 """
 
 from __future__ import annotations

@@ -3,6 +3,11 @@
 Every one maps degrees from 0 to 1 into 0 .. 1, rounding included; the sum alone may exceed
 1, it is for aggregation. Sources: E. P. Klement, R. Mesiar, E. Pap, *Triangular Norms*,
 2000; J. C. Fodor, *Contrapositive symmetry of fuzzy implications*, 1995 (nilpotent).
+
+To add a norm or a hedge
+------------------------
+Add its record here, with its source; the rest follows as for shapes (:mod:`.shapes`). An operation
+that no expression has yet is a record of :mod:`.operations`.
 """
 
 from __future__ import annotations

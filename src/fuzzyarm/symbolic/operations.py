@@ -9,6 +9,9 @@ The functions over floats never raise: where arithmetic has no value they give N
 infinity, as arrays and compiled code do. Of two equal arguments (0.0 and -0.0 are equal)
 ``minimum`` and ``maximum`` return the first, also where one of them is NaN: they are
 ``b if b < a else a`` in every language.
+
+To add a reading of expressions (another language, another kind of number), write a walk as in
+:mod:`.evaluation`, or a ``Language`` of :mod:`.printing`.
 """
 
 from __future__ import annotations

@@ -8,6 +8,15 @@ too. On a vertical edge the higher value holds.
 Sources: the shapes of the Fuzzy Logic Toolbox (MathWorks, *Fuzzy Logic Toolbox User's
 Guide*) and those that fuzzylite adds (J. Rada-Vilela, *The FuzzyLite Libraries for Fuzzy
 Logic Control*, 2018).
+
+To add a shape
+--------------
+Add its record here, by the calls that users have (``docs/reference/kinds.md``), with the key of its
+source in :mod:`fuzzyarm.base.sources`. Scalars, arrays, machine code, every exported language,
+derivatives, bounds, completion, hover and the tables of ``docs/reference/language.md`` follow;
+``pytest --update-golden`` renews the pages and the editor's grammar.
+``tests/expression/test_readings.py`` and ``tests/kinds`` take it up by themselves. Its name in
+another program is a line of that program's dialect.
 """
 
 from __future__ import annotations

@@ -14,9 +14,9 @@ To add a source
    its start.
 2. Add one ``kind(…)`` to `_register`, or call :func:`source` from a program of your own.
 3. Rebuild the machine code (``python -m fuzzyarm.apps.native.build``), add a line to the table in
-   ``docs/controllers.md``, and run ``pytest tests/controller/test_sources.py``: it takes every
-   record through the language, both kinds of loop, ranges, proofs, describing functions, diagrams
-   and exports.
+   ``docs/reference/controllers.md``, and run ``pytest tests/controller/test_sources.py``: it takes
+   every record through the language, both kinds of loop, ranges, proofs, describing functions,
+   diagrams and exports.
 
 Without ``bounds`` its range follows from its update. A proof takes its update as it is, or refuses
 it by the name of the operation that it cannot enclose.

@@ -52,7 +52,7 @@ _CHECK = """Find mistakes and doubts in rule bases and tables.
 
 Prints each finding with its position, the source line, a caret and, where there is one, what
 was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
-A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
+A comment `# allow NAME` on a line silences the finding of that name there; docs/reference/checks.md
 explains every name. --format github adds a line to each finding which GitHub shows beside the
 code. A controller is checked on the shipped plant that has its axes, or with
 --plant on that one, where a port that it lacks is an error. Of a folder every rule base and

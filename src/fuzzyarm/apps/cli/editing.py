@@ -208,8 +208,8 @@ def _picture(
 _LSP = """The language server for editors: diagnostics, completion, hover, rename and more.
 
 Editors start it themselves and talk to it over its standard input and output; with
-`--tcp PORT` (or HOST:PORT) it waits for one connection instead. docs/authoring.md says how
-to set up VS Code, Neovim and Helix. Needs the extra `lsp`, see docs/install.md.
+`--tcp PORT` (or HOST:PORT) it waits for one connection instead. docs/howto/authoring.md says how
+to set up VS Code, Neovim and Helix. Needs the extra `lsp`, see docs/howto/install.md.
 """
 
 _HOST = "127.0.0.1"

@@ -1,4 +1,9 @@
-"""Find the command, run it, turn errors into one line and an exit status."""
+"""Find the command, run it, turn errors into one line and an exit status.
+
+To add a command: its record in a module of this package and its line in ``COMMANDS``, under a
+heading. A status other than 0 comes with a sentence (``print_error``), long work uses ``busy`` or
+``progress_bar``, JSON ``print_json``. Help, completion and ``docs/reference/commands.md`` follow.
+"""
 
 from __future__ import annotations
 

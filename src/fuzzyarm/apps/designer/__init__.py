@@ -3,6 +3,21 @@
 The text stays the one source of truth: whatever the user changes in the page is an edit of the
 text. `server` holds the open files, `scene` says what a page draws, `written` writes a page that
 needs no server; the page itself is in ``page/``.
+
+To add to the designer
+----------------------
+A hand's change is an edit of the text by a pure function of :mod:`fuzzyarm.language.edit`. A
+question of the page is a record in ``requests.py`` and a line in ``_QUESTIONS`` of ``shared.py``;
+a handler gets sound data and raises a ``FuzzyarmError`` for what does not fit the text. Answers
+are typed in ``messages.py``; ``make types`` prints both for the page. Long work is a function of
+the session, a request and a ``Job``, named in ``WORKS`` of ``requests.py`` and ``open_files.py``.
+A form is a ``Form`` of ``forms.py``: the names of request fields.
+
+In ``page/`` a pane is a class made of the store and of a hand's actions, named in ``DESIGN`` of
+``frame.js``; a view is an entry in ``VIEWS`` of ``app.js``; words are in ``strings.js``;
+arithmetic is in ``geometry/``, with a test in ``editors/designer/test``. ``make designer`` builds
+what is committed. Look at the page with a long and with a hostile file
+(``tools/make_designer_pictures.py``).
 """
 
 from typing import TYPE_CHECKING

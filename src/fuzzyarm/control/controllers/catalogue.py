@@ -4,6 +4,13 @@ The values here are those of the study where it prints them; the others were ide
 from its figures (``fuzzyarm identify``) and say so. Where text and figures disagree a
 controller exists in two variants: ``as-printed`` gives the published figures and is the
 default, ``as-described`` follows the text.
+
+To add a controller
+-------------------
+A fuzzy one is a file in ``rulebases/`` and a line here. A law that is not fuzzy is a kernel and
+its record in the module of its family (:mod:`.law`): constants in ``numbers``, what it remembers
+in ``memory``, and an entry here. ``tests/loop/test_run.py`` holds its compiled and interpreted
+bits together.
 """
 
 from __future__ import annotations

@@ -2,6 +2,11 @@
 
 What a run is depends on its number and on the values that differ, and on nothing else: neither on
 how many workers there are, nor on the blocks in which they take the runs.
+
+To vary something else from run to run: ``Bench._owner`` says to which object a name belongs, and
+``Bench.course`` or ``Bench.run`` what it changes. Add a line to ``docs/howto/sweeps.md`` and a
+single run for comparison to ``tests/loop/test_many.py``. What pickle cannot send has a recipe in
+``packed`` of :mod:`.blocks`, by text or by name, never by address.
 """
 
 from __future__ import annotations

@@ -1,4 +1,9 @@
-"""Metrics of a run: how near, how fast, how calm, at what cost."""
+"""Metrics of a run: how near, how fast, how calm, at what cost.
+
+To add a metric: a field of :class:`Metrics` and its formula in ``FORMULAS``, from which
+``docs/reference/metrics.md`` is written and which a test computes. It is a name in the costs of
+``tune`` by itself.
+"""
 
 from __future__ import annotations
 
@@ -243,7 +248,7 @@ FORMULAS: dict[str, tuple[str, str]] = {
     "rms_periods": (ERROR, "sqrt(mean(e**2)), e in every control period"),
     "rms_path": (ERROR, "sqrt(mean(e**2)), e in every control period, from the reference itself"),
 }
-"""Of each metric the unit, and what it is of what was sampled; ``docs/metrics.md`` has the names.
+"""Of each metric the unit and the formula; ``docs/reference/metrics.md`` has the names.
 
 ``tests/docs/test_metrics_page.py`` computes them.
 """

@@ -4,6 +4,14 @@ MicroPython imports `math` and `array` alone, and its numbers stand in it so tha
 decimals can round them: arrays as bytes, single numbers as the quotient of two whole ones.
 JavaScript is a module for browsers and node. Rust is one source file that needs `core` alone, or
 the crate `libm` where the rules have functions of mathematics and there is no `std`.
+
+To add a language
+-----------------
+A ``Target`` here (its spellings), a ``Module`` in :mod:`.modules` (the class of a controller, the
+frame of a file), its reserved words in :mod:`fuzzyarm.symbolic.identifiers`, its suffix in
+:mod:`fuzzyarm.base.folders`, and a line in ``tests/export/test_own_tests.py`` and
+``test_hostile_names.py``, which run the self-test of every file and of every odd name. A language
+whose expressions only calculate takes :mod:`.flattening` first, as Structured Text does.
 """
 
 from __future__ import annotations

@@ -201,7 +201,8 @@ class Dialect:
         return self.defuzzifiers or self.kinds
 
 
-# docs/formats.md has these records as one table, in words, and the releases that were measured.
+# docs/reference/formats.md has these records as one table, in words, and the releases that were
+# measured.
 FLL = Dialect(
     suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it

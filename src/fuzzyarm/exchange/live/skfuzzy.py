@@ -6,7 +6,7 @@ is asked for or nothing else has them, as ``points``, which is exactly the same 
 Its centroid is the exact one of the clipped terms, but joins their union between the points
 of the universe (and of the cuts) by straight lines: where two terms cross between two
 points, it differs from the integral by a triangle of that width.
-docs/from-scikit-fuzzy.md has the sizes.
+docs/howto/from-scikit-fuzzy.md has the sizes.
 
 This is the one part of the package that needs array libraries, inside its functions.
 """

@@ -1,6 +1,11 @@
 """The checks, a record each; the run of all of them; the comments that silence them.
 
 To add a check: write its function in :mod:`.terms` or :mod:`.rules`, and its record here.
+
+Its sentence goes into ``docs/reference/checks.md``, and a text with and one without it into
+``tests/language/test_checks.py``. A doubt about a controller is a function of
+:mod:`fuzzyarm.language.controller_doubts` where its lines are enough, of
+:mod:`fuzzyarm.control.controllers.findings` where files, ranges or the plant are needed.
 """
 
 from __future__ import annotations

@@ -3,6 +3,9 @@
 Each asks for the costs of points, one or many at a time, until `ask` raises to end it. With one
 seed each asks for the same points in the same order, whatever the number of workers; so an
 interrupted search is resumed by answering its first questions from the journal.
+
+To add an optimiser, write such a function and its record here. Parameters that move together are
+those of :mod:`.movement`; all are shares between 0 and 1 (:mod:`.design`).
 """
 
 from __future__ import annotations

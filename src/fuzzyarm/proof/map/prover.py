@@ -4,6 +4,11 @@ Floats come first: they decide nearly everything, with a margin for their roundi
 leave open (a bound that is attained, a slope that is exactly 0) is cut again in rationals,
 only in the cells where it is open. A rule base that is not made of straight pieces goes by
 boxes (:mod:`fuzzyarm.proof.map.boxes`), which are always sound and mostly wider.
+
+To prove something else: a quotient of polynomials in :mod:`.surface`, its question here, a verb of
+``ProveNode`` in :mod:`fuzzyarm.language.statements` and its judge in :mod:`.verdicts`. What is new
+in a rule base is refused by name in :mod:`.straight` and :mod:`.boxes` until
+``tests/proof/test_soundness.py`` covers it; ``tests/fuzz/random_proofs.py`` tries to refute it.
 """
 
 from __future__ import annotations

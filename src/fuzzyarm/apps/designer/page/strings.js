@@ -283,7 +283,7 @@ export const S = {
       title: "The language",
       isCode: true,
       words: [
-        "docs/language.md has all of it, docs/controllers.md that of controllers, and docs/tutorial ten lessons, each of ten minutes; " +
+        "docs/reference/language.md has all of it, docs/reference/controllers.md that of controllers, and docs/tutorial ten lessons, each of ten minutes; " +
           "`fuzzyarm new` and New file write files to begin with.",
       ],
       rows: [
