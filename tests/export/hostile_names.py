@@ -8,7 +8,9 @@ from fuzzyarm.language.tokens import name_text
 
 NAMES = tuple(
     """
-    first self step s d e E last k t t_2 x T X part part_0 value bound rate cell responsible
+    first self step s d e E last k t t1 t_1 T1 t_2 x T X part part_0 value bound rate cell
+    responsible room pair found found_2 blend clamp made_least made_greatest made_test made_state
+    sin exp expf
     within reference measured drive drives gains given expected failed tested points passed
     huge state init save load periods_left set_point_ends until_set_point u_held held F
     F_next F_visits F_ring F_values F_start ring next visits values low high middle index
