@@ -9,8 +9,8 @@ from pathlib import Path
 from needs import need
 
 from fuzzyarm.exchange.export import routines_of
-from fuzzyarm.exchange.export.module_files import routines_module
-from fuzzyarm.exchange.export.modules import MODULES
+from fuzzyarm.exchange.export.languages import MODULES
+from fuzzyarm.exchange.export.write import routines_module
 from fuzzyarm.language.model.rulebase import RuleBase
 
 

@@ -31,8 +31,8 @@ from fuzzyarm.exchange.export import (
     ControllerProgram,
     ExportError,
     export_controller,
-    module_files,
     with_tables,
+    write,
 )
 from fuzzyarm.exchange.export.controller_lowering import controller_program
 from fuzzyarm.exchange.export.evaluation import EvaluatedController
@@ -434,9 +434,9 @@ def test_the_difference_that_is_reported_is_that_of_the_text(tmp_path, monkeypat
     program = ControllerProgram(shipped_text("servo"), "float64")
     exact = export_controller(program, tmp_path / "made.py")
     assert exact.program.tried.worst == 0.0
-    whole = module_files.module_of
+    whole = write.module_of
     monkeypatch.setattr(
-        module_files, "module_of", lambda *parts: whole(*parts).replace("* self.G_u", "* 4.4")
+        write, "module_of", lambda *parts: whole(*parts).replace("* self.G_u", "* 4.4")
     )
     wrong = export_controller(program, tmp_path / "made.py")
     assert 0.1 < wrong.program.tried.worst < 10.0

@@ -33,9 +33,9 @@ from hypothesis import strategies as st  # noqa: E402
 from fuzzyarm import compile_table, compiled, infer  # noqa: E402
 from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.exchange.export import ExportError, routines_of  # noqa: E402
-from fuzzyarm.exchange.export.module_files import routines_module  # noqa: E402
-from fuzzyarm.exchange.export.modules import MODULES  # noqa: E402
+from fuzzyarm.exchange.export.languages import MODULES  # noqa: E402
 from fuzzyarm.exchange.export.routine import Accuracy  # noqa: E402
+from fuzzyarm.exchange.export.write import routines_module  # noqa: E402
 from fuzzyarm.exchange.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
 from fuzzyarm.inference.arrays import infer_arrays  # noqa: E402

@@ -84,8 +84,6 @@ class Making:
         Version of FMI.
     platforms : str or None
         Of an FMU: which machines it runs on, as in ``linux64,win64``.
-    xml : str
-        What an ``.xml`` is: ``plcopen`` or ``iec61131-10``.
     proofs : tuple of str
         Of a controller: what is proved of it in its loop, for the head.
     """
@@ -104,7 +102,6 @@ class Making:
     name: str | None = None
     fmi: int = 2
     platforms: str | None = None
-    xml: str = "plcopen"
     proofs: tuple[str, ...] = ()
 
 
@@ -127,7 +124,6 @@ def making_of(request: ExportRequest) -> Making:
         name=request.name,
         fmi=request.fmi or 2,
         platforms=request.platforms,
-        xml=request.format or "plcopen",
     )
 
 
@@ -210,9 +206,7 @@ def source_of(
         hint = error.hint if "--table" in error.hint else f"{error.hint}, or {TABLE_HINT}"
         # The rules cannot be written, but a table of them can.
         raise error.in_file("", hint) from error
-    exported = export_files(
-        routines, path, how.name, fmi=how.fmi, platforms=how.platforms, xml=how.xml
-    )
+    exported = export_files(routines, path, how.name, fmi=how.fmi, platforms=how.platforms)
     return exported, reports
 
 
@@ -279,9 +273,7 @@ def program_of(
     program, reports = controller_program(controller, how, default, progress)
     if progress is not None:
         progress("exporting")
-    exported = export_controller(
-        program, path, how.name, fmi=how.fmi, platforms=how.platforms, xml=how.xml
-    )
+    exported = export_controller(program, path, how.name, fmi=how.fmi, platforms=how.platforms)
     return exported, reports
 
 

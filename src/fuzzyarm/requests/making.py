@@ -61,9 +61,6 @@ class ExportRequest(CompileRequest):
         group=SOURCE,
     )  # fmt: skip
     name: str | None = option("--name IDENT", "begins every identifier", None, group=SOURCE)
-    format: Literal["plcopen", "iec61131-10"] | None = option(
-        "--format", "of an .xml: plcopen by default", None, group=SOURCE
-    )
     place: Literal["arduino", "platformio"] | None = option(
         "--for", "a folder for an IDE", None, group=SOURCE
     )

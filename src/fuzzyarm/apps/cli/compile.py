@@ -2,9 +2,8 @@
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
 and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
-beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML, or with --format
-iec61131-10 as the XML of that standard), .scl (SCL for the TIA Portal), or a module: .py for
-MicroPython, .mjs or .js for JavaScript, .rs for Rust.
+beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML), .scl (SCL for the
+TIA Portal), or a module: .py for MicroPython, .mjs or .js for JavaScript, .rs for Rust.
 FILE may be a table already; it is then rewritten in the other format.
 
 The levels, bins and rounding are those of the file's `lookup` settings; an input without
@@ -105,8 +104,6 @@ def _run(request: ExportWords) -> int:
     if request.report is not None:
         _demand_report(request.out, request.report)
     suffix = require_suffix(request.out, (*tables, *EXPORTS))
-    if suffix != ".xml":
-        _forbid(request, ("format",), f"{Path(request.out).name} is not an .xml")
     if suffix != _UNIT:
         _forbid(request, _UNITS_ONLY, f"{Path(request.out).name} is not an FMU")
     elif request.precision not in (None, "float64"):
@@ -173,7 +170,7 @@ def _write_for_board(request: ExportWords) -> None:
 
     _forbid(
         request,
-        ("ends", "fmi", "platforms", "certificate", "format", "report"),
+        ("ends", "fmi", "platforms", "certificate", "report"),
         f"--for {request.place} makes a folder for a board",
     )
     if request.table and request.direct:

@@ -1,7 +1,7 @@
 """Controllers as source text for small machines: C99 and IEC 61131-3 Structured Text.
 
 Rule bases, tables and controllers are lowered once to a typed program
-(:mod:`fuzzyarm.exchange.export.typed_program`), which every target prints, C still from the parts.
+(:mod:`fuzzyarm.exchange.export.typed_program`), which every target prints.
 
 A *routine* is one function of the exported file together with a Python model of the very
 same arithmetic: :class:`~fuzzyarm.exchange.export.table_numbers.FloatTable`,
@@ -21,7 +21,6 @@ from fuzzyarm.exchange.export.numbers import ExportError
 from fuzzyarm.exchange.export.rulebase import DirectRoutine
 from fuzzyarm.exchange.export.table_numbers import FixedTable, FloatTable
 from fuzzyarm.exchange.export.write import (
-    XML_FORMATS,
     Exported,
     ExportedController,
     export_controller,
@@ -32,7 +31,6 @@ from fuzzyarm.exchange.export.write import (
 
 __all__ = [
     "EXPORTS",
-    "XML_FORMATS",
     "ControllerProgram",
     "DirectRoutine",
     "ExportError",

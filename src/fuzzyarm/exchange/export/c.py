@@ -19,9 +19,8 @@ import numpy as np
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.controller_lowering import LEFT, controller_program
 from fuzzyarm.exchange.export.lowering import routines_program
-from fuzzyarm.exchange.export.modules import start_text
 from fuzzyarm.exchange.export.numbers import C_TYPES, Kind, c_number
-from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target
+from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target, start_text
 from fuzzyarm.exchange.export.routine import (
     Routine,
     calls_functions,

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.exchange.export.languages import PYTHON
-from fuzzyarm.exchange.export.modules import MODULES, module_of
+from fuzzyarm.exchange.export.languages import MODULES, PYTHON
+from fuzzyarm.exchange.export.modules import module_of
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.printer import Printer
 from fuzzyarm.exchange.export.typed_program import Program

@@ -1,4 +1,4 @@
-"""The languages of the exported program: a record of spellings and a frame around its parts each.
+"""The languages of exported modules: a record of spellings, and one of the frame of a file, each.
 
 MicroPython imports `math` and `array` alone, and its numbers stand in it so that no reader of
 decimals can round them: arrays as bytes, single numbers as the quotient of two whole ones.
@@ -20,11 +20,14 @@ import ast
 import inspect
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from fuzzyarm.base.jsonable import script_json
+from fuzzyarm.exchange.export.modules import LETTERS, Module
 from fuzzyarm.exchange.export.numbers import Kind, c_number
 from fuzzyarm.exchange.export.printer import Printer, Target
 from fuzzyarm.exchange.export.routine import number_lines
@@ -36,7 +39,7 @@ from fuzzyarm.symbolic.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
 from fuzzyarm.symbolic.printing import PYTHON as PYTHON_EXPRESSIONS
 from fuzzyarm.symbolic.printing import javascript_number
 
-__all__ = ["JAVASCRIPT", "LETTERS", "PYTHON", "RUST"]
+__all__ = ["JAVASCRIPT", "MODULES", "PYTHON", "RUST"]
 
 
 def _is_float(kind: Kind) -> bool:
@@ -44,16 +47,6 @@ def _is_float(kind: Kind) -> bool:
 
 
 # ── MicroPython ──────────────────────────────────────────────────────────────────────
-
-LETTERS = {
-    "float64": "d",
-    "float32": "f",
-    "int8": "b",
-    "int16": "h",
-    "int32": "i",
-    "uint32": "I",
-    "uint64": "i",
-}
 
 _QUIET = "_quiet(math.{})"
 _FUNCTIONS = {
@@ -163,6 +156,38 @@ PYTHON = Target(
 )  # fmt: skip
 
 
+PYTHON_MODULE = Module(
+    PYTHON, "#", "on a board: import {0}, and {0}.self_test() is 0 where all is well",
+    "controller = Controller()", '''
+<more>
+from array import array
+
+<constants>
+
+<helpers>
+<parts>
+def self_test():
+    # Returns 0 if all agrees with the model.
+    failed = False
+    <test>
+    return int(failed)
+''', '''
+class Controller:
+    def __init__(self):
+        """As before the first period."""
+        <starts>
+
+    def step(<parameters>):
+        <step>
+
+''', "self", "", "self.{name} = {start}",
+    ('array("{letter}", bytes({bytes}))', "[{value}] * {count}", 'array("{letter}", {name})'),
+    lambda printer: ["import math"] * any(
+        "math." in text for text in [*printer.helpers, *printer.functions]
+    ),
+)  # fmt: skip
+
+
 # ── JavaScript ───────────────────────────────────────────────────────────────────────
 
 _JAVASCRIPT_HELPERS = {
@@ -197,11 +222,22 @@ def _with_helpers(
     return operation_text
 
 
-def _javascript_array(
-    _printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int
-) -> str:
-    texts = [javascript_number(x) if _is_float(kind) else str(x) for x in values]
-    return "\n".join([f"const {name} = [", *number_lines(texts, columns), "];"])
+def _listed(head: str, number: Callable[[Printer, float, Kind], str]) -> Callable[..., str]:
+    """Return the text of arrays of constants in brackets, after a head with holes."""
+
+    def array_text(
+        printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int
+    ) -> str:
+        texts = [number(printer, x, kind) if _is_float(kind) else str(x) for x in values]
+        kind_name = printer.target.types.get(kind, "")
+        opening = head.format(name=name, type=kind_name, count=len(texts))
+        return "\n".join([opening, *number_lines(texts, columns), "];"])
+
+    return array_text
+
+
+def _javascript_number(_printer: Printer, value: float, _kind: Kind) -> str:
+    return javascript_number(value)
 
 
 def _javascript_cast(text: str, before: Kind, after: Kind) -> str:
@@ -211,7 +247,7 @@ def _javascript_cast(text: str, before: Kind, after: Kind) -> str:
 JAVASCRIPT = Target(
     language=JAVASCRIPT_EXPRESSIONS, names="javascript",
     operation=_with_helpers(_JAVASCRIPT_HELPERS, JAVASCRIPT_EXPRESSIONS.text),
-    number=lambda _printer, value, _kind: javascript_number(value), array=_javascript_array,
+    number=_javascript_number, array=_listed("const {name} = [", _javascript_number),
     cast=_javascript_cast, truths=("false", "true"), again="let {name} = {value};",
     member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
     function=("{public}function {name}({parameters}) {{", "}\n"),
@@ -221,88 +257,169 @@ JAVASCRIPT = Target(
 )  # fmt: skip
 
 
+def _by_name(printer: Printer) -> list[str]:
+    """Return functions over inputs by their names in the rule base, and the two lists of names."""
+    public = [(key, f) for key, f in printer.program.functions.items() if f.public]
+    if not public:
+        return []
+    pairs = []
+    for key, function in public:
+        arguments = ", ".join(
+            f"Number(given[{script_json(v.stem)}])" for v in function.parameters.values()
+        )
+        pairs.append(f"    {script_json(function.stem)}: {printer.called[key]}({arguments}),")
+    return [
+        f"export const inputs = {script_json(printer.program.inputs)};",
+        f"export const outputs = {script_json(printer.program.outputs)};",
+        "/** The outputs by name, from the inputs by name; NaN where there is no value. */",
+        "export function infer(given) {", "  return {", *pairs, "  };", "}", "",
+        "/** Rows of outputs by name, from columns of inputs by name (arrays of one length). */",
+        "export function inferMany(given) {",
+        "  const found = Object.fromEntries(outputs.map((each) => [each.name, []]));",
+        "  for (let k = 0; k < given[inputs[0].name].length; k++) {",
+        "    const at = Object.fromEntries(inputs.map(({ name }) => [name, given[name][k]]));",
+        "    for (const [name, value] of Object.entries(infer(at))) found[name].push(value);",
+        "  }", "  return found;", "}", "",
+    ]  # fmt: skip
+
+
+JAVASCRIPT_MODULE = Module(
+    JAVASCRIPT, "//", "selfTest() is 0 where all is well",
+    "const controller = new Controller();", """
+<constants>
+
+<helpers>
+
+<parts>
+<more>
+/** Returns 0 if all agrees with the model. */
+export function selfTest() {
+    let failed = false;
+    <test>
+    return failed ? 1 : 0;
+}
+""", """
+export class Controller {
+  constructor() {
+    <starts>
+  }
+
+  step(<parameters>) {
+    <step>
+  }
+}
+
+""", "", "", "this.{name} = {start};",
+    ("Array({count}).fill({value})", "Array({count}).fill({value})", "{name}.slice()"), _by_name,
+)  # fmt: skip
+
+
 # ── Rust ─────────────────────────────────────────────────────────────────────────────
 
 _RUST_TYPES = {
     np.float32: "f32", np.float64: "f64", np.int8: "i8", np.int16: "i16", np.int32: "i32",
     np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool",
 }  # fmt: skip
-
-_RUST_HELPERS = {
-    "minimum": ("least", "b < a { b } else { a }"),
-    "maximum": ("greatest", "b > a { b } else { a }"),
+_RUST_OPERATORS = {"where": "if {0} {{ {1} }} else {{ {2} }}", "remainder": "({0} % {1})"}
+_RUST_METHODS = {"pow": "powf", "log": "ln", "rint": "round_ties_even"}
+_RUST_BODIES = {
+    "minimum": ("least", "if b < a { b } else { a }"),
+    "maximum": ("greatest", "if b > a { b } else { a }"),
+    "absolute": ("absolute", "f64::from_bits(a.to_bits() & (u64::MAX >> 1))"),
 }
-
-_RUST_METHODS = {
-    "power": "powf", "exp": "exp", "log": "ln", "remainder": "%", "round": "round_ties_even",
-    "truncate": "trunc",
-}  # fmt: skip
 
 
 def _rust_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
-    """Return an operator, a method of floats, or a function of the file."""
+    """Return an operator or a function of the file; those of mathematics are not in `core`."""
     name = operation.name
-    if name in _RUST_HELPERS:
-        function, body = _RUST_HELPERS[name]
-        text = f"fn {function}(a: f64, b: f64) -> f64 {{\n    if {body}\n}}\n"
-        printer.helper(function, text)
-        return f"{function}({{0}}, {{1}})"
-    if name == "where":
-        return "if {0} {{ {1} }} else {{ {2} }}"
-    if name == "remainder":
-        return "({0} % {1})"
-    if operation.binds < 9:
-        return operation.c
-    word = operation.c.removeprefix("@").partition("(")[0]
-    method = {"pow": "powf", "fabs": "abs", "log": "ln", "rint": "round_ties_even"}.get(word, word)
-    holes = ", ".join(f"{{{i}}}" for i in range(operation.arity))
-    listed = ", ".join(f"{letter}: f64" for letter in "xy"[: operation.arity])
-    rest = ", ".join("xy"[1 : operation.arity])
-    body = f"x.{method}({rest})"
-    if word == "fabs":  # `core` alone has it
-        text = (
-            "fn absolute(x: f64) -> f64 {\n    f64::from_bits(x.to_bits() & (u64::MAX >> 1))\n}\n"
+    if name in _RUST_OPERATORS or (operation.binds < 9 and name not in _RUST_BODIES):
+        return _RUST_OPERATORS.get(name, operation.c)
+    word, letters = operation.c.removeprefix("@").partition("(")[0], "ab"[: operation.arity]
+    function, body = _RUST_BODIES.get(name, (f"m_{word}", ""))
+    head = f"fn {function}({', '.join(f'{letter}: f64' for letter in letters)}) -> f64 {{\n    "
+    text = f"{head}{body}\n}}\n"
+    if not body:
+        method = f"a.{_RUST_METHODS.get(word, word)}({letters[1:]})"
+        of_crate = f"libm::{word}({', '.join(letters)})"
+        text = "\n".join(
+            f'#[cfg({case}feature = "libm"{end})]\n{head}{value}\n}}\n'
+            for case, end, value in (("not(", ")", method), ("", "", of_crate))
         )
-        return f"{printer.helper('absolute', text)}({{0}})"
-    text = (
-        f'#[cfg(not(feature = "libm"))]\nfn m_{word}({listed}) -> f64 {{\n    {body}\n}}\n\n'
-        f'#[cfg(feature = "libm")]\nfn m_{word}({listed}) -> f64 {{\n'
-        f"    libm::{word}({', '.join('xy'[: operation.arity])})\n}}\n"
+    return (
+        f"{printer.helper(function, text)}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
     )
-    return f"{printer.helper(f'm_{word}', text)}({holes})"
 
 
-def _rust_number(_printer: Printer, value: float, kind: Kind) -> str:
+def _rust_number(_printer: Printer, value: float, _kind: Kind) -> str:
     if math.isfinite(value):
         return c_number(value, np.float64)
-    name = "NAN" if math.isnan(value) else "INFINITY"
-    return f"-f64::{name}" if value < 0.0 else f"f64::{name}"
+    return "f64::NAN" if math.isnan(value) else f"{'-' * (value < 0.0)}f64::INFINITY"
 
-
-def _rust_array(
-    printer: Printer, name: str, kind: Kind, values: Sequence[float], columns: int
-) -> str:
-    texts = [_rust_number(printer, x, kind) if _is_float(kind) else str(x) for x in values]
-    head = f"static {name}: [{_RUST_TYPES[kind]}; {len(texts)}] = ["
-    return "\n".join([head, *number_lines(texts, columns), "];"])
-
-
-def _rust_cast(text: str, before: Kind, after: Kind) -> str:
-    return text if before is after else f"({text} as {_RUST_TYPES[after]})"
-
-
-_RUST_EXPRESSIONS = JAVASCRIPT_EXPRESSIONS._replace(
-    name="Rust", declare="let {name}: {type} = {value};", declare_only="let mut {name}: {type};",
-)  # fmt: skip
 
 RUST = Target(
-    language=_RUST_EXPRESSIONS, names="rust", operation=_rust_operation, number=_rust_number,
-    array=_rust_array, cast=_rust_cast, truths=("false", "true"), types=_RUST_TYPES,
-    again="let mut {name}: {type} = {value};", whole_tuple="let {name} = {value};", several="({})",
-    part="{}.{}", member="self.{}", public="pub ", returned="{}", parameter="{name}: {type}",
-    late="{name}: {type}", array_argument="&[{}]", argument="&{}",
+    language=JAVASCRIPT_EXPRESSIONS._replace(
+        name="Rust", declare="let {name}: {type} = {value};",
+        declare_only="let mut {name}: {type};",
+    ),
+    names="rust", operation=_rust_operation, number=_rust_number,
+    array=_listed("static {name}: [{type}; {count}] = [", _rust_number), types=_RUST_TYPES,
+    cast=lambda text, before, after: text if before is after else (
+        f"({text} as {_RUST_TYPES[after]})"),
+    truths=("false", "true"), again="let mut {name}: {type} = {value};",
+    whole_tuple="let {name} = {value};", several="({})", part="{}.{}", member="self.{}",
+    public="pub ", returned="{}", parameter="{name}: {type}", late="{name}: {type}",
+    array_argument="&[{}]", argument="&{}",
     function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
     when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
     walk=rust_walk, room=("let mut {name} = [0.0f64; {count}];", "&mut {}"),
     helpers=("least", "greatest", "absolute"),
 )  # fmt: skip
+
+RUST_MODULE = Module(
+    RUST, "//", "self-test: rustc --test {0}.rs && ./{0}; self_test() is 0 where all is well",
+    "let mut controller = Controller::new();", """
+#![allow(dead_code, non_snake_case, non_upper_case_globals, unused)]
+#![allow(clippy::all)]
+
+<constants>
+
+<helpers>
+<parts>
+/// Returns 0 if all agrees with the model.
+pub fn self_test() -> i32 {
+    let mut failed = false;
+    <test>
+    i32::from(failed)
+}
+
+#[cfg(test)]
+#[test]
+fn agrees_with_the_model() {
+    assert_eq!(self_test(), 0);
+}
+""", """
+pub struct Controller {
+    <fields>
+}
+
+impl Controller {
+    pub fn new() -> Self {
+        Controller {
+            <starts>
+        }
+    }
+
+    pub fn step(<parameters>) -> <returned> {
+        <step>
+    }
+}
+
+""", "&mut self", "pub {name}: {type},", "{name}: {start},",
+    ("[{value}; {count}]", "[{value}; {count}]", "{name}"),
+)  # fmt: skip
+
+
+MODULES: Mapping[str, Module] = MappingProxyType({
+    ".py": PYTHON_MODULE, **dict.fromkeys((".mjs", ".js"), JAVASCRIPT_MODULE), ".rs": RUST_MODULE,
+})  # fmt: skip
+"""Languages whose export is one file, by its suffix."""

@@ -23,6 +23,7 @@ from fuzzyarm.exchange.export.typed_program import (
     Element,
     Function,
     Line,
+    Member,
     Program,
     Quotient,
     Repeat,
@@ -48,7 +49,7 @@ from fuzzyarm.symbolic.op import where
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import Assign, Choose, Language
 
-__all__ = ["Printer", "Target"]
+__all__ = ["FunctionPrinter", "Printer", "Target", "start_text"]
 
 
 @dataclass(frozen=True)
@@ -281,6 +282,17 @@ def judged(test: SelfTest, pairs: Sequence[tuple[Node, Node]], target: Target) -
             fine = fine | (~apply("equal", expected, expected) & ~apply("equal", found, found))
         lines.append(When(~fine, (Assign("failed", Truth(True)),)))
     return lines
+
+
+def start_text(printer: Printer, member: Member) -> str:
+    """Return the text of the value that a number of the state begins with."""
+    start, target = member.start, printer.target
+    assert not isinstance(start, tuple)
+    if member.kind is TRUTH:
+        return target.truths[bool(start)]
+    if np.issubdtype(member.kind, np.integer):
+        return f"{int(start)}{target.marks.get(member.kind, '')}"
+    return target.number(printer, float(start), member.kind)
 
 
 class FunctionPrinter:

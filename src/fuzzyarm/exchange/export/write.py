@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
+
+import numpy as np
 
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.c import controller_c, routines_c
+from fuzzyarm.exchange.export.controller_lowering import controller_program
 from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.fmu import controller_fmu, platforms_named, routines_fmu
-from fuzzyarm.exchange.export.iec61131_10 import iec61131_10_xml
-from fuzzyarm.exchange.export.module_files import controller_module, routines_module
-from fuzzyarm.exchange.export.modules import MODULES
+from fuzzyarm.exchange.export.languages import MODULES
+from fuzzyarm.exchange.export.lowering import routines_program
+from fuzzyarm.exchange.export.modules import Module, module_of
 from fuzzyarm.exchange.export.numbers import ExportError
 from fuzzyarm.exchange.export.plc_project import Project, controller_project, routines_project
 from fuzzyarm.exchange.export.plcopen import plcopen_xml
-from fuzzyarm.exchange.export.routine import Routine
+from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer
+from fuzzyarm.exchange.export.routine import Routine, plain, routine_words
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.exchange.export.scl import scl_source
 from fuzzyarm.exchange.export.structured_text import controller_st, structured_text
 from fuzzyarm.exchange.export.table import MOST_CELLS, TableRoutine, fewer_levels
 from fuzzyarm.exchange.export.table_numbers import fixed_table, float_table
+from fuzzyarm.exchange.export.typed_program import SelfTest
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic.identifiers import C_RESERVED, DEVICES, ST_RESERVED, identifier
 from fuzzyarm.table import LookupTable
+from fuzzyarm.version import __version__
 
-XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
-    {"plcopen": plcopen_xml, "iec61131-10": iec61131_10_xml}
+_PROJECTS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
+    {".xml": plcopen_xml, ".scl": scl_source}
 )
-"""What an ``.xml`` may be: PLCopen's TC6 or its successor in the standard."""
-
-_STRUCTURED = (".st", ".xml", ".scl")
+_STRUCTURED = (".st", *_PROJECTS)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -133,7 +139,6 @@ def export_files(
     *,
     fmi: int = 2,
     platforms: str | None = None,
-    xml: str = "plcopen",
 ) -> Exported:
     """Return the files for a path, by its suffix.
 
@@ -148,10 +153,8 @@ def export_files(
     fmi : int
         Version of FMI, 2 or 3.
     platforms : str, optional
-        Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.exchange.export.fmu.PLATFORMS`. By
-        default the machine at hand.
-    xml : str
-        What an ``.xml`` is, of `XML_FORMATS`.
+        Of an FMU, as in ``linux64,win64`` (`fuzzyarm.exchange.export.fmu.PLATFORMS`). By default
+        the machine at hand.
 
     Raises
     ------
@@ -171,7 +174,7 @@ def export_files(
         project = routines_project(routine_list, prefix)
         return Exported(
             routines=routine_list,
-            files=((path, _project_text(project, suffix, xml)),),
+            files=((path, _PROJECTS[suffix](project)),),
             calls=project.blocks,
         )
     if suffix == ".fmu":
@@ -215,15 +218,6 @@ def write_export(
     for where, text in exported.files:
         write_atomically(where, text)
     return exported
-
-
-def _project_text(project: Project, suffix: str, xml: str) -> str:
-    """Return a project for a PLC as the text of a file."""
-    if suffix == ".scl":
-        return scl_source(project)
-    if xml not in XML_FORMATS:
-        raise ExportError(f"no format '{xml}' of XML", hint=f"there are {', '.join(XML_FORMATS)}")
-    return XML_FORMATS[xml](project)
 
 
 def _suffix_and_prefix(path: Path, name: str | None, suffixes: Sequence[str]) -> tuple[str, str]:
@@ -284,7 +278,6 @@ def export_controller(
     *,
     fmi: int = 2,
     platforms: str | None = None,
-    xml: str = "plcopen",
 ) -> ExportedController:
     """Return the files of a controller for a path, by its suffix.
 
@@ -299,10 +292,8 @@ def export_controller(
     fmi : int
         Version of FMI, 2 or 3.
     platforms : str, optional
-        Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.exchange.export.fmu.PLATFORMS`. By
-        default the machine at hand.
-    xml : str
-        What an ``.xml`` is, of `XML_FORMATS`.
+        Of an FMU, as in ``linux64,win64`` (`fuzzyarm.exchange.export.fmu.PLATFORMS`). By default
+        the machine at hand.
 
     Raises
     ------
@@ -316,7 +307,7 @@ def export_controller(
         return ExportedController(program=program, files=((path, content),), calls=(block,))
     if suffix in _STRUCTURED:
         project = controller_project(program, prefix)
-        content = _project_text(project, suffix, xml)
+        content = _PROJECTS[suffix](project)
         return ExportedController(program=program, files=((path, content),), calls=project.blocks)
     if suffix in MODULES:
         text, calls, program = controller_module(program, MODULES[suffix], path.stem)
@@ -330,3 +321,87 @@ def export_controller(
     )
     listed_files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
     return ExportedController(program=program, files=listed_files, calls=made.prototypes)
+
+
+# --- Modules in one file ---
+
+SINGLE_PERIODS = 1e-2
+"""What a port with floats of 32 bits may be off by in the self-test, of the largest drive."""
+
+
+def routines_module(
+    routines: Sequence[Routine], module: Module, name: str
+) -> tuple[str, tuple[str, ...]]:
+    """Return a module with a function for every routine, and how they are called."""
+    program = routines_program(routines)
+    printer = Printer(program, module.target)
+    public = [key for key, function in program.functions.items() if function.public]
+    calls = tuple(printer.call(key) for key in public)
+    words = [
+        f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+        "",
+        *(line for routine, call in zip(routines, calls, strict=True)
+          for line in (call, *(f"  {word}" for word in routine_words(routine)), "")),
+        module.test.format(name),
+    ]  # fmt: skip
+    return _headed(words, module, module_of(printer, module)), calls
+
+
+def controller_module(
+    program: ControllerProgram, module: Module, name: str
+) -> tuple[str, tuple[str, ...], ControllerProgram]:
+    """Return a module with a class, how it is made and called, and the program as measured."""
+    lowered, vectors = controller_program(program.steps), program.tried.vectors
+    assert lowered.step is not None
+    rows = [
+        (*given, *drives) for given, drives in zip(vectors.inputs, vectors.expected, strict=True)
+    ]
+    loose = SINGLE_PERIODS * max(program.tried.largest, 1e-30)
+    late = program.steps.needs_last
+    test = SelfTest("", np.float64, rows, len(vectors.inputs[0]), vectors.tolerance, loose, late)
+    lowered.tests.append(test)
+    printer = Printer(lowered, module.target)
+    body = module_of(printer, module)
+    if module.target.names == "python":
+        program = program.measured(_driven(body, vectors.inputs))
+    call = f"step({', '.join(FunctionPrinter(printer, lowered.step).parameter_texts())})"
+    drives = [variable.stem for variable in lowered.drives.values()]
+    words = [
+        *program.head(),
+        "",
+        f"use: {module.create.removesuffix(';')}, then controller.{call}"
+        f" every {number_text(program.text.model.period)} s",
+        f"step returns {drives[0] if len(drives) == 1 else ', '.join(drives)}",
+        "gains are members of the controller, to be set at any time",
+        *_use_words(program, printer),
+        module.test.format(name),
+    ]
+    calls = (module.create.partition("= ")[2].removesuffix(";"), call)
+    return _headed(words, module, body), calls, program
+
+
+def _driven(text: str, inputs: Sequence[Sequence[float]]) -> list[list[float]]:
+    """Return the drives of a module of Python, which is executed."""
+    names: dict[str, Any] = {}
+    exec(compile(text, "module", "exec"), names)
+    controller = names["Controller"]()
+    found = (controller.step(*row) for row in inputs)
+    return [list(drives) if isinstance(drives, tuple) else [drives] for drives in found]
+
+
+def _use_words(program: ControllerProgram, printer: Printer) -> Iterator[str]:
+    steps = program.steps
+    if steps.needs_last:
+        yield (
+            f"a set point lasts {steps.model.every} periods; where the next one comes off that"
+            " count, set_point_ends is true in the last period of the present one"
+        )
+    if steps.learned:
+        names = ", ".join(printer.members[key].partition(".")[2] for key in steps.learned)
+        yield f"tables that learn are arrays: {names}, each with its visits"
+
+
+def _headed(words: Sequence[str], module: Module, body: str) -> str:
+    """Return a text with its comment at the head."""
+    head = [f"{module.comment} {plain(line)}".rstrip() for line in words]
+    return "\n".join([*head, body])
