@@ -22,8 +22,8 @@ from avr_programs import (
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
 from fuzzyarm.exchange.export import avr, routines_of
+from fuzzyarm.exchange.export.avr import clock_of
 from fuzzyarm.exchange.export.boards import BOARDS
-from fuzzyarm.exchange.export.pace import clock_of
 from fuzzyarm.language import load_rulebase
 
 PD7 = str(shipped("pd7.frb"))

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm.exchange.export import routines_of
-from fuzzyarm.exchange.export.table_numbers import WholeNumberScale, fixed_table, part, scale_over
+from fuzzyarm.exchange.export.table import WholeNumberScale, fixed_table, part, scale_over
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")

@@ -4,8 +4,8 @@ Rule bases, tables and controllers are lowered once to a typed program
 (:mod:`fuzzyarm.exchange.export.typed_program`), which every target prints.
 
 A *routine* is one function of the exported file together with a Python model of the very
-same arithmetic: :class:`~fuzzyarm.exchange.export.table_numbers.FloatTable`,
-:class:`~fuzzyarm.exchange.export.table_numbers.FixedTable` and
+same arithmetic: :class:`~fuzzyarm.exchange.export.table.FloatTable`,
+:class:`~fuzzyarm.exchange.export.table.FixedTable` and
 :class:`~fuzzyarm.exchange.export.rulebase.DirectRoutine`. The model is what the tests hold the
 compiled C against, and what the figures in the head of an exported file are measured with. A whole
 controller is a :class:`~fuzzyarm.exchange.export.controllers.ControllerProgram`.
@@ -19,7 +19,7 @@ from fuzzyarm.exchange.export.controllers import ControllerProgram, with_tables
 from fuzzyarm.exchange.export.cost import StepCost, step_cost
 from fuzzyarm.exchange.export.numbers import ExportError
 from fuzzyarm.exchange.export.rulebase import DirectRoutine
-from fuzzyarm.exchange.export.table_numbers import FixedTable, FloatTable
+from fuzzyarm.exchange.export.table import FixedTable, FloatTable
 from fuzzyarm.exchange.export.write import (
     Exported,
     ExportedController,

@@ -13,15 +13,26 @@ from types import MappingProxyType
 import numpy as np
 
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.exchange.export.avr import FLAGS, TOOLS, Measured, MeasuredStep, has_compiler, measure
+from fuzzyarm.exchange.export.avr import (
+    FLAGS,
+    TOOLS,
+    Measured,
+    MeasuredStep,
+    Pace,
+    clock_of,
+    demand_pace,
+    has_compiler,
+    measure,
+    pace_of,
+    unchecked,
+)
 from fuzzyarm.exchange.export.boards import Board, Footprint, demand_fit
 from fuzzyarm.exchange.export.c import LIBRARY, CText, controller_c, routines_c
 from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
 from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError, Kind, c_number
-from fuzzyarm.exchange.export.pace import Pace, clock_of, demand_pace, pace_of, unchecked
 from fuzzyarm.exchange.export.routine import Routine, plain
 from fuzzyarm.exchange.export.steps import StepVariable
-from fuzzyarm.exchange.export.table_numbers import WholeNumberScale
+from fuzzyarm.exchange.export.table import WholeNumberScale
 from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, Names, identifier
 from fuzzyarm.version import __version__
 

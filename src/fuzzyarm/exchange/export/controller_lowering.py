@@ -25,7 +25,7 @@ from fuzzyarm.exchange.export.steps import (
     first_of,
     limited_value,
 )
-from fuzzyarm.exchange.export.table_numbers import (
+from fuzzyarm.exchange.export.table import (
     FixedTable,
     float_table,
     scaled,

@@ -14,8 +14,7 @@ from fuzzyarm.exchange.export.numbers import Kind, rounded
 from fuzzyarm.exchange.export.program import Call
 from fuzzyarm.exchange.export.routine import Routine, RoutineArgument
 from fuzzyarm.exchange.export.rulebase import DirectRoutine
-from fuzzyarm.exchange.export.table import Core, TableRoutine
-from fuzzyarm.exchange.export.table_numbers import FixedTable
+from fuzzyarm.exchange.export.table import Core, FixedTable, TableRoutine
 from fuzzyarm.exchange.export.typed_program import (
     INDEX,
     WHOLE,
@@ -291,7 +290,7 @@ class _Table:
                 "blend", parameters, self.wide, [Return(blend(near, far, share))], real=self.wide
             )
         # Rounded to the nearest, ties away from zero: as
-        # `fuzzyarm.exchange.export.table_numbers.part`.
+        # `fuzzyarm.exchange.export.table.part`.
         product, half, one = symbol("product"), Whole(16384), Whole(32768)
         body = [
             Assign("product", (far - near) * share),

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from fuzzyarm.exchange.export.numbers import ExportError
-from fuzzyarm.exchange.export.plc_project import Declaration, Project, Unit
+from fuzzyarm.exchange.export.plcopen import Declaration, Project, Unit
 
 __all__ = ["scl_source"]
 

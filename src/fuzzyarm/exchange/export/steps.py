@@ -33,10 +33,12 @@ from fuzzyarm.exchange.export.numbers import ExportError, Precision, precision_n
 from fuzzyarm.exchange.export.routine import Routine
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.exchange.export.sets import TABLE_HINT
-from fuzzyarm.exchange.export.table import MOST_CELLS, TableRoutine, fewer_levels
-from fuzzyarm.exchange.export.table_numbers import (
+from fuzzyarm.exchange.export.table import (
+    MOST_CELLS,
     FixedTable,
     FloatTable,
+    TableRoutine,
+    fewer_levels,
     fixed_table,
     float_table,
 )

@@ -27,7 +27,7 @@ from fuzzyarm.exchange.export.walk import DefuzzifierWalk
 from fuzzyarm.symbolic.nodes import Node, apply, symbol
 from fuzzyarm.symbolic.printing import Assign
 
-REAL, SINGLE, WHOLE, TRUTH = np.float64, np.float32, np.int32, bool
+REAL, WHOLE, TRUTH = np.float64, np.int32, bool
 """Kinds of variables, beside the small whole numbers of fixed point."""
 
 INDEX, COUNT = np.uintp, np.uint32

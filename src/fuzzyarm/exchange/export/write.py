@@ -21,15 +21,24 @@ from fuzzyarm.exchange.export.languages import MODULES
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.modules import Module, module_of
 from fuzzyarm.exchange.export.numbers import ExportError
-from fuzzyarm.exchange.export.plc_project import Project, controller_project, routines_project
-from fuzzyarm.exchange.export.plcopen import plcopen_xml
+from fuzzyarm.exchange.export.plcopen import (
+    Project,
+    controller_project,
+    plcopen_xml,
+    routines_project,
+)
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer
 from fuzzyarm.exchange.export.routine import Routine, plain, routine_words
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.exchange.export.scl import scl_source
 from fuzzyarm.exchange.export.structured_text import controller_st, structured_text
-from fuzzyarm.exchange.export.table import MOST_CELLS, TableRoutine, fewer_levels
-from fuzzyarm.exchange.export.table_numbers import fixed_table, float_table
+from fuzzyarm.exchange.export.table import (
+    MOST_CELLS,
+    TableRoutine,
+    fewer_levels,
+    fixed_table,
+    float_table,
+)
 from fuzzyarm.exchange.export.typed_program import SelfTest
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic.identifiers import C_RESERVED, DEVICES, ST_RESERVED, identifier
