@@ -26,7 +26,12 @@ def test_every_picture_is_there() -> None:
     names = re.findall(r"!\[[^]]*\]\(([^)]+)\)", PAGE)
     assert len(names) >= 7
     for name in names:
-        assert (ROOT / "docs" / "howto" / name).read_text("utf-8").lstrip().startswith(("<svg", "<?xml"))
+        assert (
+            (ROOT / "docs" / "howto" / name)
+            .read_text("utf-8")
+            .lstrip()
+            .startswith(("<svg", "<?xml"))
+        )
 
 
 def test_the_configuration_of_helix_can_be_read() -> None:
