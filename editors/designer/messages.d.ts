@@ -573,7 +573,7 @@ declare namespace Messages {
     style: string;
   }
 
-  /** The block diagram of a controller; lengths are pixels. */
+  /** The block diagram of a controller, or of rules alone; lengths are pixels. */
   interface SceneDiagram {
     name: string;
     description: string;
@@ -586,6 +586,7 @@ declare namespace Messages {
     dots: Array<Array<number>>;
     words: Array<Caption>;
     uses: Array<Array<string>>;
+    isSystem: boolean;
   }
 
   interface SceneMessage {

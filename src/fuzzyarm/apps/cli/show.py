@@ -81,6 +81,8 @@ def _drawing(model: Model, arguments: argparse.Namespace) -> RenderableType:
     from fuzzyarm.table import LookupTable
 
     words = None if arguments.at is None else [arguments.at]
+    if arguments.diagram:
+        return _diagram_drawing(model)
     if isinstance(model, LookupTable):
         from fuzzyarm.apps.show.table import table_view
 
@@ -105,6 +107,19 @@ def _drawing(model: Model, arguments: argparse.Namespace) -> RenderableType:
 
     values = read_point(words, [variable.name for variable in model.inputs])
     return Group(rulebase_view(model), Text(), trace_view(explain(model, values)))
+
+
+def _diagram_drawing(model: Model) -> RenderableType:
+    from fuzzyarm.show.block_view import DiagramView
+    from fuzzyarm.show.diagram import block_diagram
+    from fuzzyarm.show.system import system_diagram
+    from fuzzyarm.table import LookupTable
+
+    if isinstance(model, LookupTable):
+        raise WordError("--diagram is for rule bases and controllers, not for tables")
+    return DiagramView(
+        system_diagram(model) if isinstance(model, RuleBase) else block_diagram(model)
+    )
 
 
 def _model_data(model: Model) -> dict[str, Any]:
@@ -140,8 +155,9 @@ _PLOT = """Draw a rule base, a table or a controller as a figure: .png, .svg or 
 A rule base gives the memberships of every variable and the control surface of every output:
 a line over one input, a surface and its map over two, a slice over two of more with the
 others at the middle of their ranges or where --at says. Points at which `prove` lines of the
-file fail are marked. A table gives its cells. A controller gives its block diagram (that alone
-with --what diagram) above the surfaces of its rule bases and tables.
+file fail are marked. A table gives its cells. A controller gives its block diagram above the
+surfaces of its rule bases and tables. With --what diagram there is the block diagram alone, also of
+a rule base: its inputs, rules and outputs.
 
 A rule base or a controller that remembers nothing has a describing function (its gain under a
 sinusoidal error); a rule base of error and rate, or a controller on a plant, a phase portrait.
@@ -207,8 +223,8 @@ def _figure(model: Model, arguments: argparse.Namespace) -> Figure:
         if arguments.what not in ("all", "diagram") or arguments.output is not None:
             raise WordError("--what and --output are for rule bases, not for tables")
         names = model.names
-    if arguments.what == "diagram" and not isinstance(model, ControllerText):
-        raise WordError(f"--what diagram is for controllers, which {arguments.file} is not")
+    if arguments.what == "diagram" and not isinstance(model, RuleBase | ControllerText):
+        raise WordError(f"--what diagram is for rule bases and controllers, not {arguments.file}")
     point = read_assignments(words, names)
     with busy("drawing"):
         return model_figure(model, arguments.what, arguments.output, point)
@@ -310,6 +326,7 @@ COMMANDS = (
         argument("files FILE", "rule bases, tables and controllers", nargs="+"),
         at("also the inference at one point"),
         flag("--all", "every level of a large table"),
+        flag("--diagram", "the block diagram of a rule base or a controller instead"),
         json_of("the model"),
     ),
     command(

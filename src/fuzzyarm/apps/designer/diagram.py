@@ -1,4 +1,4 @@
-"""A controller as a page draws it: its block diagram in pixels, and what it looks up."""
+"""Block diagrams in pixels, of controllers and rule bases, and what a controller looks up."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from fuzzyarm.apps.show.diagram import block_diagram
 from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.apps.show.placement import ROUND, Pen, PlacedBlock, place
 from fuzzyarm.apps.show.plane import plane_panel
+from fuzzyarm.apps.show.system import system_diagram
 from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import printable
@@ -39,6 +40,9 @@ ACROSS = 41
 
 MOST_SHEETS = 12
 
+MOST_VARIABLES = 60
+"""Of a rule base whose diagram is drawn; beyond, it is a wall of names."""
+
 
 def _width(text: str, style: str) -> float:
     """Return about how wide a text is in a page, rather too much than too little."""
@@ -50,9 +54,10 @@ def _width(text: str, style: str) -> float:
 PEN = Pen(width_of=_width, line=16.0, pad=8.0, room=120.0, track=10.0, arrow=20.0)
 
 
-def diagram_of(controller: ControllerText, reading: Reading) -> SceneDiagram:
-    """Return the block diagram of a controller, fit for JSON; lengths are pixels."""
-    diagram = block_diagram(controller)
+def diagram_of(model: ControllerText | RuleBase, reading: Reading) -> SceneDiagram:
+    """Return the block diagram of a controller or a rule base as JSON data; lengths are pixels."""
+    diagram = system_diagram(model) if isinstance(model, RuleBase) else block_diagram(model)
+    uses = () if isinstance(model, RuleBase) else model.model.uses
     picture = place(diagram, PEN)
     return {
         "name": diagram.name,
@@ -68,8 +73,14 @@ def diagram_of(controller: ControllerText, reading: Reading) -> SceneDiagram:
             {"text": word.text, "x": _short(word.x), "y": _short(word.y), "style": word.style}
             for word in picture.words
         ],
-        "uses": [[use.name, *use.files] for use in controller.model.uses],
+        "uses": [[use.name, *use.files] for use in uses],
+        "isSystem": isinstance(model, RuleBase),
     }
+
+
+def is_drawable(rulebase: RuleBase) -> bool:
+    """Whether the diagram of a rule base has as many variables as a page can show."""
+    return 0 < len(rulebase.inputs) + len(rulebase.outputs) <= MOST_VARIABLES
 
 
 def _block(placed: PlacedBlock, pitch: float, reading: Reading) -> SceneBlock:

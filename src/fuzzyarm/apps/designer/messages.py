@@ -224,7 +224,7 @@ class Caption(TypedDict):
 
 
 class SceneDiagram(TypedDict):
-    """The block diagram of a controller; lengths are pixels."""
+    """The block diagram of a controller, or of rules alone; lengths are pixels."""
 
     name: str
     description: str
@@ -237,6 +237,7 @@ class SceneDiagram(TypedDict):
     dots: list[list[float]]
     words: list[Caption]
     uses: list[list[str]]
+    isSystem: bool
 
 
 class Finding(TypedDict):

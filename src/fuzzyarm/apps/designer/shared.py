@@ -59,7 +59,7 @@ from fuzzyarm.language.edit import (
     set_shapes,
     set_variable_range,
 )
-from fuzzyarm.language.model.rulebase import Shape
+from fuzzyarm.language.model.rulebase import RuleBase, Shape
 from fuzzyarm.symbolic.kinds import SHAPES
 
 __all__ = ["ConflictError", "SharedText"]
@@ -351,6 +351,7 @@ class SharedText:
         """Return what is drawn of a session's text; nothing where it has mistakes."""
         reading = session.reading
         scene: Scene | None = None
+        rulebase: RuleBase | None = None
         if isinstance(reading, Reading):
             rulebase = session.review().rulebase
             if rulebase is None and _is_begun(reading):
@@ -362,15 +363,19 @@ class SharedText:
             "version": session.version,
             "scene": scene,
             "why": "mistakes" if session.review().failed else "other",
-            "diagram": self._diagram(reading),
+            "diagram": self._diagram(reading, rulebase),
         }
 
-    def _diagram(self, reading: Any) -> SceneDiagram | None:
-        """Return the block diagram of a controller without mistakes of its own."""
+    def _diagram(self, reading: Any, rulebase: RuleBase | None) -> SceneDiagram | None:
+        """Return the block diagram of a controller without mistakes of its own, or of the rules."""
         controller = reading.parsed.controller if isinstance(reading, Reading) else None
-        if controller is None:
+        if controller is None and rulebase is None:
             return None
-        from fuzzyarm.apps.designer.diagram import diagram_of
+        from fuzzyarm.apps.designer.diagram import diagram_of, is_drawable
+
+        if controller is None:
+            assert rulebase is not None
+            return diagram_of(rulebase, reading) if is_drawable(rulebase) else None
         from fuzzyarm.control.controllers.text import with_files
 
         return diagram_of(with_files(controller, self.path.parent, str(self.path))[0], reading)

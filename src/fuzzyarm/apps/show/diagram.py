@@ -1,4 +1,4 @@
-"""The block diagram of a controller as plain data: blocks, wires between their pins, places.
+"""The block diagram of a controller or a rule base as data: blocks, wires between pins, places.
 
 Drawn as a figure in :mod:`fuzzyarm.apps.show.figures.diagram`; a page or another program draws it
 from the same record. The order of lines in the text, and what a line means, come from the model.
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.apps.show.drawing import number_words
-from fuzzyarm.apps.show.layers import Corner, Link, Pins, lay_out
+from fuzzyarm.apps.show.layers import Corner, LayeredGraph, Link, Pins, lay_out
 from fuzzyarm.base.diagnostic import NOWHERE, Span
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.text import ControllerText
@@ -49,6 +49,8 @@ BLOCK_KINDS = {
     "limit": "limits",
     "slew": "the largest change per second",
     "drive": "an input of the plant",
+    "input": "an input of a rule base",
+    "output": "an output of a rule base",
 }
 """What a block can be."""
 
@@ -132,14 +134,14 @@ class DiagramWire:
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """The block diagram of a controller.
+    """The block diagram of a controller or a rule base.
 
     Attributes
     ----------
     name, description : str
-        Of the controller.
+        Of the controller or the rule base.
     period : str
-        How often it runs, in words.
+        How often it runs, or the number of rules, in words.
     blocks : tuple of DiagramBlock
         Those of all axes.
     wires : tuple of DiagramWire
@@ -195,23 +197,10 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     top = 0.0
     for axes in model.axes:
         part = _DiagramPart(model, axes, counts)
-        pins = [Pins(len(b.inputs), len(b.outputs), _place(b)) for b in part.blocks]
-        layout = lay_out(pins, [Link(w.source, w.output, w.target, w.input) for w in part.wires])
-        # Each part was laid out by itself: its blocks come behind, its rows below those so far.
-        first = len(blocks)
-        blocks += (
-            replace(block, layer=layer, row=row + top)
-            for block, layer, row in zip(part.blocks, layout.layers, layout.rows, strict=True)
-        )
-        wires += (
-            replace(
-                wire,
-                source=wire.source + first,
-                target=wire.target + first,
-                path=tuple(corner._replace(row=corner.row + top) for corner in path),
-            )
-            for wire, path in zip(part.wires, layout.paths, strict=True)
-        )
+        # Each part is laid out by itself: its blocks come behind, its rows below those so far.
+        laid, layout = laid_out(part.blocks, part.wires, len(blocks), top)
+        blocks += laid[0]
+        wires += laid[1]
         tracks += [0] * (len(layout.tracks) - len(tracks))
         tracks = [max(*pair) for pair in zip(tracks, _padded(layout.tracks, tracks), strict=True)]
         groups.append((axes.names, top, top + layout.height))
@@ -228,12 +217,34 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     )
 
 
+def laid_out(
+    blocks: Sequence[DiagramBlock], wires: Sequence[DiagramWire], first: int = 0, top: float = 0.0
+) -> tuple[tuple[list[DiagramBlock], list[DiagramWire]], LayeredGraph]:
+    """Return blocks and wires with their places; `first` blocks and rows to `top` come before."""
+    pins = [Pins(len(b.inputs), len(b.outputs), _place(b)) for b in blocks]
+    layout = lay_out(pins, [Link(w.source, w.output, w.target, w.input) for w in wires])
+    placed = [
+        replace(block, layer=layer, row=row + top)
+        for block, layer, row in zip(blocks, layout.layers, layout.rows, strict=True)
+    ]
+    routed = [
+        replace(
+            wire,
+            source=wire.source + first,
+            target=wire.target + first,
+            path=tuple(corner._replace(row=corner.row + top) for corner in path),
+        )
+        for wire, path in zip(wires, layout.paths, strict=True)
+    ]
+    return (placed, routed), layout
+
+
 def _padded(numbers: Sequence[int], like: Sequence[int]) -> list[int]:
     return [*numbers, *[0] * (len(like) - len(numbers))]
 
 
 def _place(block: DiagramBlock) -> str:
-    if block.kind == "drive":
+    if block.kind in ("drive", "output"):
         return "last"
     return "late" if block.kind in ("partner", "constant") else ""
 

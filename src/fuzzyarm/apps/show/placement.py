@@ -206,7 +206,7 @@ class _Placing:
             pins = max(len(block.inputs), len(block.outputs), 1)
             height = (pins - 1) * self.pitch + 1.7 * self.pen.line
             height = max(height, len(lines) * self.pen.line + 2.0 * self.pen.pad)
-            if block.kind in ("port", "drive"):
+            if block.kind in ("port", "drive", "input", "output"):
                 width = self.width[block.layer]
             x = self.left[block.layer] + 0.5 * (self.width[block.layer] - width)
             yield PlacedBlock(block, x, self.y(block.row) - 0.5 * height, width, height, lines)

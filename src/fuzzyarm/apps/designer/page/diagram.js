@@ -1,4 +1,4 @@
-// A controller as a block diagram, and the rule bases and tables that it looks up.
+// A controller or a rule base as a block diagram, and the rule bases and tables that a controller looks up.
 
 import { clean, eachFrame, el, space, svg } from "./draw.js";
 import { drawPanel } from "./panel.js";
@@ -116,7 +116,7 @@ function sheetButton({ file, shipped }, hand, names) {
   ];
 }
 
-/** The pane: it is shown where the text is a controller. */
+/** The pane: it is shown first where the text is a controller. */
 export class DiagramPane extends Pane {
   constructor(store, hand) {
     super(store, hand, "diagram", S.diagram);
@@ -143,6 +143,7 @@ export class DiagramPane extends Pane {
     this.toRules.hidden = !scene;
     if (!diagram) return;
     this.said.textContent = clean([diagram.name, diagram.description, diagram.period].filter(Boolean).join(", "));
+    this.bar.querySelector("h2").textContent = diagram.isSystem ? S.system : S.diagram;
     this.picture.replaceChildren(diagramPicture(diagram, this.hand.goTo));
     if (this.uses() !== this.used) this.look();
   };
@@ -152,6 +153,8 @@ export class DiagramPane extends Pane {
   /** Ask what is looked up, when other files are used, or they have been written, or it has not been shown yet. */
   look = async () => {
     if (!this.store.diagram || this.store.view !== "design") return;
+    this.list.hidden = this.store.diagram.isSystem;
+    if (this.list.hidden) return;
     this.used = this.uses();
     const listing = await this.hand.folder({ what: "list" });
     if (!listing.files || this.used !== this.uses()) return;

@@ -137,7 +137,7 @@ export class Frame {
 
   sound = () => {
     this.area.classList.remove("stale");
-    this.area.classList.toggle("as-diagram", Boolean(this.store.diagram) && this.store.asDiagram);
+    this.area.classList.toggle("as-diagram", this.store.asDiagram);
     this.turn(this.shown);
   };
 

@@ -34,7 +34,7 @@ export class Store {
     /** @type {number | null} */
     this.cost = null; // of a point, ms
     this.works = new Set(); // views that are at work
-    this.asDiagram = true; // whether it is shown where there are rules as well
+    this.chosenDiagram = null; // whether the user wants it where there are rules as well
   }
 
   on(name, listener) {
@@ -87,7 +87,7 @@ export class Store {
   }
 
   /**
-   * Take the block diagram of a controller, or that there is none.
+   * Take the block diagram, or that there is none.
    *
    * @param {Messages.SceneDiagram | null} diagram
    */
@@ -105,9 +105,14 @@ export class Store {
     this.emit("works");
   }
 
+  /** Whether the block diagram is shown: at first that of a controller is. */
+  get asDiagram() {
+    return Boolean(this.diagram) && (this.chosenDiagram ?? !this.diagram.isSystem);
+  }
+
   /** Show the block diagram or the rules, of a file that has both. */
   turnDiagram(shown) {
-    this.asDiagram = shown;
+    this.chosenDiagram = shown;
     this.emit("diagram");
   }
 

@@ -71,6 +71,7 @@ export class TermsPane extends Pane {
     this.store.on("scene", this.build);
     this.store.on("diagram", () => {
       toDiagram.hidden = !this.store.diagram;
+      toDiagram.textContent = this.store.diagram?.isSystem ? S.system : S.diagram;
     });
     this.store.on("reshaped", () => {
       this.partly = this.store.busy ? this.moving : "";

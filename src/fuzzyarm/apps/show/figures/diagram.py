@@ -1,4 +1,4 @@
-"""A controller as a block diagram, and what its rule bases and tables do."""
+"""Block diagrams of controllers and rule bases, and what a controller looks up."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from fuzzyarm.apps.show.figures.style import head, new_figure, safe
 from fuzzyarm.apps.show.figures.surface import ResponseFigure, TablePicture
 from fuzzyarm.apps.show.placement import ROUND, Pen, Picture, PlacedBlock, place
 from fuzzyarm.apps.show.response import Response
+from fuzzyarm.apps.show.system import system_diagram
 from fuzzyarm.base.picture import COLOURS
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import ControllerModel
@@ -31,6 +32,8 @@ INK = "#333333"
 FILLS = {
     "port": "#eeeeee",
     "drive": "#eeeeee",
+    "input": "#eeeeee",
+    "output": "#eeeeee",
     "rules": "#cfe5f3",
     "table": "#cfe5f3",
     "learn": "#d6efe3",
@@ -56,15 +59,15 @@ TIP = 0.07
 SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 
 
-def diagram_figure(controller: ControllerText | ControllerModel) -> Figure:
-    """Return the block diagram of a controller.
+def diagram_figure(model: ControllerText | ControllerModel | RuleBase) -> Figure:
+    """Return the block diagram of a controller or a rule base.
 
     Parameters
     ----------
-    controller : ControllerText or ControllerModel
-        As for :func:`fuzzyarm.apps.show.diagram.block_diagram`.
+    model : ControllerText or ControllerModel or RuleBase
+        As for :func:`fuzzyarm.apps.show.block_diagram`, or a rule base.
     """
-    diagram = block_diagram(controller)
+    diagram = system_diagram(model) if isinstance(model, RuleBase) else block_diagram(model)
     picture = place(diagram, PEN)
     figure = new_figure(_width(picture), picture.height + 0.55)
     _draw(figure.subplots(), picture)
@@ -177,7 +180,7 @@ def _draw_block(axes: Axes, placed: PlacedBlock, pitch: float) -> None:
             (x + width - tip, y + height), (x, y + height),
         ]  # fmt: skip
         axes.add_patch(Polygon(corners, closed=True, **look))
-    elif block.kind in ("port", "drive"):
+    elif block.kind in ("port", "drive", "input", "output"):
         round_look = f"round,pad=0,rounding_size={PEN.pad}"
         axes.add_patch(FancyBboxPatch((x, y), width, height, boxstyle=round_look, **look))
     else:

@@ -30,8 +30,9 @@ def model_figure(
     model : RuleBase, LookupTable or ControllerText
         A table gives its cells.
     what : str
-        Of a rule base: ``terms``, ``surface``, or ``all`` of both. Points at which its ``prove``
-        lines fail are marked. Of a controller: ``diagram``, or ``all`` with what it looks up.
+        Of a rule base: ``diagram``, ``terms``, ``surface``, or ``all`` of the last two. Points at
+        which its ``prove`` lines fail are marked. Of a controller: ``diagram``, or ``all`` with
+        what it looks up.
     output : str, optional
         The surface of this output only.
     at : mapping of str to float, optional
@@ -55,6 +56,8 @@ def model_figure(
         return diagram_figure(model) if what == "diagram" else controller_figure(model)
     if not isinstance(model, RuleBase):
         return table_figure(model, at=at)
+    if what == "diagram":
+        return diagram_figure(model)
     if what == "terms":
         return memberships_figure(model)
     if output is not None:
