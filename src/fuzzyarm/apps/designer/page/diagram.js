@@ -9,6 +9,7 @@ const ROOM = 14; // around the picture
 const TIP = 7; // of a wire
 const SIGNS = { "+": "+", "-": "−", "*": "×", "/": "÷" };
 const GREATEST = 1.25; // scale
+const LEAST = 0.75; // below, letters are too small: the picture scrolls
 
 /** The corners of a block as a path; a gain has a point. */
 export function outline({ kind, round, x, y, width, height }) {
@@ -40,6 +41,7 @@ export function diagramPicture(diagram, goTo) {
     ...blocks.map((block) => blockPicture(block, goTo)),
   );
   picture.style.width = `${Math.round(GREATEST * (width + 2 * ROOM))}px`;
+  picture.style.minWidth = `${Math.round(LEAST * (width + 2 * ROOM))}px`;
   return picture;
 }
 

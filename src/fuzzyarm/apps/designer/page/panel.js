@@ -12,6 +12,9 @@ const SMOOTH = 40; // so many samples along an axis are a surface, not cells to 
 const POINT = 1.3; // pixels of a point of print
 const BAR = 9; // pixels across
 const LEVELS = 9; // that are drawn of a surface
+const NARROWEST = 0.75; // of the usual width of letters
+const ABOVE_NAME = 20; // pixels between a plot and the name below it, with the numbers
+const MARGIN = 4; // pixels between a text and the edge of the picture
 
 const HEATS = Array.from({ length: 256 }, (_, i) => heatOf(i / 255));
 
@@ -48,9 +51,10 @@ function tonesOf(canvas) {
 }
 
 function paintPanel({ g, width, height }, panel, tone) {
-  const labels = legendOf(g, panel, width);
-  const layout = layoutOf(panel, width, height, labels.length ? labels.at(-1).row + 1 : 0);
-  const paper = { g, ...layout, panel, labels, width, tone };
+  const heads = headsOf(g, panel, width);
+  const labels = legendOf(g, panel, width, Math.max(0, heads.length - 1));
+  const layout = layoutOf(panel, width, height, labels.length ? labels.at(-1).row + 1 : Math.max(0, heads.length - 1));
+  const paper = { g, ...layout, panel, heads, labels, width, tone };
   const { inside } = layout;
   const cells = panel.parts.find((part) => part.is === "cells");
   title(paper);
@@ -71,15 +75,44 @@ function paintPanel({ g, width, height }, panel, tone) {
   return layout;
 }
 
-function title({ g, inside, panel }) {
+/**
+ * The lines of a title: broken at blanks, and within a word that is wider than the picture.
+ *
+ * @returns {string[]}
+ */
+function headsOf(g, panel, width) {
+  g.font = FONTS.bold;
+  const room = width - ROOM.left - MARGIN;
+  const lines = [""];
+  const add = (piece) => {
+    const longer = lines.at(-1) + piece;
+    if (g.measureText(longer).width <= room || !lines.at(-1)) lines.splice(-1, 1, longer);
+    else lines.push(piece.trimStart());
+  };
+  for (const word of clean(panel.title).split(/(?= )/)) {
+    if (g.measureText(word).width <= room) add(word);
+    else [...word].forEach(add);
+  }
+  return lines.filter(Boolean);
+}
+
+function title({ g, heads, width }) {
   g.fillStyle = colourOf("--ink");
   g.font = FONTS.bold;
   g.textAlign = "left";
-  g.fillText(clean(panel.title), inside.left, 15, inside.right - inside.left);
+  heads.forEach((line, i) => g.fillText(line, ROOM.left, 15 + ROOM.row * i, width - ROOM.left));
+}
+
+/** Write a name in some room: narrower letters, and where these could not be read, dots in its middle. */
+function name(g, words, x, y, room) {
+  let said = clean(words);
+  for (let kept = said.length - 1; kept > 4 && NARROWEST * g.measureText(said).width > room; kept--)
+    said = `${clean(words).slice(0, Math.ceil(kept / 2))}…${clean(words).slice(-Math.floor(kept / 2))}`;
+  g.fillText(said, x, y, room);
 }
 
 /** Numbers along both axes, their names, and rulings where no cells are. */
-function axes({ g, inside, panel, toX, toY }, ruled) {
+function axes({ g, inside, panel, toX, toY, width }, ruled) {
   const { left, right, top, bottom } = inside;
   g.font = FONTS.small;
   g.fillStyle = colourOf("--soft");
@@ -96,13 +129,16 @@ function axes({ g, inside, panel, toX, toY }, ruled) {
     g.fillText(shortNumber(value), toX(value), bottom + 14);
   }
   g.font = FONTS.bold;
-  g.fillText(clean(panel.across.words), (left + right) / 2, bottom + 30, right - left);
+  name(g, panel.across.words, (left + right) / 2, bottom + 30, roomAround((left + right) / 2, width));
   g.save();
   g.translate(11, (top + bottom) / 2);
   g.rotate(-Math.PI / 2);
-  g.fillText(clean(panel.up.words), 0, 0, bottom - top);
+  name(g, panel.up.words, 0, 0, roomAround((top + bottom) / 2, bottom + ABOVE_NAME));
   g.restore();
 }
+
+/** How long a text may be that has its middle somewhere. */
+const roomAround = (middle, whole) => 2 * Math.min(middle, whole - middle) - 2 * MARGIN;
 
 const PARTS = {
   line({ g, toX, toY, tone }, { x, y, steps, width, dash, tone: colour }) {
@@ -279,7 +315,7 @@ function bar({ g, inside, width }, { value, signed }) {
   g.translate(width - 5, (top + bottom) / 2);
   g.rotate(-Math.PI / 2);
   g.textAlign = "center";
-  g.fillText(clean(value.words), 0, 0, bottom - top);
+  name(g, value.words, 0, 0, roomAround((top + bottom) / 2, bottom + ABOVE_NAME));
   g.restore();
 }
 
@@ -339,9 +375,9 @@ const wordsOf = (value, { whole }) =>
  *
  * @returns {Array<{ part: any, x: number, row: number }>}
  */
-function legendOf(g, panel, width) {
+function legendOf(g, panel, width, first) {
   g.font = FONTS.small;
-  let [x, row] = [ROOM.left, 0];
+  let [x, row] = [ROOM.left, first];
   return panel.parts
     .filter((part) => part.label || part.missing)
     .map((part) => {
@@ -354,14 +390,14 @@ function legendOf(g, panel, width) {
 }
 
 /** What the labels say. */
-function legend({ g, labels, panel, tone }) {
+function legend({ g, labels, panel, tone, width }) {
   g.font = FONTS.small;
   g.textAlign = "left";
   for (const { part, x, row } of labels) {
     const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * row + 4;
     key(g, part, x, y, tone);
     g.fillStyle = colourOf("--ink");
-    g.fillText(clean(part.label || part.missing), x + 30, y + 4);
+    name(g, part.label || part.missing, x + 30, y + 4, width - x - 30 - MARGIN);
   }
 }
 
