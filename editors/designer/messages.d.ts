@@ -1,5 +1,6 @@
 // What the designer's page says and hears. Printed by tools/message_types.py from the records of
-// fuzzyarm.designer.requests and fuzzyarm.designer.messages: `make types` after a change there.
+// fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages: `make types` after a change
+there.
 
 declare namespace Messages {
   /** A question that says no more than what it is. */
@@ -277,22 +278,22 @@ declare namespace Messages {
     axes?: SurfaceAxes;
   }
 
-  /** A search; see `fuzzyarm.designer.forms.TUNE`. */
+  /** A search; see `fuzzyarm.apps.designer.forms.TUNE`. */
   interface TuneWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
-  /** Many runs; see `fuzzyarm.designer.forms.SWEEP`. */
+  /** Many runs; see `fuzzyarm.apps.designer.forms.SWEEP`. */
   interface SweepWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
-  /** A rule base from samples; see `fuzzyarm.designer.forms.FIT`. */
+  /** A rule base from samples; see `fuzzyarm.apps.designer.forms.FIT`. */
   interface FitWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
-  /** Something to be proved; see `fuzzyarm.designer.forms.PROVE`. */
+  /** Something to be proved; see `fuzzyarm.apps.designer.forms.PROVE`. */
   interface ProveWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
     certificate?: boolean;

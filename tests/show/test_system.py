@@ -2,10 +2,10 @@
 
 import pytest
 
-from fuzzyarm.cli.main import main
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.apps.show.placement import Pen, place
+from fuzzyarm.apps.show.system import system_diagram
 from fuzzyarm.language import parse
-from fuzzyarm.show.placement import Pen, place
-from fuzzyarm.show.system import system_diagram
 
 TWO = """
 rulebase two

@@ -110,9 +110,9 @@ def _drawing(model: Model, arguments: argparse.Namespace) -> RenderableType:
 
 
 def _diagram_drawing(model: Model) -> RenderableType:
-    from fuzzyarm.show.block_view import DiagramView
-    from fuzzyarm.show.diagram import block_diagram
-    from fuzzyarm.show.system import system_diagram
+    from fuzzyarm.apps.show.block_view import DiagramView
+    from fuzzyarm.apps.show.diagram import block_diagram
+    from fuzzyarm.apps.show.system import system_diagram
     from fuzzyarm.table import LookupTable
 
     if isinstance(model, LookupTable):

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.diagram import Diagram
-from fuzzyarm.show.placement import ROUND, Pen, Picture, PlacedBlock, place
+from fuzzyarm.apps.show.diagram import Diagram
+from fuzzyarm.apps.show.placement import ROUND, Pen, Picture, PlacedBlock, place
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions

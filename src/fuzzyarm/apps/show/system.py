@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from itertools import chain
 
+from fuzzyarm.apps.show.diagram import Diagram, DiagramBlock, DiagramWire, laid_out
+from fuzzyarm.base.numbers import number_text
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import Input, Output, Rule, RuleBase, propositions
-from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire, laid_out
-from fuzzyarm.text.numbers import number_text
+from fuzzyarm.language.model.rulebase import Input, Output, Rule, RuleBase, propositions
 
 __all__ = ["system_diagram"]
 

@@ -1,5 +1,5 @@
 // Panels of pictures, drawn on a canvas: the page's renderer beside those for print and for the terminal. What there is
-// to be seen, and between which ends, is said by Python (fuzzyarm.picture); here are pixels and colours.
+// to be seen, and between which ends, is said by Python (fuzzyarm.base.picture); here are pixels and colours.
 
 import { clean, colourOf, context, FONTS, heatOf, hue, inkOn, SHADES, shortNumber } from "./draw.js";
 import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
