@@ -141,8 +141,11 @@ def test_plot_of_a_controller(tmp_path, capsys):
         assert "drive voltage" in drawn
         assert "49 rules" in drawn
     capsys.readouterr()
-    assert main(["plot", str(shipped("pd7.frb")), "-o", "x.png", "--what", "diagram"]) == 1
-    assert "--what diagram is for controllers" in capsys.readouterr().err
+    table = str(shipped("performance-yamazaki.lut"))
+    assert main(["plot", table, "-o", "x.png", "--what", "diagram"]) == 1
+    assert "--what diagram is for rule bases and controllers" in capsys.readouterr().err
+    assert main(["show", table, "--diagram"]) == 1
+    assert "--diagram is for rule bases and controllers" in capsys.readouterr().err
 
 
 # --- Differences ---
