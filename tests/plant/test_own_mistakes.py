@@ -1,5 +1,7 @@
 """What is wrong in a plant of one's own is one sentence with its line, before it runs."""
 
+import sys
+
 import pytest
 
 from fuzzyarm.apps.cli.main import main
@@ -173,3 +175,24 @@ def test_an_unknown_parameter_has_a_near_one(tmp_path, monkeypatch, capsys):
     words = [str(shipped("heater.frb")), "--plant", "mine.py", "--set", "plant.los=1"]
     assert main(["simulate", *words]) == 1
     assert "kiln has no parameter 'los' (did you mean 'loss'?)" in capsys.readouterr().err
+
+
+def test_a_plant_may_import_a_file_of_its_folder_and_each_time_anew(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    drawn = "from mine import Kiln\n\n\nclass Drawn(Kiln):\n    pass\n"
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "drawn.py").write_text(drawn, encoding="utf-8")
+    (tmp_path / "one" / "mine.py").write_text(KILN, encoding="utf-8")
+    (tmp_path / "two" / "mine.py").write_text(
+        KILN.replace("class Kiln", "class Oven", 1), encoding="utf-8"
+    )
+    path = [*sys.path]
+    words = ["--step", "50", "--for", "60s"]
+    for folder in ("one", "two", "one"):
+        plant = f"{folder}/drawn.py:Drawn"
+        status = main(["simulate", str(shipped("heater.frb")), "--plant", plant, *words])
+        told = capsys.readouterr()
+        assert ("cannot import name 'Kiln'" in told.err) == (status == 1) == (folder == "two")
+        assert ("heater on drawn" in told.out) == (folder == "one")
+    assert sys.path[: len(path)] == path

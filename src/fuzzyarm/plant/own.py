@@ -222,7 +222,7 @@ OWN = "fuzzyarm_own_"
 
 
 def executed(path: str, fault: Callable[[str], Exception], source: str | None = None) -> ModuleType:
-    """Execute a file and return what it defines.
+    """Execute a file and return what it defines; it may import others of its folder.
 
     Parameters
     ----------
@@ -248,10 +248,35 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
     # dataclasses and others look the module of a class up.
     sys.modules[module.__name__] = module
     try:
-        exec(compile(source, path, "exec"), vars(module))
+        with _neighbours(os.path.dirname(os.path.abspath(path))):
+            exec(compile(source, path, "exec"), vars(module))
     except USERS as error:
         raise fault(failure(path, error)) from error
     return module
+
+
+_imported: set[str] = set()
+"""Modules that users' files imported from their folders."""
+
+
+@contextmanager
+def _neighbours(folder: str) -> Iterator[None]:
+    """Let a file import modules of its folder first, each time anew, as if Python had begun it."""
+    for name in _imported:
+        sys.modules.pop(name, None)
+    _imported.clear()
+    before = set(sys.modules)
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)
+        if folder not in sys.path:  # for imports within functions
+            sys.path.append(folder)
+        for name in set(sys.modules) - before:
+            file = getattr(sys.modules[name], "__file__", None) or ""
+            if os.path.dirname(file) == folder:
+                _imported.add(name)
 
 
 def failure(path: str, error: BaseException) -> str:
