@@ -131,7 +131,7 @@ def test_a_checked_certificate_has_been_asked_by_runs(servo, monkeypatch):
     text, _, _, certificate = servo
     assert check_certificate(certificate, text).proved
     monkeypatch.setattr(
-        "fuzzyarm.proof.loop.verdicts.contradiction", lambda *_: "the run from here leaves it"
+        "fuzzyarm.proof.loop.verdicts.contradiction", lambda *_, **__: "the run from here leaves it"
     )
     assert not check_certificate(certificate, text).proved
 

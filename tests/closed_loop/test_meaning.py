@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import math
+import os
+import sys
 from fractions import Fraction
 from pathlib import Path
 
@@ -15,7 +18,7 @@ from fuzzyarm.apps.cli.main import main
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import find_plant
-from fuzzyarm.plant.plant import PlantError, with_parameters
+from fuzzyarm.plant.plant import PlantError, Port, with_parameters
 from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
@@ -27,6 +30,7 @@ from fuzzyarm.proof.loop import (
 )
 from fuzzyarm.proof.loop.claimed_time import claimed_periods
 from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, require_sense
+from fuzzyarm.proof.loop.identity import loop_digests
 from fuzzyarm.proof.loop.problem import ClaimError, LoopProofError
 
 PLANT = """
@@ -233,6 +237,11 @@ def test_a_certificate_does_not_make_a_drawn_start_known(folder):
         certify_tube(text, read_claim(f"on '{name}': y in -9 .. 9 during 0 .. 20 ms")), "c.json"
     )
     plant_file(start="[rng.uniform(0.5, 5)]")
+    with pytest.raises(CertificateError, match=r"lag\.py is not the plant that was proved"):
+        check_certificate("c.json", trust=True)
+    data = json.loads(Path("c.json").read_text(encoding="utf-8"))
+    data["proved"] = loop_digests(text, find_plant(name))  # forged
+    Path("c.json").write_text(json.dumps(sealed(data)), encoding="utf-8")
     verdict = check_certificate("c.json", trust=True)
     assert verdict.verdict == "undecided"
     assert "draws where it starts" in verdict.reason
@@ -333,6 +342,160 @@ def test_a_changed_plant_is_said():
     assert (
         prove_loop(servo, read_claim("stable on motor"), plant=motor).statement == "stable on motor"
     )
+
+
+MADE = """
+from dataclasses import dataclass
+from fuzzyarm.plant import Plant, Port
+FALL = 1.0
+@dataclass
+class Made(Plant):
+    k: float = 1.0
+    inputs = {"u": Port("V", -5.0, 5.0)}
+    outputs = {"y": Port("m", -10.0, 10.0)}
+    states = {"y": "m"}
+    parameters = {"b": 1.0}
+    duration = 1.0
+    first = 0.5
+    def start(self, rng):
+        return [self.first]
+    def derivative(self, t, x, u, p):
+        return [p[0] * u[0] - FALL * self.k * x[0]]
+"""
+
+
+def made_plant():
+    Path("made.py").write_text(MADE, encoding="utf-8")
+    return find_plant("made.py")
+
+
+def attribute(**values):
+    def change(plant):
+        for name, value in values.items():
+            setattr(plant, name, value)
+        return plant
+
+    return change
+
+
+def of_class(plant):
+    type(plant).first = 0.25
+    return plant
+
+
+def of_module(plant):
+    sys.modules[type(plant).__module__].FALL = 3.0
+    return plant
+
+
+WIDE = {"u": Port("V", -50.0, 50.0)}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda plant: dataclasses.replace(plant, k=2.0), "equations other than those of"),
+        (attribute(k=2.0), "equations other than those of"),
+        (of_module, "equations other than those of"),
+        (attribute(derivative=lambda t, x, u, p: [u[0]]), "equations other than those of"),
+        (lambda plant: with_parameters(plant, {"b": 1.5}), "b = 1.5"),
+        (attribute(parameters={"b": 1.5}), "b = 1.5"),
+        (attribute(inputs=WIDE), "actuator u: -50 .. 50"),
+        (attribute(outputs={"y": Port("m", -10.0, 10.0, bound=7.0)}), "bound 7"),
+        (attribute(first=0.25), "start y = 0.25"),
+        (of_class, "start y = 0.25"),
+    ],
+)  # fmt: skip
+def test_a_plant_that_python_changed_is_said_and_bound(folder, change, words):
+    plant, text = made_plant(), law()
+    claim = read_claim("y in -1 .. 1 during 0 .. 20 ms", "made.py")
+    plain = prove_loop(text, claim, plant=plant)
+    assert plain.proved
+    assert plain.statement == "on 'made.py': y in -1 .. 1 during 0 .. 0.02 s"
+    changed = change(plant)
+    verdict = prove_loop(text, claim, plant=changed)
+    assert verdict.statement.startswith(f"{plain.statement}; ")
+    assert words in verdict.statement
+    for certificate in (
+        certify_tube(text, claim, plant=changed),
+        prove_loop(text, read_claim("stable", "made.py"), plant=changed).certificate,
+    ):
+        write_certificate(certificate, "c.json")
+        with pytest.raises(CertificateError, match="is not the plant that was proved"):
+            check_certificate("c.json", trust=True)
+        words_ = ["compile", "c.frb", "-o", "c.h", "--certificate", "c.json", "--trust"]
+        assert main(words_) == 1
+        assert not Path("c.h").exists()
+        again = check_certificate("c.json", text, changed)
+        assert again.proved
+        assert words in again.statement
+
+
+def test_a_plant_with_the_name_of_another_one_is_said(folder):
+    plant = made_plant()
+    plant.name = "motor"
+    assert "equations other than those of motor" in loop_sentence(
+        read_claim("stable on motor"), plant=plant
+    )
+    other = loop_sentence(read_claim("stable on 'other.py'"), plant=plant)
+    assert "a plant given in Python" in other
+
+
+def changed_rules(text, tmp):
+    (rules,) = text.sheets["r"]
+    output = dataclasses.replace(rules.outputs[0], outside="extend")
+    sheet = dataclasses.replace(rules, outputs=(output,))
+    return dataclasses.replace(text, sheets={"r": (sheet,)})
+
+
+def rewritten_rules(text, tmp):
+    path = tmp / "r.frb"
+    stamp = path.stat()
+    path.write_text(path.read_text(encoding="utf-8").replace("singleton 1", "singleton 0.9"))
+    os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+    return text
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda text, _: text.with_gains({"K": 1.5}), "K = 1.5"),
+        (
+            lambda text, _: dataclasses.replace(
+                text, model=dataclasses.replace(text.model, period=0.02)
+            ),
+            "lines other than those of its file",
+        ),
+        (
+            lambda text, _: dataclasses.replace(text, model=text.with_gains({"K": 1.5}).model),
+            "K = 1.5",
+        ),
+        (changed_rules, "r is not as in its file"),
+        (rewritten_rules, "r is not as in its file"),
+    ],
+)
+def test_a_controller_that_is_not_that_of_its_file_is_said_and_bound(folder, change, words):
+    name = plant_file()
+    Path("r.frb").write_text(
+        "rulebase r\ninput e -1 .. 1\noutput u -1 .. 1\nterms e: triangles N Z P\n"
+        "term u N: singleton -1\nterm u Z: singleton 0\nterm u P: singleton 1\n"
+        "inference u: defuzzifier weighted-average\nrule if e is N then u is N\n"
+        "rule if e is Z then u is Z\nrule if e is P then u is P\n"
+    )
+    Path("c.frb").write_text(
+        'controller c\nuse r from "r.frb"\nperiod 10 ms\ngain K = 2\naxis a\n'
+        "  e = error of y\n  u = rules r(e)\n  drive u = u * K\n"
+    )
+    text = load_controller("c.frb")
+    claim = read_claim(f"stable on '{name}'")
+    assert loop_sentence(claim, text=text) == f"stable on '{name}'"
+    changed = change(text, folder)
+    verdict = prove_loop(changed, claim)
+    assert verdict.proved
+    assert verdict.statement == f"stable on '{name}'; {words}"
+    write_certificate(verdict.certificate, "c.json")
+    with pytest.raises(CertificateError, match=r"is not the (controller|file) that was proved"):
+        check_certificate("c.json", load_controller("c.frb"), trust=True)
 
 
 # --- Whose code runs ---

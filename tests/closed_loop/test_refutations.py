@@ -12,12 +12,20 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load_controller, shipped
+from fuzzyarm.apps.cli.main import main
 from fuzzyarm.control.controllers.text import ControllerText
-from fuzzyarm.proof.loop import LoopVerdict, prove_loop, read_claim
+from fuzzyarm.proof.loop import (
+    LoopVerdict,
+    check_certificate,
+    prove_loop,
+    read_claim,
+    write_certificate,
+)
+from fuzzyarm.proof.loop.checker import is_positive_definite
 from fuzzyarm.proof.loop.form import Form
 from fuzzyarm.proof.loop.instability import growth
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
 
 HEAD = "from fuzzyarm.plant import Plant, Port\n"
 LAG = """
@@ -307,6 +315,47 @@ def test_a_budget_holds_within_half_of_it() -> None:
     verdict = prove_loop(servo, read_claim("stable from position in -6 .. 6", "motor"), budget=4.0)
     assert verdict.verdict == "undecided"
     assert time.thread_time() - begun < 6.0
+
+
+def test_rational_minors_stop_in_time() -> None:
+    generator = np.random.default_rng(1)
+    square = generator.integers(-(10**6), 10**6, (150, 150)).astype(object)
+    rows = [[Fraction(int(x), 10**6 + 3) for x in row] for row in square @ square.T]
+    begun = time.thread_time()
+    with pytest.raises(TimeOverError), Stop(0.2):
+        is_positive_definite(rows)
+    assert time.thread_time() - begun < 1.0
+    with Stop(-1.0):  # a stop within has no more time than that
+        inner = Stop()
+    assert inner.now
+
+
+def test_a_check_stops_in_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    servo = load_controller(shipped("servo.frb"))
+    verdict = prove_loop(servo, read_claim("stable", "motor"))
+    assert verdict.certificate is not None
+    path = str(tmp_path / "c.json")
+    write_certificate(verdict.certificate, path)
+    begun = time.thread_time()
+    late = check_certificate(path, servo, budget=0.05)
+    assert time.thread_time() - begun < 1.0
+    assert late.verdict == "undecided"
+    assert late.reason.endswith("time ran out")
+    assert main(["prove", "--check", path, "--budget", "0.05"]) == 4
+    assert "undecided" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("claim", ["stable", "from y in 1 .. 1: y in -2 .. 2 during 0 .. 1000000 s",
+                                   "stable from y in 0.5 .. 0.6"])  # fmt: skip
+def test_runs_of_a_proof_stop_in_time(tmp_path: Path, claim: str) -> None:
+    body = LAG.replace("duration = 1.0", "longest_step = 1e-7\n    duration = 1e5")
+    plant = plant_file(tmp_path, body.replace("RATE", "u[0] - x[0]"))
+    text = proportional(tmp_path, 0.5)
+    begun = time.thread_time()
+    verdict = prove_loop(text, read_claim(claim, plant), budget=2.0)
+    assert time.thread_time() - begun < 3.0
+    assert verdict.verdict != "refuted"
 
 
 def test_the_solver_of_inequalities_stops_in_time() -> None:

@@ -10,8 +10,10 @@ beside the range; signals with memory, sensors, actuators, set points, parameter
 - *proved*: runs from the region and from the starts, and those that climb towards a violation, stay
   where they are said to be, at samples and between them; V falls in each period by its share.
 - *refuted*: the run from the start that is told does the same here.
-- a certificate that is written is accepted; with a field changed and sealed again it is refused, or
-  what it then says holds of our own runs.
+- a certificate that is written is accepted; with any field changed and sealed again it is refused,
+  or what it then says holds of our own runs.
+- a plant or a controller that Python changed is in the sentence, and its certificate is refused for
+  the files.
 - No traceback, no warning, and no more than one and a half times the budget.
 """
 
@@ -62,12 +64,15 @@ from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.control.loop.course import Options, Sensor  # noqa: E402
 from fuzzyarm.language.model.claims import LoopClaim  # noqa: E402
 from fuzzyarm.plant.own import find_plant  # noqa: E402
+from fuzzyarm.plant.plant import with_parameters  # noqa: E402
 from fuzzyarm.proof.loop import (  # noqa: E402
     LoopVerdict,
     check_certificate,
+    read_claim,
     write_certificate,
 )
 from fuzzyarm.proof.loop.certificate import sealed  # noqa: E402
+from fuzzyarm.proof.loop.claims import loop_sentence  # noqa: E402
 from fuzzyarm.proof.loop.timed import loop_tube  # noqa: E402
 from fuzzyarm.proof.loop.tube_certificate import certify_tube  # noqa: E402
 
@@ -441,6 +446,9 @@ def _sources(draw: random.Random, plant: OwnPlant) -> tuple[list[Line], list[str
         lines.append(Line("q", "sum", ("e", "s"), 1.0, {"signs": (1.0, -1.0)}))
     elif extra < 0.28:
         lines.append(Line("q", "change", ("e",), 3.0))
+    elif extra < 0.34:  # filters in a row
+        lines.append(Line("f", "lag", ("e",), 1.0, {"time": draw.choice([0.02, 0.2])}))
+        lines.append(Line("q", "lag", ("f",), 1.0, {"time": 0.05}))
     else:
         return lines, signals
     return lines, ["q", *signals[1:]]
@@ -471,17 +479,21 @@ def _law(
 
 
 def _sensors(draw: random.Random, plant: OwnPlant, period: float) -> dict[str, Seen]:
-    if draw.random() < 0.7:
+    if draw.random() < 0.65:
         return {}
-    port = draw.choice(plant.outputs)
+    ports = plant.outputs if draw.random() < 0.3 else [draw.choice(plant.outputs)]
+    return {port.name: _sensor(draw, port, period) for port in ports}
+
+
+def _sensor(draw: random.Random, port: Output, period: float) -> Seen:
     kind = draw.random()
     if kind < 0.5:
-        return {port.name: Seen(delay=draw.choice([1.0, 2.0, 1.5, 0.3]) * period)}
+        return Seen(delay=draw.choice([1.0, 2.0, 3.0, 1.5, 0.3]) * period)
     if kind < 0.8:
-        return {port.name: Seen(resolution=draw.choice([0.01, 0.001]))}
+        return Seen(resolution=draw.choice([0.01, 0.001]))
     if port.rate_of:
-        return {port.name: Seen(difference=draw.choice([0.0, 0.02]))}
-    return {port.name: Seen(delay=period, resolution=0.01)}
+        return Seen(difference=draw.choice([0.0, 0.02]))
+    return Seen(delay=period, resolution=0.01)
 
 
 # ── a case ───────────────────────────────────────────────────────────────────────────
@@ -585,6 +597,8 @@ def case(draw: random.Random, told: Told) -> None:
             raise AssertionError(f"cannot be read: {error}") from error
         if draw.random() < 0.15:
             demand_same_runs(bench)
+        if draw.random() < 0.15:
+            demand_bound(bench)
         kind = draw.random()
         if kind < 0.35:
             judge_stable(bench)
@@ -1134,10 +1148,61 @@ def demand_certificate(bench: Bench, verdict: LoopVerdict) -> None:
     leaves = list(fields_of(data))
     bench.draw.shuffle(leaves)
     often = [path for path in leaves if path[0] in ("claim", "sensors", "connect", "loop")]
-    for path in [*often[:8], *leaves[:4]]:
+    some = [*often[:8], *leaves[:4]]
+    if bench.draw.random() < 0.1:  # every field, except for most of the numbers
+        count("every field forged")
+        some = [p for p in leaves if p[0] not in ("p", "boxes")] + some
+    for path in some:
         if path == ("claim", "plant"):  # which we give
             continue
         demand_forged(bench, data, path)
+
+
+def demand_bound(bench: Bench) -> None:
+    """What Python changed is said, and a certificate of it is not one of the files."""
+    plant, text, draw = find_plant("own.py"), bench.controller, bench.draw
+    claim = read_claim(f"y in -1e3 .. 1e3 during 0 .. {bench.loop.period!r} s", "own.py")
+    plain = loop_sentence(claim, plant=plant, text=text)
+    kind = draw.choice(["actuator", "equations", "start", "parameter", "period", "rules"])
+    if kind == "actuator":
+        port = plant.inputs["u"]
+        plant.inputs = {"u": replace(port, high=port.high + 1.0 if port.high < 1e9 else 1e3)}
+    elif kind == "equations":
+        own = plant.derivative
+        plant.derivative = lambda t, x, u, p: [rate + 0.125 for rate in own(t, x, u, p)]
+    elif kind == "start":
+        plant.start = lambda rng: [0.0625 * (k + 1) for k in range(len(plant.states))]
+    elif kind == "parameter" and plant.parameters:
+        plant = with_parameters(plant, {"c": 1.0625})
+    elif kind == "rules" and text.sheets:
+        sheets = {
+            name: tuple(replace(s, outputs=tuple(_other(o) for o in s.outputs)) for s in row)
+            for name, row in text.sheets.items()
+        }
+        text = replace(text, sheets=sheets)
+    else:
+        kind = "period"
+        text = replace(text, model=replace(text.model, period=2.0 * text.model.period))
+    bench.told.append(f"changed in Python: {kind}")
+    count("changed", kind)
+    said = loop_sentence(claim, plant=plant, text=text)
+    assert said != plain, ("a change is not said", kind)
+    try:
+        certificate = certify_tube(text, claim, plant=plant, budget=BUDGET, **bench.words)
+    except FuzzyarmError:
+        return
+    write_certificate(certificate, "b.json")
+    assert check_certificate("b.json", text, plant).statement.startswith(said)
+    try:
+        again = check_certificate("b.json", plant=bench.plant)
+    except FuzzyarmError:
+        count("changed and refused")
+        return
+    raise AssertionError(("a certificate of a changed loop is accepted", kind, str(again)))
+
+
+def _other(output: Any) -> Any:
+    return replace(output, outside="clamp" if output.outside == "extend" else "extend")
 
 
 Path_ = tuple[str | int, ...]

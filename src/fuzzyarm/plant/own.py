@@ -155,6 +155,28 @@ def plant_again(path: str, source: str, key: str) -> Plant:
     return _made(module_again(path, source), key)
 
 
+def named_again(name: str, plant: Plant) -> Plant | None:
+    """Return the plant of a file anew, as a name says it, if a plant is from there; else None.
+
+    No code runs that has not run: it is that of the plant at hand.
+    """
+    module = sys.modules.get(type(plant).__module__)
+    home = vars(plant).get(HOME)
+    path, source = (home.path, home.source) if home else (
+        getattr(module, "__file__", None), vars(module).get(SOURCE) if module else None
+    )  # fmt: skip
+    if not path or source is None:
+        return None
+    key = name.rpartition(".py:")[2] if ".py:" in name else ""
+    if _place(name) != _place(path) and (not home or name != plant.name):
+        return None
+    key = key or (home.key if home else type(plant).__name__)
+    try:
+        return plant_again(path, source, key)
+    except (PlantError, AttributeError):
+        return None
+
+
 @cache
 def module_again(path: str, source: str) -> ModuleType:
     """Execute a text that came from another process, once."""

@@ -241,8 +241,9 @@ def _files_for(folder: Path) -> list[str]:
 def read_sheet(file: str, folder: Path) -> Sheet:
     """Read a rule base or a table: beside the controller, or a shipped one."""
     path = sheet_path(file, folder)
-    # Keyed by the time of the last change, so that an edited file counts in a long process.
-    return _read_sheet(path, path.stat().st_mtime_ns)
+    # Keyed by its last change, also of a file that has its old time: an edit counts in a long run.
+    now = path.stat()
+    return _read_sheet(path, (now.st_mtime_ns, now.st_ctime_ns, now.st_size))
 
 
 def sheet_path(file: str, folder: Path) -> Path:
@@ -269,7 +270,7 @@ def sheet_files(text: ControllerText) -> list[Path]:
 
 
 @cache
-def _read_sheet(path: Path, _changed: int) -> Sheet:
+def _read_sheet(path: Path, _changed: tuple[int, int, int]) -> Sheet:
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return read_table(path)

@@ -32,7 +32,7 @@ __all__ = [
     "fingerprints_of",
 ]
 
-FORMAT = "fuzzyarm-certificate 4"
+FORMAT = "fuzzyarm-certificate 5"
 
 Matrix = tuple[tuple[Fraction, ...], ...]
 
@@ -65,6 +65,8 @@ class Certificate:
         By port, axis and name; exact ones are not there.
     connect : dict of str to str
         From names of the controller to ports of the plant, where they differ.
+    digests : dict of str to str
+        SHA-256 of the controller and of the plant that were proved, as they were in memory.
     """
 
     claim: LoopClaim
@@ -78,6 +80,7 @@ class Certificate:
     states: tuple[str, ...]
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     connect: Mapping[str, str] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """Return it as plain data, sealed."""
@@ -86,6 +89,7 @@ class Certificate:
             **loop_data(self.claim, self.sensors, self.connect),
             "controller": self.controller,
             "sha256": dict(self.fingerprints),
+            "proved": dict(self.digests),
             "loop": {
                 "continuous": self.continuous,
                 "memory": dict(self.evidence.memory),
@@ -237,6 +241,7 @@ def certificate_of(whole: Field) -> Certificate:
         tuple(name.text for name in data["states"]),
         sensors_of(data),
         texts_of(data["connect"]),
+        texts_of(data["proved"]),
     )
 
 

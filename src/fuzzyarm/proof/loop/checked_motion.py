@@ -9,6 +9,7 @@ from fractions import Fraction
 from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.slopes import Slope, slopes_of
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly, hull
+from fuzzyarm.proof.map.arithmetic import check_time
 
 __all__ = ["around_motion", "dot", "flow_over", "output_between_samples"]
 
@@ -17,6 +18,7 @@ NOTHING = Fraction(0)
 
 def dot(row: Sequence[RationalInterval], column: Sequence[RationalInterval]) -> RationalInterval:
     """Return a sum of products."""
+    check_time()
     total = exactly(NOTHING)
     for x, y in zip(row, column, strict=True):
         if x.low or x.high:

@@ -22,6 +22,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Protocol
 
+from fuzzyarm.proof.map.arithmetic import check_time
+
 __all__ = ["Matrices", "falls", "is_inside", "is_positive_definite", "refutation"]
 
 Rows = Sequence[Sequence[Fraction]]
@@ -175,6 +177,7 @@ def is_positive_definite(matrix: Rows) -> bool:
         whole[i][i] -= size + 1  # each entry is rounded by less than 1
     before = 1
     for k in range(size):
+        check_time()
         pivot = whole[k][k]
         if pivot <= 0:
             return False
@@ -198,10 +201,12 @@ def _rounded(x: Fraction, shift: int) -> int:
 
 
 def _product(a: Rows, b: Rows) -> list[list[Fraction]]:
-    return [
-        [sum((x * b[k][j] for k, x in enumerate(row) if x), Fraction(0)) for j in range(len(b[0]))]
-        for row in a
-    ]
+    rows = []
+    for row in a:
+        check_time()
+        terms = [(x, b[k]) for k, x in enumerate(row) if x]
+        rows.append([sum((x * y[j] for x, y in terms), Fraction(0)) for j in range(len(b[0]))])
+    return rows
 
 
 def _sizes(a: Rows) -> Matrix:

@@ -8,20 +8,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError
-from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.control.controllers.text import ControllerText, read_controller
+from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.document import parse_document
 from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.language.model.controller import GainModel
 from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.plant.own import PLANTS, trusted_plant
-from fuzzyarm.plant.plant import Plant, Port, interface_of, parameter
+from fuzzyarm.plant.own import trusted_plant
+from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.loop.claimed_time import ClaimedPeriods, claimed_periods
+from fuzzyarm.proof.loop.identity import controller_changes, plant_changes
 from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
 
 __all__ = [
@@ -29,7 +28,6 @@ __all__ = [
     "claimed_in",
     "claimed_plant",
     "claimed_port",
-    "gain_words",
     "loop_sentence",
     "problem_of",
     "read_claim",
@@ -118,9 +116,9 @@ def loop_sentence(
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
     plant : Plant, optional
-        In place of the shipped one that the claim names: what differs from that is said.
+        In place of the one that the claim names: what differs from that is said.
     text : ControllerText, optional
-        The controller: gains that are not those of its file are said.
+        The controller: what differs from its file is said.
     continuous : bool, optional
         Whether the controller is taken to run without a period.
     duration : float, optional
@@ -129,8 +127,8 @@ def loop_sentence(
     words = [claim_text(claim)]
     if duration:
         words = [f"{words[0].removeprefix('stable ')} for {duration:g} s"]
-    words += _plant_words(claim, plant)
-    words += [] if text is None else _gain_words(text)
+    words += [] if plant is None else plant_changes(claim, plant)
+    words += [] if text is None else controller_changes(text)
     words += [
         f"{name_text(name)} joined to {name_text(port)}"
         for name, port in (connect or {}).items()
@@ -154,48 +152,6 @@ def _sensor_words(sensor: Sensor) -> Iterator[str]:
         yield f"resolution {number_text(sensor.resolution)}"
     if sensor.delay:
         yield f"delay {number_text(sensor.delay)} s"
-
-
-def _plant_words(claim: LoopClaim, plant: Plant | None) -> Iterator[str]:
-    """Say in what a plant differs from the shipped one of its name."""
-    if plant is None or claim.plant not in PLANTS:
-        return
-    shipped = PLANTS[claim.plant]()
-    stated = {name for name, _, _ in claim.parameters}
-    for name in shipped.parameters:
-        if name in stated or name not in plant.parameters:
-            continue
-        value = parameter(plant, name).value
-        if value != parameter(shipped, name).value:
-            yield f"{name_text(name)} = {number_text(value)}"
-    own = interface_of(plant)
-    for address, port in interface_of(shipped).inputs.items():
-        other = own.inputs.get(address)
-        if other is not None and other != port:
-            yield f"actuator {own.label(address)}: {_port_words(other)}"
-
-
-def _gain_words(text: ControllerText) -> Iterator[str]:
-    """Say which gains of a controller are not those of its file."""
-    if not text.path or text.source:  # it has no file, or is as its text says
-        return
-    try:
-        written = read_controller(text.path).model.gains
-    except (OSError, FuzzyarmError):
-        written = ()
-    for gain in text.model.gains:
-        if gain not in written:
-            yield f"{name_text(gain.name)} = {gain_words(gain)}"
-
-
-def gain_words(gain: GainModel) -> str:
-    """Return the numbers of a gain, one or one for each axis."""
-    return " ".join(number_text(amount.value(math.pi)) for amount in gain.values)
-
-
-def _port_words(port: Port) -> str:
-    ends = f"{number_text(port.low)} .. {number_text(port.high)}"
-    return ends if math.isinf(port.slew) else f"{ends}, slew {number_text(port.slew)}"
 
 
 def claimed_plant(claim: LoopClaim, named: str | None = None, *, trust: bool = False) -> Plant:

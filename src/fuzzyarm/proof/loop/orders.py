@@ -88,7 +88,9 @@ def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
 def check_of(request: ProveRequest, controller: ControllerText | None) -> LoopVerdict:
     """Check the certificate of a request."""
     path = request.check or ""
-    return check_certificate(path, controller, named=request.plant, trust=request.trust)
+    return check_certificate(
+        path, controller, named=request.plant, trust=request.trust, budget=budget_of(request)
+    )
 
 
 # --- What goes together ---
@@ -385,7 +387,10 @@ def tube_of(
     claim = claim_of(request)
     duration = read_time(request.duration or "", "--for")
     setup = setup_of(request, claim)
-    statement = loop_sentence(claim, setup.get("sensors"), setup["connect"], duration=duration)
+    statement = loop_sentence(
+        claim, setup.get("sensors"), setup["connect"], plant=setup["plant"], text=controller,
+        duration=duration,
+    )  # fmt: skip
     try:
         way, left_open = loop_tube(
             controller, claim, duration, budget=budget_of(request), **setup,

@@ -24,10 +24,10 @@ from fuzzyarm.proof.loop.claims import claimed_port
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Follower
 from fuzzyarm.proof.loop.problem import LoopProblem, LostRunError
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["Breach", "converged", "refuting_run", "run_of", "sampled_runs"]
+__all__ = ["Breach", "converged", "refuting_run", "run_in_time", "run_of", "sampled_runs"]
 
 
 class Breach(NamedTuple):
@@ -56,7 +56,10 @@ def refuting_run(problem: LoopProblem, claim: LoopClaim, stop: Stop | None = Non
     for start, values in _starts(problem):
         if stop.now or unknown == MOST_UNKNOWN:
             return None
-        run = _run_in_time(problem, start, values, claim, stop)
+        whole = _claimed_duration(problem, claim)
+        run = run_in_time(
+            problem, start, values, whole, stop, lambda run: _breach(problem, claim, run)
+        )
         if run is None:
             return None
         end = _breach(problem, claim, run)
@@ -77,26 +80,41 @@ ENCLOSING = 3.0
 MOST_UNKNOWN = 2
 """Runs of which no enclosure tells, after which no other one is tried."""
 
-FIRST_PERIODS, LONGER, SHARE = 2000, 8, 0.1
-"""Control periods of a first run; how many times as long the next one is, while that takes no more
-than a share of the time that is left."""
+FIRST_STEPS, LONGER, SHARE = 20_000, 8, 0.1
+"""Steps of the integrator in a first run; how many times as long the next one is, while that takes
+no more than a share of the time that is left."""
 
 
-def _run_in_time(
+def run_in_time(
     problem: LoopProblem,
     start: Mapping[str, float],
     values: Mapping[str, float],
-    claim: LoopClaim,
+    whole: float,
     stop: Stop,
+    found: Callable[[Run], object],
 ) -> Run | None:
-    """Return a run for as long as a claim says, or as there is time for."""
-    whole = _claimed_duration(problem, claim)
-    periods = FIRST_PERIODS
+    """Return a run of a duration, or as long as there is time for, or until it shows something.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    start, values : mapping of str to float
+        By state and by parameter.
+    whole : float
+        s.
+    stop : Stop
+        When to give up.
+    found : callable
+        What a run shows; None or empty: nothing.
+    """
+    steps = max(1, math.ceil(problem.period / problem.plant.longest_step))
+    periods = max(1, FIRST_STEPS // steps)
     while True:
         begun = stop.spent
         run = run_of(problem, start, values, duration=min(whole, periods * problem.period))
         taken = stop.spent - begun
-        if run is None or _breach(problem, claim, run) is not None:
+        if run is None or found(run) not in (None, ""):
             return run
         if periods * problem.period >= whole or LONGER * taken > SHARE * stop.left:
             return run
@@ -170,17 +188,24 @@ AGREED = 1e-3
 """By what share of how far a run has been two runs of different steps may differ."""
 
 
-def converged(run: Callable[[int], Run | None]) -> tuple[Run, Run] | None:
+def converged(run: Callable[[int], Run | None], stop: Stop) -> tuple[Run, Run] | None:
     """Return two runs of different steps that agree, the finer one last.
 
     Parameters
     ----------
     run : callable
         Makes a run, of so many times as many steps.
+    stop : Stop
+        When to give up: TimeOverError.
     """
     coarse: Run | None = None
+    taken = 0.0
     for steps in FINER:
+        if coarse is not None and stop.left < 4.0 * taken:
+            raise TimeOverError
+        begun = stop.spent
         fine = run(steps)
+        taken = stop.spent - begun
         if fine is None:
             return None
         if coarse is not None and _agree(coarse, fine):

@@ -328,7 +328,7 @@ class _Bisection:
             if finished
             else []
         )
-        times = np.arange(common + 1) * period
+        times = np.arange((common if finished else 0) + 1) * period
         begins, ends = times[:-1], times[1:]
         low, high, low_at, high_at = (
             reduce(choose, arrays)

@@ -28,6 +28,7 @@ from fuzzyarm.proof.loop.certificate import (
 )
 from fuzzyarm.proof.loop.certificate_fields import Field, read_fields
 from fuzzyarm.proof.loop.claims import claimed_port, problem_of
+from fuzzyarm.proof.loop.identity import loop_digests
 from fuzzyarm.proof.loop.problem import LoopProofError
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET
 from fuzzyarm.proof.loop.tube_checker import BoxProof, TubeLoop, TubeSet, tube_refutation
@@ -36,7 +37,7 @@ from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
 
 __all__ = ["TubeCertificate", "certify_tube", "read_certificate", "write_certificate"]
 
-FORMAT = "fuzzyarm-tube 2"
+FORMAT = "fuzzyarm-tube 3"
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class TubeCertificate:
 
     Attributes
     ----------
-    claim, controller, fingerprints, sensors, connect
+    claim, controller, fingerprints, sensors, connect, digests
         As a :class:`fuzzyarm.proof.loop.Certificate` has them.
     boxes : tuple of BoxProof
         Parts of the starts, each with its sets.
@@ -57,6 +58,7 @@ class TubeCertificate:
     boxes: tuple[BoxProof, ...]
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
     connect: Mapping[str, str] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """Return it as plain data, sealed."""
@@ -66,6 +68,7 @@ class TubeCertificate:
                 **loop_data(self.claim, self.sensors, self.connect),
                 "controller": self.controller,
                 "sha256": dict(self.fingerprints),
+                "proved": dict(self.digests),
                 "boxes": [
                     {
                         # The halvings that lead to the box: along which dimension, and whether to
@@ -151,8 +154,9 @@ def certify_tube(
     problem = problem_of(text, claim, plant=plant, sensors=sensors, connect=connect)
     stop = Stop(budget, tell)
     try:
-        loop = TubeLoop(problem, stop)
-        boxes = proof_boxes(loop, claim, claimed_port(problem, claim), stop)
+        with stop:
+            loop = TubeLoop(problem, stop)
+            boxes = proof_boxes(loop, claim, claimed_port(problem, claim), stop)
     except TimeOverError as error:
         boxes = str(error)
     if isinstance(boxes, str):
@@ -164,6 +168,7 @@ def certify_tube(
         boxes,
         sensors_by_name(problem),
         dict(connect or {}),
+        loop_digests(text, problem.plant),
     )
 
 
@@ -207,6 +212,7 @@ def read_certificate(path: str) -> Certificate | TubeCertificate:
         tuple(map(_box, data["boxes"])),
         sensors_of(data),
         texts_of(data["connect"]),
+        texts_of(data["proved"]),
     )
 
 

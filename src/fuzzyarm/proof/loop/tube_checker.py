@@ -34,7 +34,7 @@ from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.program_walk import ProgramWalk
 from fuzzyarm.proof.loop.slopes import Slope, SlopeNumbers, slopes_of
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.map.arithmetic import Stop, check_time
 from fuzzyarm.symbolic.nodes import symbols
 
 __all__ = [
@@ -256,6 +256,7 @@ def _inverse(rows: Matrix) -> Matrix:
     # Gauss and Jordan in rationals: the first pivot that is not 0 will do, nothing is rounded.
     work = [[*row, *(Fraction(int(i == j)) for j in range(size))] for i, row in enumerate(rows)]
     for column in range(size):
+        check_time()
         pivot = next((k for k in range(column, size) if work[k][column]), None)
         if pivot is None:
             raise LoopProofError("a set without an end")

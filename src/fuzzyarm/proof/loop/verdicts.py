@@ -33,9 +33,10 @@ from fuzzyarm.proof.loop.certificate import (
 from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop, checked_loop
 from fuzzyarm.proof.loop.checker import refutation
-from fuzzyarm.proof.loop.claims import claimed_plant, gain_words, loop_sentence, problem_of
+from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, problem_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.form_maker import FormMaker
+from fuzzyarm.proof.loop.identity import gain_words, loop_digests
 from fuzzyarm.proof.loop.instability import growth
 from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem
 from fuzzyarm.proof.loop.runs import refuting_run
@@ -244,8 +245,12 @@ class _Case:
         self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
 
     def verdict(self) -> LoopVerdict:
-        """Judge the claim."""
+        """Judge the claim, within the time that there is."""
         self.stop.say(0)
+        with self.stop:
+            return self._judgement()
+
+    def _judgement(self) -> LoopVerdict:
         try:
             problem = problem_of(
                 self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
@@ -381,6 +386,7 @@ class _Case:
             proposal.form.names,
             sensors_by_name(maker.problem),
             dict(self.connect or {}),
+            loop_digests(self.text, maker.problem.plant),
         )
         against, facts, loop = verified(maker.problem, certificate, self.pieces)
         if against or loop is None:
@@ -389,7 +395,7 @@ class _Case:
             rate = rate_of(loop, certificate.p, certificate.multipliers)
             certificate = replace(certificate, rate=rate)
             facts["fall"] = _float_down(rate)
-        against = contradiction(maker.problem, loop, certificate)
+        against = contradiction(maker.problem, loop, certificate, stop=self.stop)
         if against:
             return None, f"a certificate is contradicted: {against}"
         self.loop = loop
@@ -444,6 +450,7 @@ def check_certificate(
     *,
     named: str | None = None,
     trust: bool = False,
+    budget: float = math.inf,
 ) -> LoopVerdict:
     """Check a certificate, without any search.
 
@@ -460,6 +467,8 @@ def check_certificate(
         A plant whose code may run, where the claim names the same one.
     trust : bool, optional
         Whether the plant of the claim may be code, which is run.
+    budget : float
+        Seconds after which it stays undecided.
 
     Returns
     -------
@@ -473,7 +482,7 @@ def check_certificate(
     PlantError
         If its plant is code that may not run.
     """
-    started = time.monotonic()
+    started, stop = time.monotonic(), Stop(budget)
     place = Path(".")
     if isinstance(certificate, str):
         place = Path(certificate).parent
@@ -495,25 +504,30 @@ def check_certificate(
     )  # fmt: skip
     if plant is None:
         plant = trusted_plant(claim.plant, named, trust=trust)
+    _require_loop(certificate, text, plant)
     facts: dict[str, Any] = {}
     try:
-        if isinstance(certificate, TubeCertificate):
-            return _checked(
-                statement, certificate, certificate.refutation(text, plant), facts, started
-            )
-        problem = problem_of(
-            text,
-            certificate.claim,
-            plant=plant,
-            sensors=certificate.sensors,
-            connect=certificate.connect,
-        )
-        against, facts, loop = verified(problem, certificate)
-        if loop is not None and not against:
-            against = contradiction(problem, loop, certificate)
+        with stop:
+            against, facts = _against(certificate, text, plant, stop)
     except (FuzzyarmError, EnclosureError) as error:
-        against, facts = _sentence(error), {}
+        against = _sentence(error)
     return _checked(statement, certificate, against, facts, started)
+
+
+def _against(
+    certificate: Certificate | TubeCertificate, text: ControllerText, plant: Plant, stop: Stop
+) -> tuple[str, dict[str, Any]]:
+    """Return why a certificate does not prove its claim; empty: it does, and what it proves."""
+    if isinstance(certificate, TubeCertificate):
+        return certificate.refutation(text, plant), {}
+    problem = problem_of(
+        text, certificate.claim,
+        plant=plant, sensors=certificate.sensors, connect=certificate.connect,
+    )  # fmt: skip
+    against, facts, loop = verified(problem, certificate)
+    if loop is not None and not against:
+        against = contradiction(problem, loop, certificate, stop=stop)
+    return against, facts
 
 
 def proof_words(verdict: LoopVerdict, text: ControllerText, plant: Plant) -> str:
@@ -548,6 +562,18 @@ def _require_files(certificate: Certificate | TubeCertificate, text: ControllerT
     for name, fingerprint in certificate.fingerprints.items():
         if now[name] != fingerprint:
             raise CertificateError(f"{name} is not the file that was proved")
+
+
+def _require_loop(
+    certificate: Certificate | TubeCertificate, text: ControllerText, plant: Plant
+) -> None:
+    """Refuse a certificate of another controller or plant than those at hand."""
+    named = {"controller": Path(certificate.controller).name, "plant": certificate.claim.plant}
+    for part, digest in loop_digests(text, plant).items():
+        if certificate.digests.get(part) != digest:
+            raise CertificateError(
+                f"{named[part]} is not the {part} that was proved", hint="prove it anew"
+            )
 
 
 def _checked(

@@ -24,6 +24,7 @@ from fuzzyarm.proof.loop.claims import claimed_in
 from fuzzyarm.proof.loop.outward import above, below
 from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.spans import RationalInterval
+from fuzzyarm.proof.map.arithmetic import check_time
 
 __all__ = [
     "has_known_start",
@@ -104,6 +105,7 @@ def verified(
 
 def _at_most(loop: CheckedLoop, p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
     """Return V at most, where the rest is known except for its doubt."""
+    check_time()
     doubt = [loop.doubt[name] for name in loop.names]
     total = quadratic_at(p, z)
     if any(doubt):

@@ -19,8 +19,9 @@ from fuzzyarm.control.loop.run import Run
 from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop
 from fuzzyarm.proof.loop.problem import LoopProblem
-from fuzzyarm.proof.loop.runs import converged, run_of
+from fuzzyarm.proof.loop.runs import converged, run_in_time, run_of
 from fuzzyarm.proof.loop.verification import has_known_start, start_quadric
+from fuzzyarm.proof.map.arithmetic import Stop
 
 __all__ = ["WITNESSES", "contradiction"]
 
@@ -37,7 +38,11 @@ SLACK = 1e-6
 
 
 def contradiction(
-    problem: LoopProblem, loop: CheckedLoop, certificate: Certificate, count: int = WITNESSES
+    problem: LoopProblem,
+    loop: CheckedLoop,
+    certificate: Certificate,
+    count: int = WITNESSES,
+    stop: Stop | None = None,
 ) -> str:
     """Return which run contradicts a region that is as good as proved; empty: none of some did.
 
@@ -51,19 +56,26 @@ def contradiction(
         Of the loop as sampled; of continuous time nothing is asked.
     count : int, optional
         How many runs.
+    stop : Stop, optional
+        When to give up: TimeOverError.
     """
+    stop = stop or Stop()
     if certificate.continuous:
         return ""
     p = np.array([[float(x) for x in row] for row in certificate.p])
     reach = np.sqrt(np.maximum(np.diag(np.linalg.inv(p)), 0.0))
     duration = PERIODS * problem.period
     for start, values in _starts(problem, loop, certificate, count):
-        run = run_of(problem, start, values, duration=duration)
+        stop.check()
+        run = run_in_time(
+            problem, start, values, duration, stop,
+            lambda run: _against(problem, loop, run, p, reach),
+        )  # fmt: skip
         if run is None:
             continue
         against = _against(problem, loop, run, p, reach)
         if against:  # unless by the steps of its integrator only
-            pair = converged(partial(_finer, problem, start, values, duration))
+            pair = converged(partial(_finer, problem, start, values, float(run.time[-1])), stop)
             against = against if pair is None else _against(problem, loop, pair[1], p, reach)
         if against:
             words = ", ".join(f"{name} = {x:.6g}" for name, x in {**start, **values}.items())

@@ -11,9 +11,10 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from contextvars import ContextVar, Token
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ __all__ = [
     "TimeOverError",
     "any_of_rows",
     "as_fraction",
+    "check_time",
     "greatest_of_rows",
     "least_of_rows",
     "rationals",
@@ -144,8 +146,21 @@ PATIENCE = 10.0
 _worked = getattr(time, "thread_time", time.process_time)
 
 
+_running: ContextVar[Stop | None] = ContextVar("running", default=None)
+"""The stop within which everything is computed."""
+
+
+def check_time() -> None:
+    """Raise TimeOverError when the time is over in which a stop lets everything be computed."""
+    stop = _running.get()
+    if stop is not None:
+        stop.check()
+
+
 class Stop:
     """When to give up, and whom to tell of the progress.
+
+    ``with stop:`` limits all that is computed within, exact arithmetic and stops of its own too.
 
     Time is that of work: the processor's, in the thread that makes the stop. So a verdict is the
     same on a machine that does something else beside. The clock is an upper stop, see
@@ -167,7 +182,16 @@ class Stop:
         self._thread = threading.get_ident()
         self._begun = time.monotonic()
         self._work = _worked()
+        self._outer = _running.get()
+        self._tokens: list[Token[Stop | None]] = []
         self.tell = tell
+
+    def __enter__(self) -> Self:
+        self._tokens.append(_running.set(self))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _running.reset(self._tokens.pop())
 
     @property
     def spent(self) -> float:
@@ -180,12 +204,13 @@ class Stop:
     @property
     def left(self) -> float:
         """How many seconds are left."""
-        return self._seconds - self.spent
+        left = self._seconds - self.spent
+        return left if self._outer is None else min(left, self._outer.left)
 
     @property
     def now(self) -> bool:
         """Whether time is over."""
-        return self.spent > self._seconds
+        return self.left < 0.0
 
     def half(self) -> Stop:
         """Return the first half of the time that is left, for the first of two searches."""
