@@ -569,7 +569,7 @@ def test_each_field_of_another_kind_is_refused_in_a_sentence(servo_verdict, tmp_
         ("[" * 100_000, "it is not JSON"),
         ("{}", "'format' is missing"),
         ('{"format": 3}', "'format' is not a text"),
-        ('{"format": "fuzzyarm-plan 1"}', "'format' is not \"fuzzyarm-certificate 4\""),
+        ('{"format": "fuzzyarm-plan 1"}', "'format' is not \"fuzzyarm-certificate 5\""),
     ],
 )
 def test_what_is_not_a_certificate_is_refused_in_a_sentence(tmp_path, text, said):
