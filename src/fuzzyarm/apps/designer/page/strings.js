@@ -52,7 +52,7 @@ export const S = {
     table: ["Table", "linear"],
     along: ["Along a sum of inputs", "e=1,ce=0.5"],
     tolerance: ["Within", "0.01"],
-    budget: ["Seconds at most", "60"],
+    budget: ["Time at most", "60"],
     exact: ["In exact fractions"],
     claim: ["Claim", "stable on motor"],
     stable: ["Stability"],

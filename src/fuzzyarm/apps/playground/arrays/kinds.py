@@ -23,6 +23,8 @@ __all__ = [
     "number",
     "promoted",
     "uint8",
+    "uint32",
+    "uintp",
 ]
 
 
@@ -112,6 +114,14 @@ class int8(integer, int):
 
 class uint8(integer, int):
     """A whole number of 8 bits without a sign."""
+
+
+class uint32(integer, int):
+    """A whole number of 32 bits without a sign."""
+
+
+class uintp(integer, int):
+    """A whole number that counts bytes of memory."""
 
 
 class bool_(number):
@@ -213,7 +223,9 @@ DTYPES = tuple(
         (int8, "int8", "b", "i", 1),
         (int16, "int16", "h", "i", 2),
         (int32, "int32", "i", "i", 3),
+        (uint32, "uint32", "I", "i", 4),
         (int64, "int64", "q", "i", 4),
+        (uintp, "uint64", "Q", "i", 4),
         (float32, "float32", "f", "f", 5),
         (float64, "float64", "d", "f", 6),
         (object, "object", "O", "O", 7),
