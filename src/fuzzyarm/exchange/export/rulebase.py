@@ -261,9 +261,7 @@ class DirectRoutine:
             points = self._telling_points(variable)
             # Of two inputs all pairs come, in an order that soon has seen every point of each.
             shift = number // points.size if k else 0
-            inputs.append(
-                points[(number * (1, 7, 11, 13, 17, 19, 23, 29)[k % 8] + shift) % points.size]
-            )
+            inputs.append(points[(number * _stride(k, points.size) + shift) % points.size])
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
         finite = ~np.isnan(expected)
@@ -316,6 +314,14 @@ def direct_routine(
     rounded(finite, types.inside, f"the direct inference of '{target.name}'")
     where = Path(source).name if source is not None else ""
     return DirectRoutine(rulebase, target.name, types, program, where)
+
+
+def _stride(number: int, count: int) -> int:
+    """Return a step that reaches each of `count` points, another one for each input."""
+    stride = (1, 7, 11, 13, 17, 19, 23, 29)[number % 8]
+    while math.gcd(stride, count) > 1:
+        stride += 1
+    return stride
 
 
 def corners_of(variable: Input) -> list[float]:

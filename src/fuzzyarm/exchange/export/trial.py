@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +21,7 @@ from fuzzyarm.exchange.export.languages import MODULES, PYTHON
 from fuzzyarm.exchange.export.modules import module_of
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.printer import Printer
-from fuzzyarm.exchange.export.steps import Ask, Find, Steps
+from fuzzyarm.exchange.export.steps import Ask, Find, Steps, StepVariable
 from fuzzyarm.exchange.export.table import FixedTable
 from fuzzyarm.exchange.export.typed_program import Program
 from fuzzyarm.symbolic.operations import Operation
@@ -87,6 +88,16 @@ class EvaluatedController:
         """Return a variable of the state by its symbol; NaN of what is none."""
         return float(getattr(self.controller, self._members.get(symbol, ""), math.nan))
 
+    def after(
+        self, symbols: Sequence[str], *ports: float
+    ) -> tuple[list[float], tuple[float, ...]]:
+        """Return variables of the state, and the drives, of a period that does not count."""
+        before = {name: copy(value) for name, value in vars(self.controller).items()}
+        drives = self.step(*ports)
+        found = [self.value(symbol) for symbol in symbols]
+        vars(self.controller).update(before)
+        return found, drives
+
     def step(self, *ports: float) -> tuple[float, ...]:
         """Run one period with values of references and measured ports; return the drives."""
         late = [False] * (len(self.kinds) - len(ports))
@@ -112,6 +123,9 @@ _NO_SIZE = np.array([], np.float64)
 
 _PROBE = 1e-3
 
+_CHOICES = 16
+"""Errors to choose from in each period."""
+
 
 def trial(
     steps: Steps, periods: int, seed: int = 1, controller: EvaluatedController | None = None
@@ -121,39 +135,108 @@ def trial(
     References wander. Measured values miss them by errors: for some periods in turn those that
     show most, then some about one point, so that changes are of every size, too. With a controller
     the errors bring what its rule bases and tables read into every piece of their terms and cells,
-    and beyond their ranges. Some values are not numbers (`LOST`).
+    and beyond their ranges: of some errors those are taken that bring it to most new places. Then
+    the caller runs it, period by period. Some values are not numbers (`LOST`).
     """
     draw = np.random.default_rng(seed)
-    outside = steps.precision.outside
-    references = {variable: draw.uniform(0.2, 2.0, 2) for variable in steps.of_sort("reference")}
+    sample = _sample(steps, draw)
     measured = steps.of_sort("measured")
     telling = _telling_errors(steps, controller) if controller is not None else {}
     errors = {port: telling.get(port.symbol, (_ANY_SIZE, _NO_SIZE)) for port in measured}
     turns = {port: [_in_turn(sizes, draw) for sizes in each] for port, each in errors.items()}
     points = dict.fromkeys(measured, 0.0)
-    for k in range(periods):
-        around = (k // _SEGMENT) % 3 == 2
-        if k % _SEGMENT == 0:
-            spread = 10.0 ** draw.uniform(-3.0, 0.0)
+    places = _Places(steps, controller) if controller is not None else None
+
+    def moved(*, around: bool, spread: float) -> dict[StepVariable, float]:
+        """Return errors that may follow."""
+        found = {}
         for port, (next_size, next_change) in turns.items():
             sizes, changes = errors[port]
-            if not around or k % _SEGMENT == 0:
-                points[port] = next(next_size)
+            if not around:
+                found[port] = next(next_size)
             elif changes.size:
-                points[port] += next(next_change)
+                found[port] = points[port] + next(next_change)
             else:
-                points[port] += spread * sizes[-1] * draw.uniform(-1.0, 1.0)
-        sample = {
+                found[port] = points[port] + spread * sizes[-1] * draw.uniform(-1.0, 1.0)
+        return found
+
+    spread = 1.0
+    for k in range(periods):
+        if k % _SEGMENT == 0:
+            spread = 10.0 ** draw.uniform(-3.0, 0.0)
+        around = (k // _SEGMENT) % 3 == 2 and k % _SEGMENT != 0
+        choices = [moved(around=around, spread=spread) for _ in range(_CHOICES if places else 1)]
+        points = choices[0]
+        if places is not None:
+            points = max(choices, key=lambda points, k=k: places.new(sample(k, points)))
+            places.visit(sample(k, points))
+        yield sample(k, points)
+
+
+def _sample(
+    steps: Steps, draw: np.random.Generator
+) -> Callable[[int, Mapping[StepVariable, float]], dict[str, float]]:
+    """Return the function from a period and the errors in it to the values of all ports."""
+    outside = steps.precision.outside
+    references = {variable: draw.uniform(0.2, 2.0, 2) for variable in steps.of_sort("reference")}
+
+    def sample(k: int, errors: Mapping[StepVariable, float]) -> dict[str, float]:
+        values = {
             variable.symbol: float(outside(a * math.sin(0.05 * b * k)))
             for variable, (a, b) in references.items()
         }
-        for port, error in points.items():
-            target = sample.get(port.symbol.replace("measured:", "reference:"), 0.0)
-            sample[port.symbol] = float(outside(target - error))
+        for port, error in errors.items():
+            target = values.get(port.symbol.replace("measured:", "reference:"), 0.0)
+            values[port.symbol] = float(outside(target - error))
         for number, (guard, *_) in enumerate(steps.guards):
             if k in (0, LOST + number):
-                sample[guard.reads[k % len(guard.reads)]] = math.nan
-        yield sample
+                values[guard.reads[k % len(guard.reads)]] = math.nan
+        return values
+
+    return sample
+
+
+class _Places:
+    """Places at which the rule bases and tables of a controller were read, and a drive showed it.
+
+    A place is a piece of each input, and the pieces of all inputs together. A drive shows nothing
+    where it has a value for the second time: it is at a limit.
+    """
+
+    def __init__(self, steps: Steps, controller: EvaluatedController) -> None:
+        self._controller = controller
+        self._ports = _port_symbols(steps)
+        self._readers = list(_read(steps))
+        self._names = [name for reader in self._readers for name, _ in reader]
+        self._visited: set[tuple[object, ...]] = set()
+        self._driven: set[tuple[int, float]] = set()
+
+    def new(self, sample: Mapping[str, float]) -> int:
+        """Return how many places a period would show that were never visited."""
+        reached, _ = self._reached(sample)
+        return len(reached - self._visited)
+
+    def visit(self, sample: Mapping[str, float]) -> None:
+        reached, driven = self._reached(sample)
+        self._visited |= reached
+        self._driven |= driven
+
+    def _reached(
+        self, sample: Mapping[str, float]
+    ) -> tuple[set[tuple[object, ...]], set[tuple[int, float]]]:
+        ports = (sample[port] for port in self._ports)
+        found, drives = self._controller.after(self._names, *ports)
+        values, places = iter(found), set[tuple[object, ...]]()
+        for number, reader in enumerate(self._readers):
+            cells = [int(np.searchsorted(points, next(values))) for _, points in reader]
+            places |= {(number, k, cell) for k, cell in enumerate(cells)} | {(number, *cells)}
+        driven = set(enumerate(drives))
+        shown = [number for number, _ in driven - self._driven]
+        return {(number, *place) for number in shown for place in places}, driven
+
+
+def _port_symbols(steps: Steps) -> list[str]:
+    return [port.symbol for sort in ("reference", "measured") for port in steps.of_sort(sort)]
 
 
 def _in_turn(sizes: NDArray[Any], draw: np.random.Generator) -> Iterator[float]:
@@ -166,8 +249,8 @@ def _telling_errors(
     steps: Steps, controller: EvaluatedController
 ) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
     """Return errors of each measured port, and changes of them, for the values that show most."""
-    ports = [port.symbol for sort in ("reference", "measured") for port in steps.of_sort(sort)]
-    wanted = list(_read(steps))
+    ports = _port_symbols(steps)
+    wanted = [reads for reader in _read(steps) for reads in reader]
 
     def values(moved: str) -> list[NDArray[Any]]:
         """Return what is read in the period in which a port moves, and in the next one."""
@@ -192,8 +275,8 @@ def _telling_errors(
     return telling
 
 
-def _read(steps: Steps) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield what rule bases and tables read, each with values in and between its pieces."""
+def _read(steps: Steps) -> Iterator[list[tuple[str, NDArray[Any]]]]:
+    """Yield what each rule base and table reads, with values in and between its pieces."""
     for step in steps.steps:
         if isinstance(step, Ask):
             columns = steps.routines[step.routine].vectors().inputs
@@ -206,7 +289,7 @@ def _read(steps: Steps) -> Iterator[tuple[str, NDArray[Any]]]:
             telling = [_between(edges) for _, edges in steps.grids[step.grid]]
         else:
             continue
-        yield from zip(step.inputs, telling, strict=True)
+        yield list(zip(step.inputs, telling, strict=True))
 
 
 def _between(edges: tuple[float, ...]) -> NDArray[Any]:
