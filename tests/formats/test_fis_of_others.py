@@ -371,6 +371,13 @@ def test_on_one_side_of_0_the_maxima_of_others_have_a_word_in_matlab(
         assert infer(again, x=x) == infer(here, x=x)
 
 
+FLL_OUTPUT = (
+    "OutputVariable: y\nrange: 0 1\naggregation: Maximum\ndefuzzifier: Centroid\n"
+    "term: b Triangle 0 1 1\n"
+    "RuleBlock: r\nimplication: Minimum\nrule: if x is a then y is b\n"
+)
+
+
 def numbers_of_fuzzylite(term: str, x: float) -> float:
     """The formulas of fuzzylite's manual, which look at the corners one after the other."""
     word, *texts = term.split()
@@ -395,8 +402,8 @@ def numbers_of_fuzzylite(term: str, x: float) -> float:
     ],
 )  # fmt: skip
 def test_corners_out_of_order_that_fuzzylite_computes(term: str) -> None:
-    text = f"InputVariable: x\nrange: 0 10\nterm: a {term}\nOutputVariable: y\nrange: 0 1\n"
-    imported = parse_fll(text + "defuzzifier: Centroid\n")
+    text = f"InputVariable: x\nrange: 0 10\nterm: a {term}\n"
+    imported = parse_fll(text + FLL_OUTPUT)
     shape = good(imported).inputs[0].terms[0].shape
     for step in range(-50, 250):
         x = step / 20 + 0.011
@@ -409,11 +416,11 @@ def test_corners_out_of_order_that_fuzzylite_computes(term: str) -> None:
 @pytest.mark.parametrize("suffix", [".fll", ".fis", ".fcl"])
 def test_corners_out_of_order_are_nothing_at_all(suffix: str) -> None:
     text = {
-        ".fll": "InputVariable: x\nrange: 0 10\nterm: a Triangle 5 3 1\n"
-        "OutputVariable: y\nrange: 0 1\ndefuzzifier: Centroid\n",
+        ".fll": "InputVariable: x\nrange: 0 10\nterm: a Triangle 5 3 1\n" + FLL_OUTPUT,
         ".fis": fis("1, 1 (1) : 1", term="'trapmf',[5 3 2 1]"),
         ".fcl": "FUNCTION_BLOCK f VAR_INPUT x : REAL; END_VAR FUZZIFY x TERM a := TRIAN 5 3 1; "
-        "END_FUZZIFY END_FUNCTION_BLOCK",
+        "END_FUZZIFY DEFUZZIFY y RANGE := (0 .. 1); TERM b := TRIAN 0 1 1; END_DEFUZZIFY "
+        "RULEBLOCK r RULE 1 : IF x IS a THEN y IS b; END_RULEBLOCK END_FUNCTION_BLOCK",
     }[suffix]
     imported = parse(text, suffix)
     term = good(imported).inputs[0].terms[0]

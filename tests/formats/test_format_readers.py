@@ -199,13 +199,30 @@ def test_every_mistake_of_a_file_in_one_run_with_what_was_meant() -> None:
     assert errors[-1].replacement == "low"
 
 
-def test_a_stub_is_an_error_and_a_file_without_rules_a_warning() -> None:
+FIS_WITHOUT_RULES = """[System]
+Name='a'
+Type='mamdani'
+[Input1]
+Name='x'
+Range=[0 10]
+MF1='a':'trimf',[0 5 10]
+[Output1]
+Name='y'
+Range=[0 10]
+MF1='b':'trimf',[0 5 10]
+[Rules]
+"""
+
+
+def test_a_stub_and_a_file_without_rules_are_errors() -> None:
     engine, _, _ = FLL.partition("OutputVariable")
     assert [d.name for d in parse_fll(engine).errors] == ["no-engine"]
-    without = parse_fll(FLL.partition("RuleBlock")[0])
-    assert good(without).rules == ()
-    assert names(without) == {"no-rules"}
-    assert "no-rules" in names(parse_fcl(FCL.partition("RULEBLOCK")[0] + "END_FUNCTION_BLOCK"))
+    for without in (
+        parse_fll(FLL.partition("RuleBlock")[0]),
+        parse_fcl(FCL.partition("RULEBLOCK")[0] + "END_FUNCTION_BLOCK"),
+        parse_fis(FIS_WITHOUT_RULES),
+    ):
+        assert [d.name for d in without.errors] == ["no-rules"]
 
 
 def test_fll_norms_that_a_rule_needs_must_be_there() -> None:
@@ -223,7 +240,7 @@ def test_fll_what_is_switched_off_is_said() -> None:
     text = FLL.replace("OutputVariable: y", "OutputVariable: y\n  enabled: false")
     imported = parse_fll(text.replace("RULE", "if x is a then y is low"))
     assert "disabled-output" in names(imported)
-    assert good(imported).rules == ()
+    assert [d.name for d in imported.errors] == ["no-rules"]
 
 
 def test_fll_of_two_terms_with_one_name_the_last_counts() -> None:

@@ -104,6 +104,8 @@ JFUZZYLOGIC: dict[str, Function] = {
 
 FIS_TERM = """[System]
 Name='x'
+ImpMethod='min'
+AggMethod='max'
 [Input1]
 Name='x'
 Range=[0 10]
@@ -113,16 +115,23 @@ Name='y'
 Range=[0 1]
 MF1='b':'trimf',[0 0.5 1]
 [Rules]
+1, 1 (1) : 1
 """
 FLL_TERM = """InputVariable: x
 range: 0 10
 term: a TERM
 OutputVariable: y
 range: 0 1
+aggregation: Maximum
 defuzzifier: Centroid
+term: b Triangle 0 0.5 1
+RuleBlock: r
+implication: Minimum
+rule: if x is a then y is b
 """
 FCL_TERM = """FUNCTION_BLOCK b FUZZIFY x TERM a := TERM; END_FUZZIFY
-DEFUZZIFY y RANGE := (0 .. 1); METHOD : COG; END_DEFUZZIFY END_FUNCTION_BLOCK"""
+DEFUZZIFY y RANGE := (0 .. 1); METHOD : COG; TERM b := TRIAN 0 0.5 1; END_DEFUZZIFY
+RULEBLOCK r ACT : MIN; ACCU : MAX; RULE 1 : IF x IS a THEN y IS b; END_RULEBLOCK END_FUNCTION_BLOCK"""
 
 
 def shape(text: str, suffix: str, producer: str | None = None) -> Shape:
@@ -179,7 +188,7 @@ VAR_INPUT v : REAL; END_VAR
 VAR_OUTPUT y : REAL; END_VAR
 FUZZIFY v TERM a := (0, 1) (10, 1); END_FUZZIFY
 DEFUZZIFY y TERM f := FUNCTION FORMULA; METHOD : COGF; END_DEFUZZIFY
-RULEBLOCK r RULE 1 : IF v IS a THEN y IS f; END_RULEBLOCK
+RULEBLOCK r ACT : MIN; ACCU : MAX; RULE 1 : IF v IS a THEN y IS f; END_RULEBLOCK
 END_FUNCTION_BLOCK
 """
 

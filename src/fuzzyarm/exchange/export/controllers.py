@@ -24,7 +24,7 @@ from fuzzyarm.table import LookupTable
 from fuzzyarm.table.compiler import over_inputs
 from fuzzyarm.version import __version__
 
-PERIODS = 160
+PERIODS = 200
 """Periods of a self-test."""
 
 PERIODS_IN_SINGLE = 24

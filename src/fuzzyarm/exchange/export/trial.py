@@ -123,7 +123,7 @@ _NO_SIZE = np.array([], np.float64)
 
 _PROBE = 1e-3
 
-_CHOICES = 16
+_CHOICES = 32
 """Errors to choose from in each period."""
 
 
@@ -196,11 +196,14 @@ def _sample(
     return sample
 
 
+_NONE = math.inf, -math.inf
+
+
 class _Places:
     """Places at which the rule bases and tables of a controller were read, and a drive showed it.
 
     A place is a piece of each input, and the pieces of all inputs together. A drive shows nothing
-    where it has a value for the second time: it is at a limit.
+    where it has a value for the second time: it is at a limit, which it has to reach itself.
     """
 
     def __init__(self, steps: Steps, controller: EvaluatedController) -> None:
@@ -210,16 +213,23 @@ class _Places:
         self._names = [name for reader in self._readers for name, _ in reader]
         self._visited: set[tuple[object, ...]] = set()
         self._driven: set[tuple[int, float]] = set()
+        self._ends: dict[int, tuple[float, float]] = {}
 
     def new(self, sample: Mapping[str, float]) -> int:
         """Return how many places a period would show that were never visited."""
-        reached, _ = self._reached(sample)
-        return len(reached - self._visited)
+        reached, driven = self._reached(sample)
+        beyond = (
+            not self._ends.get(k, _NONE)[0] <= x <= self._ends.get(k, _NONE)[1] for k, x in driven
+        )
+        return len(reached - self._visited) + sum(beyond)
 
     def visit(self, sample: Mapping[str, float]) -> None:
         reached, driven = self._reached(sample)
         self._visited |= reached
         self._driven |= driven
+        for k, x in driven:
+            low, high = self._ends.get(k, _NONE)
+            self._ends[k] = min(low, x), max(high, x)
 
     def _reached(
         self, sample: Mapping[str, float]

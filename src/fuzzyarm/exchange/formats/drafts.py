@@ -74,7 +74,7 @@ def imported(
         _refuse_without_inverse(rulebase, findings)
         _refuse_circles(rulebase, dialect, findings)
     if rulebase is not None and not findings.failed and not rulebase.rules:
-        findings.warn("no-rules", "no rule of this file counts")
+        findings.error("no-rules", "no rule of this file counts")
     if dialect.assumed:
         findings.info("assumed-producer", dialect.assumed)
     return findings.imported(rulebase, dialect.producer)

@@ -139,8 +139,6 @@ class FunctionBlock(SystemReader):
                 block.rules = self.sentences(text.rules)
                 self._accumulate(block.rules, self._norms_of(text).get("ACCU"))
         in_model = self.in_model(blocks)
-        if not any(rule_block.rules for rule_block in in_model):
-            self.findings.warn("no-rules", "the function block has no rules", self.word)
         return self.rulebase(self.word.text, in_model)
 
     def _block(self, text: BlockText) -> BlockDraft:
