@@ -2,90 +2,105 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import product
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+from budget import part
 from constant_mutants import mutants, noticed_by_test
 
 from fuzzyarm import load, load_controller, shipped
-from fuzzyarm.apps.cli import main
-from fuzzyarm.exchange.export import ControllerProgram, export_controller
+from fuzzyarm.exchange.export import (
+    ControllerProgram,
+    export_controller,
+    export_files,
+    routines_of,
+)
+from fuzzyarm.exchange.files import controller_if_any
 
-CASES = {"pd7": "u", "tipper": "tip", "fan": "speed"}
-"""Rule bases with the function of their only output."""
+SHIPPED = Path(shipped("pd7.frb")).parent
+EXAMPLES = SHIPPED.parent / "examples"
+FILES = [
+    path
+    for folder in (SHIPPED, EXAMPLES)
+    for path in sorted(folder.rglob("*.frb"))
+    if "\npartner " not in path.read_text() and "assignments" not in path.parts
+]
+"""All but those with a partner, which are not exported, and lines for submissions."""
 
+SHORT = {"cfaf": 70, "fuzzy-smooth": 90, "scheduled-pid": 93}
+"""Files whose self-test notices less, in percent: limits that their 200 periods do not reach."""
 
-def answers(text: str, function: str, points: list[tuple[float, ...]]) -> Iterator[float]:
-    """Return what a function of a module returns at some points."""
-    module: dict[str, object] = {}
-    exec(compile(text, "mutant", "exec"), module)
-    return (module[function](*point) for point in points)
+Run = Callable[[str], "np.ndarray | None"]
+"""From the text of a module to what it answers; None where it fails."""
 
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_a_constant_that_is_off_by_a_tenth_is_noticed(tmp_path, name):
-    source, out = shipped(f"{name}.frb"), tmp_path / "made.py"
-    words = ["compile", str(source), "--direct", "--precision", "float64", "-o", str(out)]
-    assert main(words) == 0
-    text = out.read_text()
-    axes = [np.linspace(v.low, v.high, 27)[1:-1] for v in load(source).inputs]
-    points = list(product(*(axis.tolist() for axis in axes)))
-    right = list(answers(text, CASES[name], points))
-    changed = missed = 0
-    for mutant in mutants(text):
-        if noticed_by_test(mutant):
-            changed += 1
-        elif any(
-            abs(a - b) > 1e-9
-            for a, b in zip(right, answers(mutant, CASES[name], points), strict=True)
-        ):
-            missed += 1
-    assert changed > 10
-    assert changed >= 0.95 * (changed + missed)
+_FAULTS = (ArithmeticError, ValueError, IndexError)
 
 
-CONTROLLERS = (
-    "servo", "heater", "pid-smooth", "cartpole", "tanks", "hfie", "stfc", "ball-and-beam",
-)  # fmt: skip
+def controller_module(path: Path, folder: Path) -> tuple[str, Run]:
+    """Return a controller as a module, and how it is driven: by jumps, then slowly."""
+    program = ControllerProgram(load_controller(path), "float64")
+    ((_, text),) = export_controller(program, folder / "made.py").files
+    given = np.array(program.tried.vectors.inputs)
+    low, high = np.nanmin(given, 0), np.nanmax(given, 0)
+    draw = np.random.default_rng(5)
+    rows = draw.uniform(1.3 * low - 0.3 * high, 1.3 * high - 0.3 * low, (200, low.size))
+    slow = np.sin(np.arange(200)[:, None] * draw.uniform(0.05, 0.5, low.size))
+    rows = np.concatenate([rows, 0.5 * (low + high) + 0.6 * (high - low) * slow])
+
+    def driven(text: str) -> np.ndarray | None:
+        module: dict[str, object] = {}
+        exec(compile(text, "mutant", "exec"), module)
+        controller = module["Controller"]()
+        try:
+            return np.array([controller.step(*row) for row in rows.tolist()], np.float64)
+        except _FAULTS:
+            return None
+
+    return text, driven
 
 
-def driven(text: str, rows: np.ndarray) -> np.ndarray | None:
-    """Return what the controller of a module drives; None where it fails."""
-    module: dict[str, object] = {}
-    exec(compile(text, "mutant", "exec"), module)
-    controller = module["Controller"]()
-    try:
-        return np.array([controller.step(*row) for row in rows.tolist()], np.float64)
-    except (ArithmeticError, ValueError, IndexError):
-        return None
+def rules_module(path: Path, folder: Path) -> tuple[str, Run]:
+    """Return a rule base as a module, and its answers at points within its ranges."""
+    rulebase = load(path)
+    made = export_files(routines_of(rulebase, precision="float64"), folder / "made.py")
+    ((_, text),) = made.files
+    low, high = (np.clip([getattr(v, end) for v in rulebase.inputs], -100.0, 100.0)
+                 for end in ("low", "high"))  # fmt: skip
+    points = np.random.default_rng(5).uniform(low, high, (600, low.size)).tolist()
+
+    def answers(text: str) -> np.ndarray | None:
+        module: dict[str, object] = {}
+        exec(compile(text, "mutant", "exec"), module)
+        functions = [module[call.partition("(")[0]] for call in made.calls]
+        try:
+            return np.array([[function(*point) for function in functions] for point in points])
+        except _FAULTS:
+            return None
+
+    return text, answers
 
 
 @pytest.mark.slow(seconds=20)
-def test_most_constants_of_controllers_that_are_off_by_a_tenth_are_noticed(tmp_path):
-    found = {}
-    for name in CONTROLLERS:
-        program = ControllerProgram(load_controller(shipped(f"{name}.frb")), "float64")
-        ((_, text),) = export_controller(program, tmp_path / "made.py").files
-        given = np.array(program.tried.vectors.inputs)
-        low, high = np.nanmin(given, 0), np.nanmax(given, 0)
-        draw = np.random.default_rng(5)
-        rows = draw.uniform(1.3 * low - 0.3 * high, 1.3 * high - 0.3 * low, (200, low.size))
-        slow = np.sin(np.arange(200)[:, None] * draw.uniform(0.05, 0.5, low.size))
-        rows = np.concatenate([rows, 0.5 * (low + high) + 0.6 * (high - low) * slow])
-        right, changed, missed = driven(text, rows), 0, 0
-        within = 1e-9 * np.abs(right).max()
-        for mutant in mutants(text):
-            if noticed_by_test(mutant):
-                changed += 1
-            else:
-                drives = driven(mutant, rows)
-                same = drives is not None and np.allclose(drives, right, rtol=0.0, atol=within)
-                missed += not same
-        found[name] = changed, missed
-    for name, (changed, missed) in found.items():
-        assert changed >= 0.9 * (changed + missed), (name, changed, missed)
-    changed, missed = (sum(each) for each in zip(*found.values(), strict=True))
-    assert changed >= 0.95 * (changed + missed), found
+@pytest.mark.parametrize("path", part(FILES, 4), ids=lambda path: path.stem)
+def test_a_constant_that_is_off_by_a_tenth_is_noticed(request, tmp_path, path):
+    if path.stem in SHORT:
+        reason = f"{SHORT[path.stem]} % are noticed"
+        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
+    make = rules_module if controller_if_any(str(path)) is None else controller_module
+    text, run = make(path, tmp_path)
+    right = run(text)
+    assert right is not None
+    within = 1e-9 * np.nanmax(np.abs(right))
+    noticed, missed = 0, []
+    for mutant in mutants(text):
+        if noticed_by_test(mutant):
+            noticed += 1
+        else:
+            found = run(mutant)
+            if found is None or not np.allclose(
+                found, right, rtol=0.0, atol=within, equal_nan=True
+            ):
+                missed.append(mutant)
+    assert noticed >= 0.95 * (noticed + len(missed)), (noticed, len(missed))

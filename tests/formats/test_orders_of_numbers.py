@@ -131,7 +131,8 @@ rule: if x is a then y is b
 """
 FCL_TERM = """FUNCTION_BLOCK b FUZZIFY x TERM a := TERM; END_FUZZIFY
 DEFUZZIFY y RANGE := (0 .. 1); METHOD : COG; TERM b := TRIAN 0 0.5 1; END_DEFUZZIFY
-RULEBLOCK r ACT : MIN; ACCU : MAX; RULE 1 : IF x IS a THEN y IS b; END_RULEBLOCK END_FUNCTION_BLOCK"""
+RULEBLOCK r ACT : MIN; ACCU : MAX; RULE 1 : IF x IS a THEN y IS b;
+END_RULEBLOCK END_FUNCTION_BLOCK"""
 
 
 def shape(text: str, suffix: str, producer: str | None = None) -> Shape:

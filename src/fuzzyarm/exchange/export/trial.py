@@ -123,7 +123,7 @@ _NO_SIZE = np.array([], np.float64)
 
 _PROBE = 1e-3
 
-_CHOICES = 32
+_CHOICES = 8
 """Errors to choose from in each period."""
 
 
@@ -168,7 +168,8 @@ def trial(
         choices = [moved(around=around, spread=spread) for _ in range(_CHOICES if places else 1)]
         points = choices[0]
         if places is not None:
-            points = max(choices, key=lambda points, k=k: places.new(sample(k, points)))
+            counts = [places.new(sample(k, choice)) for choice in choices]
+            points = choices[counts.index(max(counts))]
             places.visit(sample(k, points))
         yield sample(k, points)
 
