@@ -88,9 +88,7 @@ class EvaluatedController:
         """Return a variable of the state by its symbol; NaN of what is none."""
         return float(getattr(self.controller, self._members.get(symbol, ""), math.nan))
 
-    def after(
-        self, symbols: Sequence[str], *ports: float
-    ) -> tuple[list[float], tuple[float, ...]]:
+    def after(self, symbols: Sequence[str], *ports: float) -> tuple[list[float], tuple[float, ...]]:
         """Return variables of the state, and the drives, of a period that does not count."""
         before = {name: copy(value) for name, value in vars(self.controller).items()}
         drives = self.step(*ports)
