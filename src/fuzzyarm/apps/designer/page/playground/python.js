@@ -34,7 +34,7 @@ async function begin({ files, parts }) {
   postMessage({ doing: "python" });
   const python = await started(parts);
   postMessage({ doing: "fuzzyarm" });
-  const host = python.pyimport("fuzzyarm.playground.host");
+  const host = python.pyimport("fuzzyarm.apps.playground.host");
   const hear = host.begin.callKwargs(python.toPy(files), (text) => postMessage({ said: text }), {
     can_load_more: true,
   });

@@ -19,5 +19,5 @@ wasm.promising ??= (act) => act;
 const [folder, written] = argv.slice(2);
 const archive = readFile(`${folder}fuzzyarm.zip`).then((content) => new Uint8Array(content));
 const { python } = await startPython(folder, archive, { _makeSnapshot: true });
-python.pyimport("fuzzyarm.playground.host").warm();
+python.pyimport("fuzzyarm.apps.playground.host").warm();
 await writeFile(written, python.makeMemorySnapshot());
