@@ -8,7 +8,7 @@ the crate `libm` where the rules have functions of mathematics and there is no `
 To add a language
 -----------------
 A ``Target`` (its spellings) and a ``Module`` (the class of a controller and the frame of a file, as
-templates) here; of Rust both take 105 lines. Its reserved words are in
+templates) here; of Rust both take 82 lines. Its reserved words are in
 :mod:`fuzzyarm.symbolic.identifiers`, its suffix in :mod:`fuzzyarm.base.folders`; a line in
 ``tests/export/test_own_tests.py`` and ``test_hostile_names.py`` runs the self-test of every file
 and of every odd name. A language whose expressions only calculate takes `flattened` of
@@ -31,7 +31,7 @@ import numpy as np
 
 from fuzzyarm.base.jsonable import script_json
 from fuzzyarm.exchange.export.modules import LETTERS, Module
-from fuzzyarm.exchange.export.numbers import Kind, c_number
+from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.printer import Printer, Target
 from fuzzyarm.exchange.export.routine import number_lines
 from fuzzyarm.exchange.export.typed_program import COUNT, INDEX, TRUTH
@@ -40,7 +40,6 @@ from fuzzyarm.symbolic import operations
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
 from fuzzyarm.symbolic.printing import PYTHON as PYTHON_EXPRESSIONS
-from fuzzyarm.symbolic.printing import javascript_number
 
 __all__ = ["JAVASCRIPT", "MODULES", "PYTHON", "RUST"]
 
@@ -239,8 +238,18 @@ def _listed(head: str, number: Callable[[Printer, float, Kind], str]) -> Callabl
     return array_text
 
 
-def _javascript_number(_printer: Printer, value: float, _kind: Kind) -> str:
-    return javascript_number(value)
+def _numbers(nan: str, infinity: str) -> Callable[[Printer, float, Kind], str]:
+    """Return the text of floats of 64 bits, of which the infinite ones have names."""
+
+    def number_text(_printer: Printer, value: float, _kind: Kind) -> str:
+        if math.isfinite(value):
+            return repr(float(value))
+        return nan if math.isnan(value) else f"{'-' * (value < 0.0)}{infinity}"
+
+    return number_text
+
+
+_javascript_number = _numbers("NaN", "Infinity")
 
 
 def _javascript_cast(text: str, before: Kind, after: Kind) -> str:
@@ -330,6 +339,10 @@ _RUST_BODIES = {
     "maximum": ("greatest", "if b > a { b } else { a }"),
     "absolute": ("absolute", "f64::from_bits(a.to_bits() & (u64::MAX >> 1))"),
 }
+_RUST_EITHER = """#[cfg(feature = "libm")]
+    return {};
+    #[cfg(not(feature = "libm"))]
+    return {};"""
 
 
 def _rust_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
@@ -338,26 +351,15 @@ def _rust_operation(printer: Printer, operation: Operation, _kind: Kind) -> str:
     if name in _RUST_OPERATORS or (operation.binds < 9 and name not in _RUST_BODIES):
         return _RUST_OPERATORS.get(name, operation.c)
     word, letters = operation.c.removeprefix("@").partition("(")[0], "ab"[: operation.arity]
-    function, body = _RUST_BODIES.get(name, (f"m_{word}", ""))
-    head = f"fn {function}({', '.join(f'{letter}: f64' for letter in letters)}) -> f64 {{\n    "
-    text = f"{head}{body}\n}}\n"
-    if not body:
-        method = f"a.{_RUST_METHODS.get(word, word)}({letters[1:]})"
-        of_crate = f"libm::{word}({', '.join(letters)})"
-        text = "\n".join(
-            f'#[cfg({case}feature = "libm"{end})]\n{head}{value}\n}}\n'
-            for case, end, value in (("not(", ")", method), ("", "", of_crate))
-        )
-    return (
-        f"{printer.helper(function, text)}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
-    )
+    method = f"a.{_RUST_METHODS.get(word, word)}({letters[1:]})"
+    either = _RUST_EITHER.format(f"libm::{word}({', '.join(letters)})", method)
+    function, body = _RUST_BODIES.get(name, (f"m_{word}", either))
+    parameters = ", ".join(f"{letter}: f64" for letter in letters)
+    printer.helper(function, f"fn {function}({parameters}) -> f64 {{\n    {body}\n}}\n")
+    return f"{function}({', '.join(['{0}', '{1}'][: operation.arity])})"
 
 
-def _rust_number(_printer: Printer, value: float, _kind: Kind) -> str:
-    if math.isfinite(value):
-        return c_number(value, np.float64)
-    return "f64::NAN" if math.isnan(value) else f"{'-' * (value < 0.0)}f64::INFINITY"
-
+_rust_number = _numbers("f64::NAN", "f64::INFINITY")
 
 RUST = Target(
     language=JAVASCRIPT_EXPRESSIONS._replace(
@@ -381,8 +383,7 @@ RUST = Target(
 RUST_MODULE = Module(
     RUST, "//", "self-test: rustc --test {0}.rs && ./{0}; self_test() is 0 where all is well",
     "let mut controller = Controller::new();", """
-#![allow(dead_code, non_snake_case, non_upper_case_globals, unused)]
-#![allow(clippy::all)]
+#![allow(clippy::all, dead_code, non_snake_case, non_upper_case_globals, unused)]
 
 <constants>
 
