@@ -3,7 +3,7 @@
 The plant is four lines at the bottom; nothing here knows of the robot arm.
 """
 
-from fuzzyarm.inference import prepare
+from fuzzyarm.inference import compiled
 from fuzzyarm.language import parse
 from fuzzyarm.table import compile_table
 
@@ -33,11 +33,11 @@ parsed = parse(RULES, "heater")
 for finding in parsed.diagnostics:  # every mistake of the text, with its place
     print(finding)
 assert parsed.rulebase is not None
-heater = prepare(parsed.rulebase)  # made once, evaluated many times
+heater = compiled(parsed.rulebase)  # made once, evaluated many times
 table = compile_table(parsed.rulebase, levels=17)  # what a small processor would run
 
 for name, control in (
-    ("rules", lambda error, rate: heater.evaluate({"error": error, "rate": rate})["power"]),
+    ("rules", lambda error, rate: heater(error=error, rate=rate)["power"]),
     ("table", table.lookup),
 ):
     room, outside, last = 12.0, 5.0, 8.0

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzzyarm.exchange.formats import FOREIGN, MEANINGS, Imported, read
-from fuzzyarm.inference import InferenceError, prepare
+from fuzzyarm.inference import InferenceError, compiled
 from fuzzyarm.language.model.rulebase import RuleBase
 
 # --- Reference outputs of other programs, and whether a rule base gives the same ---
@@ -121,7 +121,7 @@ def worst_difference(rulebase: RuleBase, reference: Reference) -> float:
     InferenceError
         If the rule base cannot be evaluated.
     """
-    prepared = prepare(_sampled(rulebase, reference.resolution))
+    prepared = compiled(_sampled(rulebase, reference.resolution))
     inputs = reference.input_names or tuple(v.name for v in rulebase.inputs)
     outputs = reference.output_names or tuple(o.name for o in rulebase.outputs)
     held = {output.name: math.nan for output in rulebase.outputs}

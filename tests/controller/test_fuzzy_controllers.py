@@ -13,11 +13,11 @@ from fuzzyarm.control.controllers import Controller, SourceError, Sources, contr
 from fuzzyarm.control.controllers.catalogue import Choice, text_controller
 from fuzzyarm.control.controllers.kernel import zoom
 from fuzzyarm.control.loop import Options, simulate
-from fuzzyarm.inference import prepare
 from fuzzyarm.language import RuleBaseError, load_rulebase
 from fuzzyarm.plant import PLAIN, STUDY_TABLES, Clock, Reference, State, pick_and_place
 from fuzzyarm.plant.setting import RunArithmetic
 from fuzzyarm.table import Axis, LookupTable, read_table
+from tests.interpreted import interpreted
 
 SHORT = pick_and_place(segment=0.4)
 INTERPRETED = Options(compiled=False)
@@ -95,7 +95,7 @@ def test_one_table_for_each_joint_and_any_order_of_its_axes():
 
 def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(tmp_path):
     rulebase = shipped_rulebase("pd7-study.frb")
-    exact = prepare(rulebase)
+    exact = interpreted(rulebase)
     same(
         controller("fuzzy-direct"),
         Written(lambda _j, e, ce: exact.evaluate({"e": e, "ce": ce})["u"], 1080.0),
@@ -109,7 +109,7 @@ def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(t
         "rule if joint is TWO and e is N then u is N\n"
     )
     other = load_rulebase(file)
-    own = prepare(other)
+    own = interpreted(other)
     same(
         controller("fuzzy-direct", sources=Sources(rulebase=other)),
         Written(lambda j, e, _ce: own.evaluate({"joint": j + 1.0, "e": e})["u"], 1080.0),
@@ -118,8 +118,8 @@ def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(t
 
 @pytest.mark.parametrize("smooth", [0.0, 1.0])
 def test_self_tuning_with_a_zoom(smooth, tmp_path):
-    rules = prepare(shipped_rulebase("pd7-study.frb"))
-    factor = prepare(shipped_rulebase("alpha7-study.frb"))
+    rules = interpreted(shipped_rulebase("pd7-study.frb"))
+    factor = interpreted(shipped_rulebase("alpha7-study.frb"))
 
     def decide(_joint, e, ce):
         size = max(abs(e), abs(ce))
@@ -145,8 +145,8 @@ def test_self_tuning_with_a_zoom(smooth, tmp_path):
 def test_the_window_of_the_zoom_includes_its_edge(e, ce, zoomed):
     # Section 6.6: "checks if the position and velocity errors are both within [-3 3]. If they
     # are, then both the position and velocity error are doubled".
-    rules = prepare(shipped_rulebase("pd7-study.frb"))
-    factor = prepare(shipped_rulebase("alpha7-study.frb"))
+    rules = interpreted(shipped_rulebase("pd7-study.frb"))
+    factor = interpreted(shipped_rulebase("alpha7-study.frb"))
     point = {"e": 2.0 * e, "ce": 2.0 * ce} if zoomed else {"e": e, "ce": ce}
     control = 3.0 * rules.evaluate(point)["u"] * factor.evaluate(point)["alpha"]
     # Gains of 1 make the scaled errors exact.

@@ -22,7 +22,7 @@ from fuzzyarm.base.made import MARK
 from fuzzyarm.exchange.formats import same_model, write
 from fuzzyarm.exchange.formats.registry import read
 from fuzzyarm.exchange.formats.tables import in_tables
-from fuzzyarm.inference import infer, prepare
+from fuzzyarm.inference import infer
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.language.model.rulebase import (
     And,
@@ -36,6 +36,7 @@ from fuzzyarm.language.model.rulebase import (
     Shape,
     Term,
 )
+from tests.interpreted import interpreted
 
 DATA = Path(__file__).parent / "data"
 
@@ -343,6 +344,6 @@ def outcome(rulebase: RuleBase, at: dict[str, float]) -> dict[str, float]:
     """The outputs at a point; none where the model gives an error."""
     held = {output.name: 0.25 for output in rulebase.outputs}
     try:
-        return prepare(rulebase).evaluate(at, held)
+        return interpreted(rulebase).point(at, held)
     except FuzzyarmError:
         return {}

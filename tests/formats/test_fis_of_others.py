@@ -13,9 +13,10 @@ import pytest
 from fuzzyarm import FileWarning, check_file, load
 from fuzzyarm.base.diagnostic import RuleBaseError, Severity
 from fuzzyarm.exchange.formats import Imported, parse, parse_fis, parse_fll, read, same_model, write
-from fuzzyarm.inference import infer, prepare
+from fuzzyarm.inference import infer
 from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, Shape
 from fuzzyarm.language.model.shapes import membership
+from tests.interpreted import interpreted
 
 DATA = Path(__file__).parent / "data"
 PROGRAMS = ("matlab", "octave", "fuzzylite")
@@ -278,7 +279,7 @@ def test_load_and_check_agree_on_errors(text: str, tmp_path: Path) -> None:
         else:
             rulebase = load(path)
             assert isinstance(rulebase, RuleBase)
-            prepare(rulebase).evaluate({"x": 0.0}, {})
+            interpreted(rulebase).point({"x": 0.0}, {})
 
 
 def test_bytes_are_not_shown(tmp_path: Path) -> None:

@@ -19,9 +19,10 @@ from strategies import odd_text, rulebases
 from fuzzyarm.base.diagnostic import Diagnostic, Severity
 from fuzzyarm.base.shipped_files import shipped, shipped_names
 from fuzzyarm.exchange.formats import FOREIGN, PRODUCERS, parse, read, write
-from fuzzyarm.inference import InferenceError, prepare
+from fuzzyarm.inference import InferenceError
 from fuzzyarm.language.model.rulebase import Expression, Hedged, Is, Rule, RuleBase, Shape, Variable
 from fuzzyarm.symbolic.formulas import read_formula, write_formula
+from tests.interpreted import interpreted
 
 DATA = Path(__file__).parent / "data"
 POINTS = 50
@@ -38,7 +39,7 @@ Point = list[float]
 
 def values(rulebase: RuleBase, points: list[Point]) -> list[list[float] | str]:
     """Outputs at every point, or the error there."""
-    prepared = prepare(rulebase)
+    prepared = interpreted(rulebase)
     held = {output.name: 0.25 for output in rulebase.outputs}
     inputs = [variable.name for variable in rulebase.inputs]
     found: list[list[float] | str] = []

@@ -29,7 +29,7 @@ from fuzzing import Told, run  # noqa: E402
 from fuzzyarm import compile_table, infer  # noqa: E402
 from fuzzyarm.base.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.inference import check_expectations  # noqa: E402
-from fuzzyarm.inference.arrays import firing_strengths  # noqa: E402
+from fuzzyarm.inference.strengths import firing_strengths  # noqa: E402
 from fuzzyarm.language import parse, write  # noqa: E402
 from fuzzyarm.language.model.rulebase import RuleBase  # noqa: E402
 from fuzzyarm.language.model.shapes import corner_points  # noqa: E402

@@ -38,7 +38,6 @@ from fuzzyarm.exchange.export.routine import Accuracy  # noqa: E402
 from fuzzyarm.exchange.export.write import routines_module  # noqa: E402
 from fuzzyarm.exchange.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
-from fuzzyarm.inference.arrays import infer_arrays  # noqa: E402
 from fuzzyarm.inference.plan import plan  # noqa: E402
 from fuzzyarm.language.model.rulebase import (  # noqa: E402
     Defuzzifier,
@@ -50,6 +49,7 @@ from fuzzyarm.language.model.rulebase import (  # noqa: E402
 from fuzzyarm.language.model.shapes import corner_points, straight_lines  # noqa: E402
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS  # noqa: E402
 from tests.export.c_programs import run_c  # noqa: E402
+from tests.interpreted import interpreted  # noqa: E402
 from tests.strategies import (  # noqa: E402
     SMOOTH,
     STRAIGHT,
@@ -237,7 +237,7 @@ def engines(rulebase: RuleBase, values: Values) -> None:
     errors = [found for found in alone if isinstance(found, str)]
 
     def numpy(given: Any, held: Any) -> Any:  # `infer` may take the kernel
-        return infer_arrays(rulebase, given, held)
+        return interpreted(rulebase).evaluate(given, held)
 
     for what, engine in (("arrays", numpy), ("compiled arrays", fast), ("plain arrays", plain)):
         found = outcome(engine, columns, held)

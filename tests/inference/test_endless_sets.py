@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm import compiled, parse
-from fuzzyarm.inference import prepare
-from fuzzyarm.inference.arrays import infer_arrays
+from tests.interpreted import interpreted
 
 X = np.array([-7.0, -1.0, 0.0, 0.25, 1.0, 7.0])
 
@@ -35,6 +34,10 @@ rule if a is SOME then y is R1
 """).rulebase
     assert rulebase is not None
     wanted = [3.0 * x + 1.0 if holds(x) else math.nan for x in X.tolist()]
-    point = [prepare(rulebase).evaluate({"a": x})["y"] for x in X.tolist()]
-    for found in (point, infer_arrays(rulebase, {"a": X})["y"], compiled(rulebase)(a=X)["y"]):
+    point = [interpreted(rulebase).point({"a": x})["y"] for x in X.tolist()]
+    for found in (
+        point,
+        interpreted(rulebase).evaluate({"a": X})["y"],
+        compiled(rulebase)(a=X)["y"],
+    ):
         assert np.array_equal(found, wanted, equal_nan=True)

@@ -14,8 +14,8 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer, prepare
-from fuzzyarm.inference.arrays import blocks, infer_arrays
+from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, explain, infer
+from fuzzyarm.inference.sweeps import parts_of
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import (
     And,
@@ -27,6 +27,7 @@ from fuzzyarm.language.model.rulebase import (
     Output,
     RuleBase,
 )
+from tests.interpreted import interpreted
 from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
 
 slow_draws = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
@@ -191,7 +192,7 @@ def test_evaluating_leaves_no_trace(pd7: RuleBase) -> None:
     first = infer(pd7, e=1.3, ce=-2.2)
     infer(pd7, e=-6.0, ce=-6.0)
     infer(pd7, e=np.linspace(-6, 6, 50), ce=0.0)
-    prepare(pd7).run({"e": 6.0, "ce": 6.0})
+    explain(pd7, e=6.0, ce=6.0)
     assert infer(pd7, e=1.3, ce=-2.2) == first
 
 
@@ -221,7 +222,7 @@ def test_a_number_broadcasts_along_axes_of_two_others() -> None:
     ).rulebase
     assert rulebase is not None
     x, y = np.linspace(0, 1, 3)[:, None], np.linspace(0, 1, 4)[None, :]
-    values = infer_arrays(rulebase, {"x": x, "y": y, "z": 0.25})["u"]
+    values = interpreted(rulebase).evaluate({"x": x, "y": y, "z": 0.25})["u"]
     each = [[infer(rulebase, x=a, y=b, z=0.25)["u"] for b in y[0]] for a in x[:, 0]]
     np.testing.assert_allclose(values, each, atol=1e-12)
 
@@ -239,7 +240,7 @@ def test_a_set_that_is_nowhere_above_0_takes_no_part(method: str) -> None:
     assert bare is not None
     assert rulebase is not None
     x = np.linspace(0.1, 1, 10)
-    values = [infer_arrays(model, {"x": x})["u"] for model in (bare, rulebase)]
+    values = [interpreted(model).evaluate({"x": x})["u"] for model in (bare, rulebase)]
     np.testing.assert_allclose(values[0], values[1], atol=1e-12)
 
 
@@ -247,14 +248,14 @@ def test_chunks_change_nothing(pd7: RuleBase, monkeypatch: pytest.MonkeyPatch) -
     e, ce = np.linspace(-6, 6, 23)[:, None], np.linspace(-6, 6, 29)[None, :]
     whole = infer(pd7, e=e, ce=ce)["u"]
     for size in (1, 7, 30, 100):
-        monkeypatch.setattr("fuzzyarm.inference.arrays.CHUNK", size)
+        monkeypatch.setattr("fuzzyarm.inference.sweeps.CHUNK", size)
         np.testing.assert_array_equal(infer(pd7, e=e, ce=ce)["u"], whole)
 
 
 @given(st.lists(st.integers(0, 6), max_size=4).map(tuple), st.integers(1, 40))
-def test_blocks_cover_a_shape_once(shape: tuple[int, ...], most: int) -> None:
+def test_parts_cover_a_shape_once(shape: tuple[int, ...], most: int) -> None:
     seen = np.zeros(shape, dtype=int)
-    for block in blocks(shape, most):
+    for block in parts_of(shape, most):
         assert seen[block].size <= most
         seen[block] += 1
     assert (seen == 1).all()
@@ -281,7 +282,7 @@ def test_single_precision_inputs_are_taken_as_they_are(pd7: RuleBase) -> None:
 
 def test_importing_and_a_single_point_need_no_array_library() -> None:
     code = (
-        "import sys; import fuzzyarm.inference as i\n"
+        "import sys\nimport fuzzyarm.inference as i\n"
         "from fuzzyarm.language.model.rulebase import *\n"
         "t = (Term('A', Shape('triangle', (0.0, 1.0, 2.0))),)\n"
         "r = RuleBase('r', (Input('e', 0.0, 2.0, t),), (Output('u', 0.0, 2.0, t),),"
@@ -316,7 +317,7 @@ def test_hedges_on_a_whole_expression(pd7: RuleBase) -> None:
     inside = Or((Is("e", "NB"), Is("e", "PB")))
     rule = Rule(Hedged((Hedge("not"), Hedge("very")), inside), (Consequent("u", "PB"),))
     rulebase = dataclasses.replace(pd7, blocks=(dataclasses.replace(pd7.blocks[0], rules=(rule,)),))
-    assert prepare(rulebase).run({"e": 5.0, "ce": 0.0}).fired["u"] == [(0, 0.75)]
+    assert explain(rulebase, e=5.0, ce=0.0).rules[0].strength == 0.75
 
 
 @pytest.mark.parametrize("x", [1e155, 1e200, -1e308])
@@ -353,7 +354,10 @@ def test_an_open_mesh_equals_its_full_grid(data: st.DataObject) -> None:
     mesh = dict(zip(names, np.ix_(*axes), strict=True))
     full = dict(zip(names, np.meshgrid(*axes, indexing="ij"), strict=True))
     fast = compiled(rulebase)
-    engines = [lambda given: infer_arrays(rulebase, given, held), lambda x: fast(x, held=held)]
+    engines = [
+        lambda given: interpreted(rulebase).evaluate(given, held),
+        lambda x: fast(x, held=held),
+    ]
     try:
         expected = engines[0](full)
     except (InferenceError, NoRuleFiredError) as error:
@@ -405,6 +409,6 @@ rule if x is HIGH then u is C
     parsed = parse(text).rulebase
     assert parsed is not None
     x, y = np.linspace(0.0, 2.0, 5), np.linspace(0.0, 2.0, 7)
-    mesh = infer_arrays(parsed, {"x": x[:, None], "y": y[None, :]})["u"]
-    one = [[prepare(parsed).evaluate({"x": a, "y": b})["u"] for b in y] for a in x]
+    mesh = interpreted(parsed).evaluate({"x": x[:, None], "y": y[None, :]})["u"]
+    one = [[interpreted(parsed).point({"x": a, "y": b})["u"] for b in y] for a in x]
     np.testing.assert_allclose(mesh, one, rtol=0, atol=1e-12)

@@ -17,11 +17,11 @@ from strategies import input_points, plain_mamdani
 
 from fuzzyarm import compiled
 from fuzzyarm.inference import infer
-from fuzzyarm.inference.point import prepare
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import Defuzzifier
 from fuzzyarm.language.model.shapes import membership
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
+from tests.interpreted import interpreted
 
 TEXT = """
 rulebase lamp
@@ -103,7 +103,7 @@ def test_both_programs_agree_whatever_the_norms(data):
     (output,) = (replace(each, no_rule=math.nan) for each in rulebase.outputs)
     rulebase = replace(rulebase, outputs=(output,))
     columns = data.draw(input_points(rulebase, count=5))
-    prepared = prepare(rulebase)
+    prepared = interpreted(rulebase)
     together = infer(rulebase, columns)[output.name]
     for i, value in enumerate(together):
         alone = prepared.evaluate({name: values[i] for name, values in columns.items()})

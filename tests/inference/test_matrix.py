@@ -19,15 +19,15 @@ from needs import requires
 from fuzzyarm.control.controllers.program import rule_block
 from fuzzyarm.exchange.export import export_files, routines_of
 from fuzzyarm.exchange.formats import PRODUCERS, write
-from fuzzyarm.inference import compiled, prepare
+from fuzzyarm.inference import compiled
 from fuzzyarm.inference import kernel as inference_kernel
-from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic.kernels import has_machine_code, routine
 from tests.export.c_programs import run_c
 from tests.export.module_programs import javascript_of
 from tests.export.st_programs import Program
+from tests.interpreted import interpreted
 
 BASE = """rulebase matrix
 input v -1 .. 1
@@ -170,7 +170,7 @@ def truth(case: Case, count: int = MANY) -> np.ndarray:
     """Return what the point engine gives at the first points."""
     if count < MANY:
         return truth(case)[:count]
-    engine, columns = prepare(case.rulebase()), points(count)
+    engine, columns = interpreted(case.rulebase()), points(count)
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     return np.array([engine.evaluate(dict(zip(columns, row, strict=True)))["u"] for row in rows])
 
@@ -189,7 +189,7 @@ def demand_same(case: Case, found: np.ndarray, wanted: np.ndarray, close: float 
 def test_arrays_kernel_and_loop_have_the_bits_of_a_point(case: Case) -> None:
     rulebase, columns = case.rulebase(), points(MANY)
     wanted = truth(case)
-    demand_same(case, infer_arrays(rulebase, columns)["u"], wanted)
+    demand_same(case, interpreted(rulebase).evaluate(columns)["u"], wanted)
     close = 1e-12 if str(case) == ROUNDED else 0.0
     fast = compiled(rulebase)
     assert not fast.reason

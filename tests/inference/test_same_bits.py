@@ -20,15 +20,14 @@ from fuzzyarm.inference import (
     engine,
     infer,
     output_layout,
-    prepare,
     quadrature,
-    quadrature_arrays,
 )
-from fuzzyarm.inference.arrays import firing_strengths, infer_arrays
+from fuzzyarm.inference.strengths import firing_strengths
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.model.shapes import corner_points
 from tests.export.c_programs import run_c
+from tests.interpreted import interpreted
 
 SHIPPED = ("pd7", "pd7-study", "alpha7", "alpha7-study", "fine7", "slide7", "balance", "fan",
            "roompi", "thermostat", "tipper", "tipper2")  # fmt: skip
@@ -65,17 +64,17 @@ def same(found: np.ndarray, wanted: np.ndarray, what: str) -> None:
 
 def demand_same_bits(rulebase: RuleBase, columns: Columns, one_by_one: int) -> None:
     """Compare the engines over all points, and single points with the first of them."""
-    wanted = infer_arrays(rulebase, columns)
+    wanted = interpreted(rulebase).evaluate(columns)
     fast = compiled(rulebase)
     if not fast.reason:
         for name, values in fast(columns).items():
             same(values, wanted[name], f"machine code of {name}")
     for i in range(one_by_one):
         row = {name: float(column[i]) for name, column in columns.items()}
-        for name, value in prepare(rulebase).evaluate(row).items():
+        for name, value in interpreted(rulebase).point(row).items():
             same(np.array(value), wanted[name][i], f"{name} at {row}")
         if not fast.reason:
-            ordinary = fast.ordinary(row)
+            ordinary = fast.named_point(row)
             for name, value in (ordinary or {}).items():
                 same(np.array(value), wanted[name][i], f"machine code of {name} at {row}")
 
@@ -83,7 +82,7 @@ def demand_same_bits(rulebase: RuleBase, columns: Columns, one_by_one: int) -> N
 def demand_same_bits_in_c(rulebase: RuleBase, columns: Columns, folder: Path) -> int:
     """Compare C in double precision, where there is one that goes the same way."""
     compared = 0
-    wanted = infer_arrays(rulebase, columns)
+    wanted = interpreted(rulebase).evaluate(columns)
     for output in rulebase.outputs:
         try:
             (routine,) = routines_of(rulebase, output=output.name, precision="float64")
@@ -118,7 +117,7 @@ def test_engines_agree_on_rule_files_of_others() -> None:
         try:
             rulebase = silent(fuzzyarm.load(path))
             columns = points(rulebase, cases(1_000, 100_000))
-            infer_arrays(rulebase, columns)
+            interpreted(rulebase).evaluate(columns)
         except FuzzyarmError:  # what is not read here, or has a formula without a value
             continue
         demand_same_bits(rulebase, columns, 25)
@@ -205,7 +204,7 @@ def test_the_middle_of_the_least_number_twice_is_that_number() -> None:
     rulebase = parse(LEAST).rulebase
     assert rulebase is not None
     columns = {"x": np.array([5e-324, 0.5, 3 * 5e-324])}
-    assert infer_arrays(rulebase, columns)["u"][0] == -5e-324
+    assert interpreted(rulebase).evaluate(columns)["u"][0] == -5e-324
     demand_same_bits(rulebase, columns, 3)
 
 
@@ -225,7 +224,7 @@ def test_panels_run_out_alike_where_rounding_is_as_great_as_a_degree(
     way: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A difference of sigmoids is rounded like 1; cut at 3e-8 its panels never agree."""
-    for module in (quadrature, quadrature_arrays, output_layout):
+    for module in (quadrature, output_layout):
         monkeypatch.setattr(module, "MOST_PANELS", 400)
     rulebase = parse(FAINT.format(way=way)).rulebase
     assert rulebase is not None

@@ -17,10 +17,8 @@ from fuzzyarm.base.diagnostic import Diagnostic
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.exchange.export.rulebase import direct_routine
 from fuzzyarm.inference import InferenceError, compiled, infer, infer_interval
-from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
 from fuzzyarm.inference.plan import plan
-from fuzzyarm.inference.point import prepare
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.check import check
 from fuzzyarm.language.model.rulebase import (
@@ -40,6 +38,7 @@ from fuzzyarm.language.model.rulebase import (
     Term,
 )
 from fuzzyarm.symbolic.kinds import HEDGES, SNORMS, TNORMS
+from tests.interpreted import interpreted
 
 TIPPER = """\
 rulebase tipper2
@@ -108,10 +107,10 @@ def _by(rulebase: RuleBase, method: str, *samples: int, aggregation: str = "max"
 def _values(rulebase: RuleBase, service: float = 2.0, food: float = 3.0) -> list[float]:
     """Return the value by the point, the kernel and the arrays, which must agree."""
     given = {"service": service, "food": food}
-    one = prepare(rulebase).evaluate(given)["tip"]
+    one = interpreted(rulebase).point(given)["tip"]
     fast = compiled(rulebase)
     assert fast.reason == ""
-    many = infer_arrays(rulebase, {name: [value] for name, value in given.items()})
+    many = interpreted(rulebase).evaluate({name: [value] for name, value in given.items()})
     return [one, fast.at(service, food)[0], float(many["tip"][0])]
 
 
@@ -335,7 +334,7 @@ def test_ends_are_exact_in_rationals(seed: int, implication: str) -> None:
     turned = [[(b, a) for a, b in reversed(curve)] for curve in (below, above)]
     left = -_exact_end(mirrored, *turned)
     wanted = pytest.approx([float(left), float(right)], abs=1e-11)  # 1e-12 of the range
-    by_point = [prepare(_by(rulebase, f"karnik-mendel-{s}")) for s in ("left", "right")]
+    by_point = [interpreted(_by(rulebase, f"karnik-mendel-{s}")) for s in ("left", "right")]
     assert [each.evaluate(point)["y"] for each in by_point] == wanted
     by_kernel = [compiled(_by(rulebase, f"karnik-mendel-{s}")) for s in ("left", "right")]
     assert [each.at(*point.values())[0] for each in by_kernel] == wanted
@@ -474,7 +473,7 @@ def test_between_equal_ends_is_what_type_1_gives(method: str) -> None:
 @pytest.mark.parametrize("method", ["karnik-mendel", "nie-tan"])
 def test_point_and_kernel_agree_on_curved_sets(method: str, aggregation: str) -> None:
     rulebase = _by(_family(None, "product", "max"), method, aggregation=aggregation)
-    fast, slow = compiled(rulebase), prepare(rulebase)
+    fast, slow = compiled(rulebase), interpreted(rulebase)
     assert fast.reason == ""
     for a, b in ((0.2, 0.7), (0.9, 0.1)):
         assert fast.at(a, b)[0] == pytest.approx(slow.evaluate({"a": a, "b": b})["y"], abs=1e-12)

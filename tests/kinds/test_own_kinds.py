@@ -60,7 +60,7 @@ def test_points_arrays_meshes_and_compiled_agree(name):
     assert np.ptp(points) > 1.0
     fast = fuzzyarm.compiled(rulebase)
     assert fast.kernel == "machine code", fast.reason
-    ordinary = [fast.ordinary({"e": a, "ce": b}) for a, b in POINTS]
+    ordinary = [fast.named_point({"e": a, "ce": b}) for a, b in POINTS]
     assert [found and found["u"] for found in ordinary] == points.tolist()
     rows, columns = np.array(sorted(set(e)))[:, None], np.array(sorted(set(ce)))[None, :]
     for found in (

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm import explain, load, parse, shipped
-from fuzzyarm.inference.arrays import firing_strengths, infer_arrays
+from fuzzyarm.inference.strengths import firing_strengths
 from fuzzyarm.learning.data import Samples, as_samples
 from fuzzyarm.learning.validation import ValidationError, validate
+from tests.interpreted import interpreted
 
 TEXT = """rulebase m
 input a 0 .. 10
@@ -98,5 +99,5 @@ def test_strengths_come_with_the_outputs_of_inference(rulebase, data):
     quiet = replace(rulebase, outputs=silent)
     strengths, outputs = firing_strengths(rulebase, point)
     assert strengths.shape == (len(rulebase.rules), 4)
-    for name, values in infer_arrays(quiet, point).items():
+    for name, values in interpreted(quiet).evaluate(point).items():
         assert np.array_equal(outputs[name], values, equal_nan=True)

@@ -14,7 +14,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzzyarm
-from fuzzyarm.inference.bisector import _nearest_half, halve
 from fuzzyarm.inference.centroid_bounds import (
     average_bounds,
     centroid_bounds,
@@ -27,7 +26,8 @@ from fuzzyarm.inference.place_bounds import (
     halving_bounds,
     nearest_half_bounds,
 )
-from fuzzyarm.inference.type_reduction import end_of_average
+from fuzzyarm.inference.positions import half_of, nearest_half_of
+from fuzzyarm.inference.type_reduction_kernel import end_of_average
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.proof.map import Prover, UnprovableError, prove
@@ -348,12 +348,12 @@ def test_halves_of_running_sums_between_two(seed: int) -> None:
     other = nearest_half_bounds(positions, lower, upper)
     for _ in range(30):
         weights = _between(draw, lower, upper).tolist()
-        for bounds, function in ((one, halve), (other, _nearest_half)):
-            found = function(positions.tolist(), weights)
-            assert found is None or bounds[0] <= found <= bounds[1], function
+        for bounds, function in ((one, half_of), (other, nearest_half_of)):
+            total, found = function(positions.tolist(), weights, count)
+            assert not total > 0.0 or bounds[0] <= found <= bounds[1], function
     exact = halving_bounds(positions, positions, upper + 0.1, upper + 0.1)
-    found = halve(positions.tolist(), (upper + 0.1).tolist())
-    assert found is not None
+    total, found = half_of(positions.tolist(), (upper + 0.1).tolist(), count)
+    assert total > 0.0
     assert float(exact[0]) <= found <= float(exact[1])
 
 

@@ -19,7 +19,6 @@ from fuzzyarm.inference.errors import (
     UnknownNameError,
 )
 from fuzzyarm.inference.infer import check_expectations, infer, infer_interval
-from fuzzyarm.inference.point import prepare
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.engine import Compiled, compiled
@@ -42,7 +41,6 @@ __all__ = [
     "explain",
     "infer",
     "infer_interval",
-    "prepare",
 ]
 
 if not TYPE_CHECKING:

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function
+from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.sets import degrees, term_function
 from fuzzyarm.language.model.rulebase import Defuzzifier, Hedge, Shape
 from fuzzyarm.language.model.shapes import apply_hedges
 from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS
@@ -67,21 +67,13 @@ Figures = dict[str, float]
 """Numbers that an aggregate has, by their names in :mod:`fuzzyarm.symbolic.defuzzifiers`."""
 
 
-def aggregate(
-    plan: OutputPlan, fired: Fired, *, integrated: bool = False
-) -> Callable[[float], float]:
-    """Return the aggregate as a function of the position in the output's range.
-
-    `integrated`: for its area, to which a peak contributes nothing.
-    """
+def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
+    """Return the aggregate as a function of the position in the output's range."""
     norm = SNORMS[plan.output.aggregation].scalar
     parts = []
     for index, strength in folded_where_max(plan, fired):
         member = plan.members[index]
-        implication, membership = TNORMS[member.implication], member.membership
-        if integrated and implication.leaves_ones:
-            membership = _without_peak(member)
-        parts.append((implication.scalar, strength, membership))
+        parts.append((TNORMS[member.implication].scalar, strength, member.membership))
 
     def value(y: float) -> float:
         total = 0.0
@@ -90,16 +82,6 @@ def aggregate(
         return total
 
     return value
-
-
-def _without_peak(member: Member) -> Callable[[float], float]:
-    membership, flat = member.membership, plateaus(member.pieces)
-
-    def degree(y: float) -> float:
-        value = membership(y)
-        return value if any(a <= y <= b for a, b in flat) else min(value, BELOW_ONE)
-
-    return degree
 
 
 MOST_PLAIN_SAMPLES = 20_000
@@ -151,23 +133,6 @@ def sample_positions(low: float, high: float, defuzzifier: Defuzzifier) -> list[
     """Return where a sampled defuzzifier looks."""
     assert defuzzifier.resolution is not None
     return positions(low, high, defuzzifier.resolution, defuzzifier.sampling)
-
-
-def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:
-    """Return the samples of an output and the aggregate there."""
-    output = plan.output
-    samples = sample_positions(output.low, output.high, output.defuzzifier)
-    norm = SNORMS[output.aggregation].scalar
-    total = [0.0] * len(samples)
-    for member, strength in folded_where_max(plan, fired):
-        term, hedges, implication = plan.members[member][:3]
-        first, heights = sampled_set(
-            term.shape, hedges, output.low, output.high, output.defuzzifier
-        )
-        cut = TNORMS[implication].scalar
-        for i, height in enumerate(heights, first):
-            total[i] = norm(total[i], cut(strength, height))
-    return samples, total
 
 
 def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:

@@ -132,6 +132,8 @@ class Layout(NamedTuple):
         How many rows the kernel works in, and how long the row of samples has to be.
     marks : tuple of TermNumbers
         Of a loose layout: where the numbers of each term stand.
+    searches : tuple
+        Of the interpreted kernel: plain Python that it calls, alive as long as the layout is.
     """
 
     whole: list[int]
@@ -140,6 +142,7 @@ class Layout(NamedTuple):
     rows: int
     samples: int
     marks: tuple[TermNumbers, ...] = ()
+    searches: tuple[object, ...] = ()
 
 
 class TermNumbers(NamedTuple):

@@ -6,7 +6,7 @@ what the rule gives of upper degrees, the lower of lower ones, and under a hedge
 (``not``) the ends change places. So :func:`doubled` writes a rule base of type 1 in which each
 term stands twice and each rule twice, and every evaluator of rules (point, arrays, kernel,
 exported code) reads it as it reads any other. What is new comes behind it: a defuzzifier that
-takes the sets of both readings (:mod:`fuzzyarm.inference.type_reduction`).
+takes the sets of both readings (:mod:`fuzzyarm.inference.type_reduction_kernel`).
 """
 
 from __future__ import annotations

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
 from typing import Any, overload
 
 from fuzzyarm.base.diagnostic import Diagnostic, Severity
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.firing_intervals import Ends, ends
+from fuzzyarm.inference.inputs import check_names
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for
-from fuzzyarm.inference.point import check_names, holds_arrays, prepare
 from fuzzyarm.inference.prepared import known, prepared, remembered
 from fuzzyarm.language.model.rulebase import (
     AnyRuleBase,
@@ -127,19 +126,11 @@ def _outputs(
     """Evaluate a rule base at inputs without labels."""
     if outputs is not None:
         return _some(rulebase, inputs, held, outputs)
-    if holds_arrays(inputs):
-        from fuzzyarm.inference.engine import infer_many
+    from fuzzyarm.inference.engine import kept  # takes a while to import
 
-        return dict(infer_many(rulebase, inputs, held))
-    from fuzzyarm.inference.engine import kept
-
-    if held:
-        check_names(held, [output.name for output in rulebase.outputs], what="output")
-    # The kernel leaves alone what is not an ordinary value; plain Python then says what it is.
     engine = kept(rulebase)
     prepared(rulebase).named = engine.named_point
-    values = engine.ordinary(inputs)
-    return dict(prepare(rulebase).evaluate(inputs, held)) if values is None else dict(values)
+    return engine.evaluate(inputs, held)
 
 
 def infer_interval(
@@ -234,7 +225,7 @@ DEFAULT_TOLERANCE = 1e-9
 """Of the range of the output, where an ``=`` states no tolerance."""
 
 MANY_SAMPLES = 2_000_000
-"""Expectations that need more samples of their outputs are worth loading the kernel."""
+"""Expectations that need more samples of their outputs are worth loading the machine code."""
 
 
 def check_expectations(
@@ -257,13 +248,14 @@ def check_expectations(
     """
     if not rulebase.expectations:
         return []
+    from fuzzyarm.inference.engine import Compiled
+
+    samples = sum(output.defuzzifier.resolution or 0 for output in rulebase.outputs)
+    few = samples * len(rulebase.expectations) < MANY_SAMPLES
     try:
-        point = prepare(rulebase)
+        evaluate = Compiled(rulebase, interpreted=few).point
     except FuzzyarmError as error:  # the same for all of them: said once
         return [_failed(rulebase.expectations[0], str(error))]
-    samples = sum(output.defuzzifier.resolution or 0 for output in rulebase.outputs)
-    many = samples * len(rulebase.expectations) > MANY_SAMPLES
-    evaluate = partial(infer, rulebase) if many else point.evaluate
     failures: list[Diagnostic] = []
     for expectation in rulebase.expectations:
         on_step()

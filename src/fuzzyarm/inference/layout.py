@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import Layout, NotCoveredError, TermNumbers
@@ -25,6 +25,7 @@ from fuzzyarm.inference.row_functions import (
     Curve,
     InMemory,
     asserted_degree,
+    degree_above_one,
     norm_number,
     weighed_strength,
 )
@@ -32,6 +33,9 @@ from fuzzyarm.inference.stages import stages
 from fuzzyarm.language.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, RuleBase
 from fuzzyarm.language.model.shapes import apply_hedges, straight_lines
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS, Norm
+
+if TYPE_CHECKING:
+    from fuzzyarm.inference.maxima import SearchedMaxima
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
@@ -72,6 +76,7 @@ def lay_out(
     addresses: Addresses | None = None,
     loose: str = "",
     alone: bool = False,
+    plain: bool = False,
 ) -> Layout:
     """Write a plan as numbers.
 
@@ -90,6 +95,9 @@ def lay_out(
     alone : bool
         For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
         is 0.
+    plain : bool
+        For the interpreted kernel: what is plain Python (inverses of one's own, a search for exact
+        maxima) may be in it.
 
     Returns
     -------
@@ -101,7 +109,8 @@ def lay_out(
     NotCoveredError
         If the kernel cannot evaluate it.
     """
-    return _Writer(plan, addresses or InMemory(compiled), loose=loose, alone=alone).layout()
+    addresses = addresses or InMemory(compiled)
+    return _Writer(plan, addresses, loose=loose, alone=alone, plain=plain).layout()
 
 
 @remembered
@@ -123,10 +132,13 @@ MOST_KNOWN, MOST_KEPT = 16, 50_000
 
 
 class _Writer:
-    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str, alone: bool) -> None:
+    def __init__(
+        self, plan: Plan, addresses: Addresses, *, loose: str, alone: bool, plain: bool
+    ) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
-            raise NotCoveredError("there is nothing to evaluate")
+            raise NotCoveredError("a rule base without inputs or outputs")
         self.plan = plan
+        self.searches: list[SearchedMaxima] = []
         self.addresses = addresses
         self.loose = loose
         self.alone = alone
@@ -135,7 +147,8 @@ class _Writer:
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
                 raise NotCoveredError(f"'{name}' is used by later rules")
-            demand_covered(output, [variable.name for variable in plan.rulebase.inputs])
+            inputs = [variable.name for variable in plan.rulebase.inputs]
+            demand_covered(output, inputs, plain=plain)
         self._cut_inputs()
         self.whole: list[int] = []
         self.floats: list[float] = []
@@ -183,9 +196,10 @@ class _Writer:
         if key not in self.truths:
             hedges = 0
             if isinstance(expression, Hedged):
-                if planned.disjunction == "sum":
-                    _demand_values_above_one(expression.hedges)
-                hedges = self.addresses.hedged(expression.hedges)
+                if planned.disjunction == "sum" and _lacks_values(expression.hedges):
+                    hedges = self.addresses.expression(degree_above_one(expression.hedges), ())
+                else:
+                    hedges = self.addresses.hedged(expression.hedges)
                 expression = expression.operand
             norm, operands = self._joined(expression, planned)
             self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, hedges)
@@ -319,7 +333,8 @@ class _Writer:
         ]  # fmt: skip
         self.whole[at.RUN] = 0 if self.alone else self.addresses.program(RUN)
         rows = work + at.WORK_ROWS
-        return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks))
+        searches = tuple(self.searches)
+        return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks), searches)
 
     def _write_programs(
         self, writers: Sequence[OutputWriter], strides: Sequence[int], count: int
@@ -438,11 +453,9 @@ class _Writer:
         return rows_of_rule + [neutral] * (self.operands - len(rule.parts))
 
 
-def _demand_values_above_one(hedges: tuple[Hedge, ...]) -> None:
-    """Refuse hedges that have no value at a sum of degrees: such a rule does not fire."""
-    if any(math.isnan(apply_hedges(hedges, 1.0 + i / 8)) for i in range(1, 17)):
-        words = " ".join(hedge.name for hedge in hedges)
-        raise NotCoveredError(f"'{words}' of a sum, which may exceed 1")
+def _lacks_values(hedges: tuple[Hedge, ...]) -> bool:
+    """Whether hedges have no value at a sum of degrees, which may exceed 1."""
+    return any(math.isnan(apply_hedges(hedges, 1.0 + i / 8)) for i in range(1, 17))
 
 
 def _homes(cells: InputCells) -> dict[int, list[int]]:

@@ -1,13 +1,14 @@
-"""The positions at which an aggregate is greatest: first, last, mean of all, nearest to 0.
+"""The positions at which an aggregate is greatest, exactly, under other aggregations than ``max``.
 
-Exact: under `aggregation max` the positions are level cuts of the strongest sets. Under the
-others the range is cut where a set bends, where an implication clips one and where the
+Under ``max`` they are level cuts of the strongest sets, which :mod:`.positions` finds. Here the
+range is cut where a set bends, where an implication clips one and where the
 aggregate reaches 1. In between every straight set is cut to a line (by the implications in
 LINEAR), and the aggregate is greatest at an end of the cell, or constant: sums of lines are
 lines; and with a convex g, −log(1 − a), a / (1 − a) or artanh a, the norms probor, hamacher
 and einstein are the inverse of a sum of g. Curved sets and other norms are searched instead:
 heights are then right to 1e-15, positions on a round top to some 1e-8 of the range.
-Sampled: over the samples; the mean is that of all of them.
+
+All of it is plain Python, which the interpreted kernel calls.
 """
 
 from __future__ import annotations
@@ -16,29 +17,24 @@ import math
 from collections.abc import Callable, Iterable
 from functools import reduce
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING
+from typing import Any
+from weakref import WeakValueDictionary
 
-from fuzzyarm.inference.aggregate import (
-    Figures,
-    Fired,
-    added_up,
-    aggregate,
-    fold_at_point,
-    sampled_aggregate_at_point,
+from fuzzyarm.inference.aggregate import Figures, Fired, added_up, aggregate
+from fuzzyarm.inference.block import (
+    DETAIL,
+    GROUP_HEAD,
+    GROUPS,
+    HEIGHTS,
+    OPERANDS,
+    OUTPUT,
+    RULE_HEAD,
+    WIDTH,
 )
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.quadrature import CLIPPING
-from fuzzyarm.inference.sets import bisect, cut, golden, peak
+from fuzzyarm.inference.sets import bisect, cut, golden
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from fuzzyarm.inference.aggregate_arrays import ArrayFigures, Strengths
-
-    Array = NDArray[np.float64]
-
 
 SAME = 1e-12
 """Heights that differ by a smaller share than this are equally great."""
@@ -61,34 +57,41 @@ Heights = list[tuple[float, float, float]]
 """Stretches (height, start, end) over which an aggregate is constant, most of them points."""
 
 
-def maxima_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
-    """Return the exact positions, or None where the aggregate is 0."""
-    if plan.output.aggregation == "max":
-        intervals = _strongest(plan, fired)
-    else:
-        intervals = _plateaus(plan, fired)
-    return _figures(intervals) if intervals else None
+class SearchedMaxima:
+    """An output whose exact maxima the interpreted kernel searches.
+
+    Attributes
+    ----------
+    number : int
+        By which a layout names it, as long as that lives.
+    """
+
+    def __init__(self, plan: OutputPlan) -> None:
+        self._plan = plan
+        self.number = id(self)
+        _searched[self.number] = self
+
+    def value(self, fired: Fired) -> float | None:
+        """Return the value of the output; None where its aggregate is 0."""
+        intervals = _plateaus(self._plan, fired)
+        return float(self._plan.record.value(_figures(intervals))) if intervals else None
 
 
-def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
-    reached = []
-    for index, strength in fold_at_point(plan, fired).items():
-        member = plan.members[index]
-        top = peak(member.pieces)
-        # The maximum of a set that is cut is its peak, cut: T-norms rise with the degree.
-        height = TNORMS[member.implication].scalar(strength, top)
-        levels = [low + rise * strength for low, rise in CLIPPING.get(member.implication, ())]
-        clips = member.implication != "bounded" and height == strength < top
-        reached.append((height, index, max(levels) if clips and levels else top))
-    greatest = max((height for height, _, _ in reached), default=0.0)
-    if not greatest > 0.0:
-        return []
-    return [
-        interval
-        for height, index, level in reached
-        if height >= greatest * (1.0 - SAME)
-        for interval in cut(plan.members[index].pieces, plan.members[index].membership, level)
-    ]
+_searched: WeakValueDictionary[int, SearchedMaxima] = WeakValueDictionary()
+
+
+def position_of_searched(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return something above 0 where a rule fires, and the value; each rule is a group."""
+    fired = []
+    place = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        member = k[k[place + 1]]
+        place += GROUP_HEAD + k[place] * (RULE_HEAD + k[OPERANDS])
+        strength = float(room[group * k[WIDTH] + point])
+        if strength > 0.0:
+            fired.append((member, strength))
+    value = _searched[k[k[OUTPUT] + DETAIL]].value(fired) if fired else None
+    return (0.0, 0.0) if value is None else (1.0, value)
 
 
 def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
@@ -299,86 +302,3 @@ def _mean(intervals: Intervals, reach: float) -> float:
 def nearest_to_zero(positions: Iterable[float]) -> float:
     """Return the position nearest to 0; of equally near ones the first."""
     return min(positions, key=abs)
-
-
-def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFigures, Array]:
-    """Return the exact positions, and something above 0 where a rule fired.
-
-    The level cuts of a point are few numbers of irregular count; they are taken point by
-    point in plain Python, once for each distinct combination of strengths.
-    """
-    import numpy as np
-
-    entries = strengths.flat()
-    size = int(np.prod(strengths.shape))
-    table = np.stack([strength for _, strength in entries] or [np.zeros(size)], axis=1)
-    distinct, back = np.unique(table, axis=0, return_inverse=True)
-    positions = {name: np.zeros(len(distinct)) for name in plan.record.symbols}
-    top = np.zeros(len(distinct))
-    for row, levels in enumerate(distinct.tolist()):
-        fired = [
-            (member, level)
-            for (member, _), level in zip(entries, levels, strict=False)
-            if level > 0.0
-        ]
-        values = maxima_at_point(plan, fired) if fired else None
-        if values is not None:
-            top[row] = 1.0
-            for name, rows in positions.items():
-                rows[row] = values[name]
-    back = back.reshape(strengths.shape)
-    return {name: rows[back] for name, rows in positions.items()}, top[back]
-
-
-def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
-    """Return the positions among the samples, or None where all are 0."""
-    return greatest_of(*sampled_aggregate_at_point(plan, fired))
-
-
-def greatest_of(samples: list[float], heights: list[float]) -> Figures | None:
-    """Return the positions among samples with their heights; None where all are 0."""
-    enough = max(heights) * (1.0 - SAME)
-    if not enough > 0.0:
-        return None
-    top = [y for y, height in zip(samples, heights, strict=True) if height >= enough]
-    mean, nearest = added_up(top) / len(top), nearest_to_zero(top)
-    return {"first": top[0], "last": top[-1], "mean": mean, "nearest": nearest}
-
-
-def sampled_maxima_over_arrays(
-    plan: OutputPlan, strengths: Strengths
-) -> tuple[ArrayFigures, Array]:
-    """Return the positions among the samples and the greatest heights (0: nothing fired)."""
-    from fuzzyarm.inference.aggregate_arrays import sampled_aggregate_over_arrays
-
-    flat_positions, top = greatest_of_many(plan, *sampled_aggregate_over_arrays(plan, strengths))
-    positions = {
-        name: positions_flat.reshape(strengths.shape)
-        for name, positions_flat in flat_positions.items()
-    }
-    return positions, top.reshape(strengths.shape)
-
-
-def greatest_of_many(
-    plan: OutputPlan, samples: Array, heights: Array
-) -> tuple[ArrayFigures, Array]:
-    """Return what :func:`greatest_of` does for each column of `heights`, and the greatest."""
-    import numpy as np
-
-    from fuzzyarm.inference.aggregate_arrays import added_up_rows
-
-    top = heights.max(axis=0)
-    among = heights >= top * (1.0 - SAME)
-    positions = {}
-    for name in plan.record.symbols:  # the mean takes longest
-        if name == "first":
-            positions[name] = samples[among.argmax(axis=0)]
-        elif name == "last":
-            positions[name] = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
-        elif name == "nearest":
-            sizes = np.where(among, np.abs(samples)[:, None], np.inf)
-            positions[name] = samples[sizes.argmin(axis=0)]
-        else:
-            there = np.where(among, samples[:, None], 0.0)
-            positions[name] = added_up_rows(there) / among.sum(axis=0)
-    return positions, top

@@ -9,18 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from fuzzyarm.inference import block as at
-from fuzzyarm.inference import (
-    envelope,
-    firing_intervals,
-    positions,
-    quadrature_kernel,
-    type_reduction_kernel,
-)
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import TermNumbers
+from fuzzyarm.inference.firing_intervals import UPPER
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan
 from fuzzyarm.inference.programs import (
@@ -39,12 +34,16 @@ from fuzzyarm.inference.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.row_functions import Addresses, Curve, norm_number
+from fuzzyarm.inference.row_functions import Addresses, Curve, norm_number, plain_inverse
 from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak, plateaus
 from fuzzyarm.inference.weighted import is_rising
 from fuzzyarm.language.model.shapes import polyline
+from fuzzyarm.symbolic.kernels import address_of
 from fuzzyarm.symbolic.kinds import SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.symbolic.nodes import Node, replace, symbol, trace
+
+if TYPE_CHECKING:
+    from fuzzyarm.inference.maxima import SearchedMaxima
 
 
 class LaidRule(NamedTuple):
@@ -75,6 +74,8 @@ class Base(Protocol):
         The numbers so far.
     marks : list of TermNumbers
         Where the numbers of terms stand.
+    searches : list of SearchedMaxima
+        Plain Python that the interpreted kernel calls.
     operands : int
         The most of a rule.
     """
@@ -86,6 +87,7 @@ class Base(Protocol):
     whole: list[int]
     floats: list[float]
     marks: list[TermNumbers]
+    searches: list[SearchedMaxima]
     operands: int
 
     @property
@@ -96,31 +98,37 @@ class Base(Protocol):
         """Return what a program says of a rule."""
 
 
-WANTED: dict[Node, float] = {
-    symbol("half"): positions.HALF,
-    symbol("mean"): positions.MEAN,
-    symbol("first"): positions.FIRST,
-    symbol("last"): positions.LAST,
-    symbol("nearest"): positions.NEAREST,
-    symbol("centroid"): positions.CENTROID,
-    symbol("left"): -1.0,
-    symbol("right"): 1.0,
-    trace(lambda left, right: 0.5 * (left + right), ("left", "right")): 0.0,
-}
-"""What defuzzifiers of the kernel do by themselves: the last float, by the value of the record."""
+@cache
+def _numbers_wanted() -> dict[Node, float]:
+    """Return what defuzzifiers of the kernel do by themselves, by the value of the record."""
+    from fuzzyarm.inference import positions
+
+    return {
+        symbol("half"): positions.HALF,
+        symbol("mean"): positions.MEAN,
+        symbol("first"): positions.FIRST,
+        symbol("last"): positions.LAST,
+        symbol("nearest"): positions.NEAREST,
+        symbol("centroid"): positions.CENTROID,
+        symbol("left"): -1.0,
+        symbol("right"): 1.0,
+        trace(lambda left, right: 0.5 * (left + right), ("left", "right")): 0.0,
+    }
 
 
 def wanted(plan: OutputPlan) -> float:
     """Return the last float of an output whose value is found: which number it is made of."""
+    from fuzzyarm.inference import positions
+
     record, way = plan.record, plan.output.defuzzifier
     if record.of == "top":
-        return WANTED.get(record.expression, positions.SEVERAL)
+        return _numbers_wanted().get(record.expression, positions.SEVERAL)
     if record.of == "ends":
-        return WANTED.get(record.expression, 0.0)
+        return _numbers_wanted().get(record.expression, 0.0)
     nearest = record.of == "area" and way.sampling == "midpoints" and not plan.discrete
     if nearest and way.resolution is not None:
         return positions.NEAREST_HALF
-    return WANTED[symbol(record.symbols[0])]
+    return _numbers_wanted()[symbol(record.symbols[0])]
 
 
 def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
@@ -130,7 +138,7 @@ def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
     """
     record = plan.record
     first, *rest = record.aspect.figures
-    if record.figure or record.expression in WANTED:
+    if record.figure or record.expression in _numbers_wanted():
         return 0, 0
     root = replace(record.expression, {first: symbol("x")})
     if not rest:
@@ -193,6 +201,7 @@ class OutputWriter:
             "numbers": self._write_numbers, "pairs": self._write_pairs,
             "samples": self._write_samples, "levels": self._write_levels,
             "pieces": self._write_pieces, "panels": self._write_panels,
+            "search": self._write_search,
         }  # fmt: skip
         return write[self.program.reads]()
 
@@ -268,7 +277,7 @@ class OutputWriter:
         return max(len(self.plan.members), len(self.plan.contributions))
 
     def _side(self, member: int) -> int:
-        return self.plan.sides[member] if self.plan.sides else firing_intervals.UPPER
+        return self.plan.sides[member] if self.plan.sides else UPPER
 
     def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
         """Note where the numbers of a consequent without hedges stand in a loose layout."""
@@ -281,6 +290,8 @@ class OutputWriter:
             self.base.marks.append(mark)
 
     def _write_pieces(self) -> int:
+        from fuzzyarm.inference import envelope
+
         pieces = 0
         for i, member in enumerate(self.plan.members):
             self.consequents[i] = len(self.base.whole)
@@ -300,6 +311,8 @@ class OutputWriter:
 
     def _write_panels(self) -> int:
         """Write what the quadrature reads; see :mod:`fuzzyarm.inference.quadrature_kernel`."""
+        from fuzzyarm.inference import quadrature_kernel
+
         plan, whole = self.plan, self.base.whole
         for i, member in enumerate(plan.members):
             curve = self.base.addresses.curve(member.term.shape, member.hedges)
@@ -360,13 +373,15 @@ class OutputWriter:
 
     def _write_pairs(self) -> int:
         """Write values between two; see :mod:`fuzzyarm.inference.type_reduction_kernel`."""
+        from fuzzyarm.inference import type_reduction_kernel
+
         count = len(self.base.plan.rulebase.inputs)
         for number, pair in enumerate(self.plan.pairs):
             upper, lower = (self._value(member, count) for member in pair)
             for side, member in enumerate(pair):
                 self.consequents[member] = len(self.base.whole)
                 self.base.whole += [number, side, lower, upper]
-                self._mark("value", member, upper if side == firing_intervals.UPPER else lower, 1)
+                self._mark("value", member, upper if side == UPPER else lower, 1)
         self.samples = type_reduction_kernel.PAIR_ROWS * len(self.plan.pairs) // 2 + 1
         return len(self.plan.pairs)
 
@@ -380,6 +395,8 @@ class OutputWriter:
 
     def _write_levels(self) -> int:
         """Write what exact maxima read of a set; see :mod:`fuzzyarm.inference.positions`."""
+        from fuzzyarm.inference import positions
+
         pieces = 0
         for i, member in enumerate(self.plan.members):
             cut = self._norm(TNORMS[member.implication], "T")
@@ -393,6 +410,15 @@ class OutputWriter:
             pieces += len(member.pieces)
         self.samples = positions.HEAP // 2 + pieces
         return 0
+
+    def _write_search(self) -> int:
+        from fuzzyarm.inference.maxima import SearchedMaxima
+
+        for i in range(len(self.plan.members)):
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole.append(i)
+        self.base.searches.append(SearchedMaxima(self.plan))
+        return self.base.searches[-1].number
 
     def _set(self, member: Member, pieces: Sequence[Sequence[float]]) -> list[int]:
         """Return the function of a set and its pieces, as :data:`positions.FUNCTION` begins."""
@@ -416,6 +442,8 @@ class OutputWriter:
         return [*ends, a, b, 1.0 if rises else -1.0]
 
     def _write_numbers(self) -> int:
+        from fuzzyarm.inference import positions
+
         inputs = [variable.name for variable in self.base.plan.rulebase.inputs]
         for i, member in enumerate(self.plan.members):
             sort, head, numbers_here = self._number(member, inputs)
@@ -431,12 +459,19 @@ class OutputWriter:
         self, member: Member, inputs: Sequence[str]
     ) -> tuple[int, list[int], Sequence[float]]:
         """Return how a number is found, what for, and the numbers of its own."""
+        from fuzzyarm.inference import positions
+
         shape, addresses = member.term.shape, self.base.addresses
         none = [0, 0, 0, 0, 0]
         if member.value is not None:
             return positions.CONSTANT, none, [member.value]
         if self.plan.record.inverts and member.pieces:
             inverse = SHAPES[shape.kind].inverse_expression
+            position_of = SHAPES[shape.kind].position_of
+            if inverse is None and position_of is not None and not member.hedges:
+                address = address_of(plain_inverse(position_of), 3, compiled=False)
+                head = [address, self._floats(shape.parameters), len(shape.parameters), 0, 0]
+                return positions.INVERSE, head, [shape.height]
             if inverse is not None and not member.hedges:
                 names = [f"number {i}" for i in range(len(shape.parameters))]
                 root = _renamed(inverse, SHAPES[shape.kind].inverse_symbols, ["x", *names])

@@ -1,7 +1,7 @@
 """A variable cut at the corners of its straight terms.
 
 Between two corners every straight term is one line, so that a cell lists the lines that are not
-zero there. The engine for one point and the kernel read the same cut.
+zero there. The kernel reads the cut.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A rule base prepared for evaluation: dependencies and order.
 
-A plan is data in plain Python, shared by the engine for one point, the engine for arrays
-and the compiled one. Making it also finds errors that the model itself does not rule out:
-unknown names, cycles, ranges that an integral cannot take.
+A plan is data in plain Python, shared by the kernel's layout, explanations and proofs. Making it
+also finds errors that the model itself does not rule out: unknown names, cycles, ranges that an
+integral cannot take.
 """
 
 from __future__ import annotations

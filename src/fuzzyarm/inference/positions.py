@@ -1,8 +1,11 @@
 """Maxima, bisectors and joined samples, and values that are found: defuzzifiers of the kernel.
 
-The mathematics stands in :mod:`fuzzyarm.inference.maxima`, :mod:`fuzzyarm.inference.polylines` and
-:mod:`fuzzyarm.inference.weighted`; this is the same arithmetic in the same order, so the bits are
-those of one point in plain Python. All of them go point by point; what is done at one point is a
+Joined samples are sets and their union as straight lines between N even samples, as scikit-fuzzy
+takes them: a set is cut at the strength of its rule, where its line passes that strength there is
+another point, and the union is taken at all these points and joined again. Two sets that cross
+between two of them are cut off by a chord; of the result the integrals are exact.
+
+All of it goes point by point; what is done at one point is a
 function of its own, to which :func:`.kernel.point_by_point` is bound, and which exported programs
 have as well (:mod:`fuzzyarm.exchange.export.walk`).
 
@@ -29,7 +32,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzzyarm.inference.bisector import SAME_HALF
 from fuzzyarm.inference.block import (
     AGGREGATION,
     DETAIL,
@@ -58,12 +60,13 @@ from fuzzyarm.inference.kernel import (
     made_of,
 )
 from fuzzyarm.inference.maxima import SAME
+from fuzzyarm.inference.quadrature import SAME_HALF
 from fuzzyarm.inference.type_reduction_kernel import value_of
 from fuzzyarm.symbolic.kernels import call, kernel
 
 HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID, NEAREST = range(8)
-"""What is asked for: the last of the output's floats. A bisector of samples at ``midpoints`` is the
-sample nearest to half of the area; a value may be made of several positions where a set is
+"""What is wanted of a set: the last float of the output. A bisector of samples at ``midpoints``
+is the sample nearest to half of the area; a value may be made of several positions where a set is
 greatest; the centroid is that of joined samples; the nearest is that to 0."""
 
 BISECTIONS = 80

@@ -9,21 +9,14 @@ which one it is.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from typing import Any, Literal, NamedTuple
 
-from fuzzyarm.inference import (
-    centroid_kernel,
-    closed_form,
-    kernel,
-    positions,
-    quadrature_kernel,
-    type_reduction_kernel,
-)
+from fuzzyarm.inference import kernel
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan, has_envelope
 from fuzzyarm.inference.weighted import is_rising
-from fuzzyarm.symbolic.formulas import CONSTANTS
 from fuzzyarm.symbolic.kinds import SHAPES
 
 
@@ -32,9 +25,8 @@ class DefuzzifierProgram(NamedTuple):
 
     Attributes
     ----------
-    function : callable
-        What it does at one point: numbers of the layout and of the room in, total and value (or
-        moment) out. Exported programs are printed from it.
+    where : str
+        Module and name of its function, which is loaded where it is wanted.
     reads : str
         What a layout writes down for it: a method of
         :class:`fuzzyarm.inference.output_layout.OutputWriter`.
@@ -45,15 +37,25 @@ class DefuzzifierProgram(NamedTuple):
         Whether the function takes a block, and goes through its points by itself.
     """
 
-    function: Callable[..., Any]
+    where: str
     reads: str
     centre: Literal["", "zero", "middle", "own"] = ""
     whole: bool = False
 
     @property
+    def function(self) -> Callable[..., Any]:
+        """What it does at one point: numbers of the layout and of the room in, value out.
+
+        A total and a value, or a moment. Exported programs are printed from it.
+        """
+        module, _, name = self.where.rpartition(".")
+        function: Callable[..., Any] = getattr(import_module(f"fuzzyarm.inference.{module}"), name)
+        return function
+
+    @property
     def name(self) -> str:
         """What other languages call it."""
-        return self.function.__name__
+        return self.where.rpartition(".")[2]
 
     @property
     def block(self) -> Callable[[Any], None]:
@@ -71,42 +73,49 @@ class DefuzzifierProgram(NamedTuple):
         return self.reads == "panels"
 
 
-RUN = DefuzzifierProgram(kernel.run, "", whole=True)
+RUN = DefuzzifierProgram("kernel.run", "", whole=True)
 
-CLOSED = DefuzzifierProgram(closed_form.closed_centroid, "layers", "own", whole=True)
-WEIGHTED = DefuzzifierProgram(closed_form.weighted, "values", "zero", whole=True)
-WEIGHTED_NUMBERS = DefuzzifierProgram(positions.weighted_values, "numbers", "zero", whole=True)
-POSITION_OF_NUMBERS = DefuzzifierProgram(positions.position_of_values, "numbers", whole=True)
-ENDS_OF_PAIRS = DefuzzifierProgram(type_reduction_kernel.karnik_mendel_values, "pairs", whole=True)
+CLOSED = DefuzzifierProgram("closed_form.closed_centroid", "layers", "own", whole=True)
+WEIGHTED = DefuzzifierProgram("closed_form.weighted", "values", "zero", whole=True)
+WEIGHTED_NUMBERS = DefuzzifierProgram("positions.weighted_values", "numbers", "zero", whole=True)
+POSITION_OF_NUMBERS = DefuzzifierProgram("positions.position_of_values", "numbers", whole=True)
+ENDS_OF_PAIRS = DefuzzifierProgram(
+    "type_reduction_kernel.karnik_mendel_values", "pairs", whole=True
+)
 
-CHOICE_OF_ROWS = DefuzzifierProgram(positions.choice_of_values, "rows")
-ENDS_OF_ROWS = DefuzzifierProgram(type_reduction_kernel.ends_of_values, "rows")
+CHOICE_OF_ROWS = DefuzzifierProgram("positions.choice_of_values", "rows")
+ENDS_OF_ROWS = DefuzzifierProgram("type_reduction_kernel.ends_of_values", "rows")
 """For values that somebody else has found: exported programs alone have these two."""
 
 SAMPLES = {
-    "gravity": DefuzzifierProgram(centroid_kernel.sampled_centroid, "samples", "zero", whole=True),
-    "area": DefuzzifierProgram(positions.position_of_samples, "samples"),
-    "top": DefuzzifierProgram(positions.position_of_samples, "samples"),
-    "ends": DefuzzifierProgram(type_reduction_kernel.ends_of_samples, "samples"),
+    "gravity": DefuzzifierProgram(
+        "centroid_kernel.sampled_centroid", "samples", "zero", whole=True
+    ),
+    "area": DefuzzifierProgram("positions.position_of_samples", "samples"),
+    "top": DefuzzifierProgram("positions.position_of_samples", "samples"),
+    "ends": DefuzzifierProgram("type_reduction_kernel.ends_of_samples", "samples"),
 }
-JOINED = DefuzzifierProgram(positions.position_of_joined, "samples")
-LEVELS = DefuzzifierProgram(positions.position_of_maxima, "levels")
+JOINED = DefuzzifierProgram("positions.position_of_joined", "samples")
+LEVELS = DefuzzifierProgram("positions.position_of_maxima", "levels")
+SEARCHED = DefuzzifierProgram("maxima.position_of_searched", "search")
+"""Of the interpreted kernel alone: exact maxima under other aggregations than ``max``."""
+
 LINES = {
-    "gravity": DefuzzifierProgram(centroid_kernel.whole_envelope, "pieces", "zero"),
-    "ends": DefuzzifierProgram(type_reduction_kernel.ends_of_envelopes, "pieces"),
+    "gravity": DefuzzifierProgram("centroid_kernel.whole_envelope", "pieces", "zero"),
+    "ends": DefuzzifierProgram("type_reduction_kernel.ends_of_envelopes", "pieces"),
 }
 PANELS = {
-    "gravity": DefuzzifierProgram(quadrature_kernel.integral_of_point, "panels", "middle"),
-    "area": DefuzzifierProgram(quadrature_kernel.bisector_of_point, "panels"),
-    "ends": DefuzzifierProgram(type_reduction_kernel.ends_of_integrals, "panels"),
+    "gravity": DefuzzifierProgram("quadrature_kernel.integral_of_point", "panels", "middle"),
+    "area": DefuzzifierProgram("quadrature_kernel.bisector_of_point", "panels"),
+    "ends": DefuzzifierProgram("type_reduction_kernel.ends_of_integrals", "panels"),
 }
 """By what is taken of an aggregate."""
 
 BOTH_SAMPLES = DefuzzifierProgram(
-    type_reduction_kernel.nie_tan_samples, "samples", "zero", whole=True
+    "type_reduction_kernel.nie_tan_samples", "samples", "zero", whole=True
 )
-BOTH_LINES = DefuzzifierProgram(type_reduction_kernel.sum_of_envelopes, "pieces", "middle")
-BOTH_PANELS = DefuzzifierProgram(type_reduction_kernel.sum_of_integrals, "panels", "middle")
+BOTH_LINES = DefuzzifierProgram("type_reduction_kernel.sum_of_envelopes", "pieces", "middle")
+BOTH_PANELS = DefuzzifierProgram("type_reduction_kernel.sum_of_integrals", "panels", "middle")
 """Of the upper and the lower set of interval type 2 together."""
 
 PROGRAMS = (
@@ -134,7 +143,9 @@ def program_of(plan: OutputPlan, *, loose: bool = False) -> DefuzzifierProgram:
         return JOINED
     if way.resolution is not None:
         return BOTH_SAMPLES if record.both else SAMPLES[record.of]
-    return LEVELS if record.of == "top" else _of_areas(plan, loose=loose)
+    if record.of == "top":
+        return LEVELS if plan.output.aggregation == "max" else SEARCHED
+    return _of_areas(plan, loose=loose)
 
 
 def _of_areas(plan: OutputPlan, *, loose: bool) -> DefuzzifierProgram:
@@ -162,33 +173,37 @@ def _of_numbers(plan: OutputPlan) -> DefuzzifierProgram:
     return WEIGHTED_NUMBERS if is_found else WEIGHTED
 
 
-def demand_covered(plan: OutputPlan, inputs: Sequence[str]) -> None:
-    """Refuse by name what the kernel does not do of an output."""
+def demand_covered(plan: OutputPlan, inputs: Sequence[str], *, plain: bool = False) -> None:
+    """Refuse by name what the kernel does not do of an output; `plain`: the interpreted one."""
     output, what = plan.output, f"{plan.record.name} of '{plan.output.name}'"
     if plan.discrete:
         for member in plan.members:
-            _demand_number(plan, member, inputs)
+            _demand_number(plan, member, inputs, plain=plain)
         return
     if output.defuzzifier.joined and not plan.record.joins:
         raise NotCoveredError(f"joined samples of '{output.name}', which is a {plan.record.name}")
-    program = program_of(plan)
-    if program is LEVELS and output.aggregation != "max":
+    if program_of(plan) is SEARCHED and not plain:
         raise NotCoveredError(f"the exact {what} under aggregation {output.aggregation}")
 
 
-def _demand_number(plan: OutputPlan, member: Member, inputs: Sequence[str]) -> None:
+def _demand_number(plan: OutputPlan, member: Member, inputs: Sequence[str], *, plain: bool) -> None:
     """Refuse a value that is not found from inputs alone, or a set that has no one position."""
     what = f"'{plan.output.name} is {member.term.name}'"
     if member.value is not None:
         return
     if member.formula is not None and not member.pieces:
+        from fuzzyarm.symbolic.formulas import CONSTANTS
+
         outside = {*member.formula.names} - {*inputs} - CONSTANTS.keys()
         if outside:
             raise NotCoveredError(f"{what} is a formula of '{min(outside)}'")
     elif member.pieces:
         inverse = SHAPES[member.term.shape.kind].inverse_expression
         if inverse is None or member.hedges:
-            if inverse is None and SHAPES[member.term.shape.kind].inverse is not None:
+            is_plain = inverse is None and SHAPES[member.term.shape.kind].inverse is not None
+            if is_plain and plain and not member.hedges:
+                return
+            if is_plain:
                 raise NotCoveredError(f"{what}, whose inverse is plain Python")
             try:
                 is_rising(plan, member)

@@ -18,7 +18,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzzyarm.inference.bisector import SAME_HALF, STEPS
 from fuzzyarm.inference.block import (
     AGGREGATION,
     DETAIL,
@@ -33,6 +32,7 @@ from fuzzyarm.inference.block import (
 )
 from fuzzyarm.inference.centroid_kernel import cut_in
 from fuzzyarm.inference.envelope import insert
+from fuzzyarm.inference.quadrature import HALVINGS, SAME_HALF
 from fuzzyarm.inference.sets import BELOW_ONE
 from fuzzyarm.symbolic.kernels import call, kernel
 
@@ -92,7 +92,7 @@ def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> fl
     # The panel in which the sum reaches it, halved: no formula of the aggregate is known.
     a, b = x_0, x_1
     if x_0 < x_1:
-        for _ in range(STEPS):
+        for _ in range(HALVINGS):
             middle = 0.5 * (a + b)
             if integral(k, f, room, heap, point, 0, x_0, middle, 0.0)[0] < wanted - before:
                 a = middle

@@ -21,6 +21,7 @@ from fuzzyarm.language.model.rulebase import (
 )
 from fuzzyarm.language.model.shapes import polyline
 from fuzzyarm.symbolic import op
+from fuzzyarm.symbolic.evaluation import evaluate
 from fuzzyarm.symbolic.functions import row_function, row_source
 from fuzzyarm.symbolic.kernels import address_of, call, kernel, whole_numbers
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, Norm
@@ -42,6 +43,15 @@ def _row_function(
     word = f"{name.replace('-', '_')}_row"
     function: Any = row_function(row_source(root, rows, numbers, word), word)
     function.__program__ = lambda: program_of([root], rows, numbers)
+
+    def quiet(*arrays: Any) -> None:
+        *columns, values, into = arrays
+        known = dict(zip(numbers, values, strict=False))
+        for i in range(into.shape[0]):
+            here = {row: column[i] for row, column in zip(rows, columns, strict=True)}
+            into[i] = evaluate(root, known | here)
+
+    function.__quiet__ = quiet
     return cast("Callable[..., None]", function)
 
 
@@ -127,6 +137,24 @@ def hedges_on_row(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
 def asserted_degree(hedges: tuple[Hedge, ...]) -> Node:
     """Return the degree of an asserted term under hedges; its rules may add up to more than 1."""
     return _under(hedges, op.minimum(symbol("x"), 1.0), constant)
+
+
+def degree_above_one(hedges: tuple[Hedge, ...]) -> Node:
+    """Return a degree under hedges, of a sum that may exceed 1; 0 where it has no value."""
+    degree = _under(hedges, symbol("x"), constant)
+    valued: Node = op.where(op.equal(degree, degree), degree, 0.0)
+    return valued
+
+
+@lru_cache(maxsize=64)
+def plain_inverse(inverse: Callable[..., float]) -> Callable[..., None]:
+    """Return an inverse in plain Python as a function of a row and of its numbers."""
+
+    def inverse_row(degrees: Any, numbers: Any, into: Any) -> None:
+        for point in range(into.shape[0]):
+            into[point] = inverse(degrees[point], *numbers)
+
+    return inverse_row
 
 
 def weighed_strength(weight: float, threshold: float) -> Node:

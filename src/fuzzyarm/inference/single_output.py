@@ -7,7 +7,7 @@ how strongly each is asserted.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.inference import block as at
 from fuzzyarm.inference import type_reduction_kernel
@@ -23,6 +23,9 @@ from fuzzyarm.inference.programs import (
 )
 from fuzzyarm.inference.row_functions import Addresses
 from fuzzyarm.symbolic.kinds import TNORMS
+
+if TYPE_CHECKING:
+    from fuzzyarm.inference.maxima import SearchedMaxima
 
 
 class OutputLayout(NamedTuple):
@@ -78,6 +81,7 @@ class _OneOutput:
         self.plan, self.output, self.addresses = plan, output, addresses
         self.loose, self.alone = "", False
         self.marks: list[TermNumbers] = []
+        self.searches: list[SearchedMaxima] = []
         self.rules: Sequence[LaidRule] = ()
         self.operands = 0
         self.whole = [0] * (at.HEAD + at.OUTPUT_HEAD)

@@ -7,12 +7,25 @@ another one. A rule that reads how far an output of its own block is asserted ne
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import replace
 
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.plan import Plan, plan
-from fuzzyarm.language.model.rulebase import Input, Output, RuleBase, Shape, propositions
+from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.language.model.rulebase import (
+    Expression,
+    Hedged,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    Shape,
+    Term,
+    propositions,
+)
 
 
 def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:
@@ -21,7 +34,7 @@ def stages(rulebase: RuleBase) -> tuple[RuleBase, ...]:
     Raises
     ------
     NotCoveredError
-        If rules read an output as a value and, at the same time, how far it is asserted.
+        If formulas read each other's values.
     """
     full = plan(rulebase)
     chained = any(isinstance(step, str) for step in full.steps[: len(full.rules)])
@@ -80,18 +93,21 @@ def _levels(full: Plan) -> dict[str, int]:
 def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int) -> RuleBase:
     names = _sets_read(full, (name for name in levels if levels[name] == level))
     read = {each for name in names for each in _values_read(full, name)}
-    both = names & read
-    if both:
-        raise NotCoveredError(f"'{min(both)}' is read as a value and as a set")
+    # Of an output that is read both ways the value is an input, and the set has another name.
+    sets = {name: f"{name} as a set" for name in names & read}
     more = [output for output in rulebase.outputs if output.name in read]
+    upper = iter(full.readings)
     blocks = [
         replace(block, rules=tuple(
-            replace(rule, consequents=tuple(c for c in rule.consequents if c.variable in names))
+            _rule_of_stage(rule, full.rules[next(upper)[0]].degrees, names, sets)
             for rule in block.rules
-            if any(c.variable in names for c in rule.consequents)
         ))
         for block in rulebase.blocks
     ]  # fmt: skip
+    blocks = [
+        replace(block, rules=tuple(rule for rule in block.rules if rule.consequents))
+        for block in blocks
+    ]
     return replace(
         rulebase,
         # What was stated for silence may lie outside the range on purpose.
@@ -99,13 +115,45 @@ def _stage(rulebase: RuleBase, full: Plan, levels: Mapping[str, int], level: int
             Input(each.name, each.low, each.high, each.terms, outside="extend") for each in more
         )),
         outputs=tuple(
-            _over_more(each, len(more)) for each in rulebase.outputs if each.name in names
+            _over_more(each, len(more))
+            if each.name not in sets
+            else replace(_over_more(each, len(more)), name=sets[each.name], no_rule=0.0)
+            for each in rulebase.outputs
+            if each.name in names
         ),
         blocks=tuple(blocks),
         lookup=None,
         expectations=(),
         properties=(),
     )  # fmt: skip
+
+
+def _rule_of_stage(rule: Rule, degrees: Set[str], names: Set[str], sets: Mapping[str, str]) -> Rule:
+    """Return a rule with its consequents in a stage, and sets under their names there."""
+
+    def renamed(part: Is) -> Is:
+        reads_set = part.variable in degrees
+        return replace(part, variable=sets.get(part.variable, part.variable)) if reads_set else part
+
+    return replace(
+        rule,
+        antecedent=_with_propositions(rule.antecedent, renamed),
+        consequents=tuple(
+            replace(c, variable=sets.get(c.variable, c.variable))
+            for c in rule.consequents
+            if c.variable in names
+        ),
+    )
+
+
+def _with_propositions(expression: Expression, change: Callable[[Is], Is]) -> Expression:
+    """Return an expression with other propositions."""
+    if isinstance(expression, Is):
+        return change(expression)
+    if isinstance(expression, Hedged):
+        return replace(expression, operand=_with_propositions(expression.operand, change))
+    operands = (_with_propositions(operand, change) for operand in expression.operands)
+    return replace(expression, operands=tuple(operands))
 
 
 def _over_more(output: Output, more: int) -> Output:
@@ -124,3 +172,44 @@ def _over_more(output: Output, more: int) -> Output:
             for term in output.terms
         ),
     )
+
+
+def without_values(stage: RuleBase, missing: tuple[str, ...]) -> RuleBase:
+    """Return a stage where earlier outputs have no value: what rules say of them does not hold.
+
+    Their propositions are 0, hedged or not, and a formula of them is NaN.
+    """
+
+    def unhedged(part: Is) -> Is:
+        return replace(part, hedges=()) if part.variable in missing else part
+
+    def nothing(variable: Input) -> Input:
+        terms = (replace(term, shape=_NEVER, lower=None) for term in variable.terms)
+        return replace(variable, terms=tuple(terms)) if variable.name in missing else variable
+
+    nan = Shape("linear", (*[0.0] * len(stage.inputs), math.nan))
+
+    def number(term: Term) -> Term:
+        shapes = [shape for shape in (term.shape, term.lower) if shape is not None]
+        formulas = [formula_of(shape) for shape in shapes if shape.kind == "formula"]
+        reads = any({*formula.names} & {*missing} for formula in formulas)
+        return replace(term, shape=nan, lower=None) if reads else term
+
+    blocks = (
+        replace(block, rules=tuple(
+            replace(rule, antecedent=_with_propositions(rule.antecedent, unhedged))
+            for rule in block.rules
+        ))
+        for block in stage.blocks
+    )  # fmt: skip
+    return replace(
+        stage,
+        inputs=tuple(map(nothing, stage.inputs)),
+        outputs=tuple(
+            replace(output, terms=tuple(map(number, output.terms))) for output in stage.outputs
+        ),
+        blocks=tuple(blocks),
+    )
+
+
+_NEVER = Shape("formula", formula="0")

@@ -1,30 +1,32 @@
-"""Arrays of points through the kernel: copied into its block in chunks that stay in the cache."""
+"""Arrays of points through the kernel: copied into its block in chunks that stay in the cache.
+
+Without machine code each point is evaluated by itself.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import compress
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
-from fuzzyarm.inference.block import (
-    INPUTS,
-    MISSING,
-    OUTPUTS,
-    POINTS,
-    WIDTH,
-    Layout,
-    PointBlock,
-    make_block,
-)
+from fuzzyarm.inference.block import INPUTS, MISSING, OUTPUTS, POINTS, WIDTH, Layout, make_block
+from fuzzyarm.inference.inputs import array_in_range, arrays_of, held_value, stands_in_for_nan
 from fuzzyarm.inference.kernel import sweep
-from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.inference.stage import Stage
+from fuzzyarm.language.model.rulebase import Output, RuleBase
 from fuzzyarm.symbolic.kernels import bound_routine, in_threads, processors, sweep_routine
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    _Sweep = Callable[[tuple[Any, ...], int, int], int]
+    """From arrays, the first element and the one behind the last to how many outputs are NaN."""
+
+Array = NDArray[np.float64]
 
 CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""
@@ -38,7 +40,6 @@ POINTS_PER_PROGRAM = 32
 LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""
 
-
 MANY = 100_000
 """Points from which on all processors are used."""
 
@@ -49,25 +50,57 @@ MOST_COLUMNS = 64
 """Inputs, and outputs, for which the machine code over arrays has room."""
 
 
-_Sweep = Callable[[tuple[Any, ...], int, int], int]
-"""From arrays, the first element and the one behind the last to how many outputs have no value."""
+# ── blocks of points ─────────────────────────────────────────────────────────────────
+
+Part = tuple[slice, ...]
+"""Of an array, axis by axis."""
 
 
-def on_block(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
-    """Return the shortest call of the kernel on a block, which the caller keeps."""
-    numbers = np.asarray(block.numbers)
-    if not compiled:
-        quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
-        return partial(quiet(sweep), numbers)
-    return bound_routine(sweep, "f", (numbers,))
+def parts_of(shape: tuple[int, ...], most: int) -> Iterator[Part]:
+    """Yield parts of an array, each of at most `most` elements, in the order of memory."""
+    if math.prod(shape) <= most:
+        yield tuple(slice(0, n) for n in shape)
+        return
+    inner = math.prod(shape[1:])
+    rows = most // inner
+    if rows >= 1:
+        for start in range(0, shape[0], rows):
+            rest = tuple(slice(0, n) for n in shape[1:])
+            yield (slice(start, min(start + rows, shape[0])), *rest)
+        return
+    for row in range(shape[0]):
+        for part in parts_of(shape[1:], most):
+            yield (slice(row, row + 1), *part)
+
+
+def _working_shape(arrays: dict[str, Array], shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Bring arrays to the number of axes of what they broadcast to, to one if that is enough."""
+    size = math.prod(shape)
+    # All are one number, or one for each point: a single axis will do. Else the axes stay, so that
+    # an input along one of them keeps its own small shape.
+    flat = all(array.size in {1, size} for array in arrays.values())
+    for name, array in arrays.items():
+        filled = (1,) * (len(shape) - array.ndim) + array.shape
+        arrays[name] = array.reshape(-1 if flat else filled)
+    return (size,) if flat else shape
+
+
+def _part_of(array: Array, part: Part) -> Array:
+    """Return a part of an input; axes of length 1 stay."""
+    return array[
+        tuple(slice(None) if n == 1 else some for n, some in zip(array.shape, part, strict=True))
+    ]
+
+
+# ── the machine code ─────────────────────────────────────────────────────────────────
 
 
 class _Chunk:
     """A block with room for a chunk of points, and its kernel."""
 
-    def __init__(self, layout: Layout, points: int, *, compiled: bool) -> None:
+    def __init__(self, layout: Layout, points: int) -> None:
         block = make_block(layout, points)
-        self.run = on_block(block, compiled=compiled)
+        self.run = bound_routine(sweep, "f", (block.numbers,))
         self.whole, width = block.whole, block.whole[WIDTH]
         self.columns, self.results = (
             np.asarray(block.numbers[begin : begin + rows * width]).reshape(rows, width)
@@ -78,55 +111,62 @@ class _Chunk:
 
 
 class Sweeps:
-    """The kernel over arrays, with the numbers of one rule base."""
+    """The kernel over arrays, with the numbers of one stage."""
 
-    def __init__(self, rulebase: RuleBase, layout: Layout, *, compiled: bool) -> None:
-        self.rulebase = rulebase
-        self._layout = layout
-        self._compiled = compiled
-        length = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._rulebase, self._layout = stage.rulebase, stage.layout
+        length = min(POINTS_PER_PROGRAM * self._layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, length)
         self._free: dict[int, list[_Chunk]] = {FEW: [], self._chunk: []}
         self._sweeps: dict[int, list[_Sweep]] = {FEW: [], self._chunk: []}
 
     def many(
-        self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
-    ) -> dict[str, NDArray[np.float64]]:
-        """Evaluate arrays of points."""
-        arrays = {
-            variable.name: np.asarray(inputs[variable.name]) for variable in self.rulebase.inputs
-        }
-        if any(array.dtype.kind not in "fiub" for array in arrays.values()):
-            return infer_arrays(self.rulebase, inputs, held)  # which says what is wrong
-        try:
-            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
-        except ValueError:
-            return infer_arrays(self.rulebase, inputs, held)
-        working = working_shape(arrays, shape)
-        size = math.prod(shape)
-        results = np.empty((len(self.rulebase.outputs), *working))
-        workers = processors() if size >= MANY and self._compiled else 1
-        few = max(len(arrays), len(results)) <= MOST_COLUMNS
-        if (
-            self._compiled
-            and few
-            and all(_is_plain(input_array, working) for input_array in arrays.values())
-        ):
-            missing = self._sweep((*arrays.values(), *results), size, workers)
+        self, arrays: dict[str, Array], shape: tuple[int, ...], held: Mapping[str, float]
+    ) -> dict[str, Array]:
+        """Evaluate arrays of points, which broadcast to a shape."""
+        working = _working_shape(arrays, shape)
+        results = np.empty((len(self._rulebase.outputs), *working))
+        if self._stage.compiled:
+            missing = self._by_machine_code(arrays, working, results)
         else:
-            turns = max(1, math.ceil(size / (workers * self._chunk)))
-            parts = blocks(working, math.ceil(size / (workers * turns))) if size else ()
-
-            def fill(some: Iterator[tuple[slice, ...]]) -> int:
-                return sum(self._fill(arrays, working, results, part) for part in some)
-
-            missing = sum(in_threads(fill, parts, workers))
+            missing = self._point_by_point(arrays, working, results)
         if missing:
             self._complete(arrays, working, results, held)
-        names = [output.name for output in self.rulebase.outputs]
+        names = [output.name for output in self._rulebase.outputs]
         return {n: result.reshape(shape) for n, result in zip(names, results, strict=True)}
 
-    def _sweep(self, arrays: tuple[NDArray[np.float64], ...], size: int, workers: int) -> int:
+    def _point_by_point(
+        self, arrays: Mapping[str, Array], working: tuple[int, ...], results: Array
+    ) -> int:
+        """Interpret the kernel at each point; return how many points have no ordinary value."""
+        columns = [np.broadcast_to(array, working).ravel().tolist() for array in arrays.values()]
+        rows = results.reshape(len(results), -1)
+        missing = 0
+        for point, values in enumerate(zip(*columns, strict=True)):
+            found = self._stage.ordinary(values)
+            missing += found is None
+            rows[:, point] = math.nan if found is None else found
+        return missing
+
+    def _by_machine_code(
+        self, arrays: Mapping[str, Array], working: tuple[int, ...], results: Array
+    ) -> int:
+        """Fill the results in; return how many of them have no ordinary value."""
+        size = math.prod(working)
+        workers = processors() if size >= MANY else 1
+        few = max(len(arrays), len(results)) <= MOST_COLUMNS
+        if few and all(_is_plain(array, working) for array in arrays.values()):
+            return self._sweep((*arrays.values(), *results), size, workers)
+        turns = max(1, math.ceil(size / (workers * self._chunk)))
+        parts = parts_of(working, math.ceil(size / (workers * turns))) if size else ()
+
+        def fill(some: Iterator[Part]) -> int:
+            return sum(self._fill(arrays, results, part) for part in some)
+
+        return sum(in_threads(fill, parts, workers))
+
+    def _sweep(self, arrays: tuple[Array, ...], size: int, workers: int) -> int:
         """Evaluate plain arrays; return how many outputs have no ordinary value."""
         # A few shares for each thread: another process may hold one of them up.
         share = max(self._chunk, math.ceil(size / (SHARES * workers)))
@@ -153,18 +193,12 @@ class Sweeps:
             sweep,
             block.numbers,
             (points, block.whole[WIDTH]),
-            (len(self.rulebase.inputs), block.columns),
-            (len(self.rulebase.outputs), block.results),
+            (len(self._rulebase.inputs), block.columns),
+            (len(self._rulebase.outputs), block.results),
             (POINTS, MISSING),
         )
 
-    def _fill(
-        self,
-        arrays: Mapping[str, NDArray[Any]],
-        working: tuple[int, ...],
-        results: NDArray[np.float64],
-        part: tuple[slice, ...],
-    ) -> int:
+    def _fill(self, arrays: Mapping[str, Array], results: Array, part: Part) -> int:
         """Evaluate one chunk of points; return how many outputs have no ordinary value."""
         shape = tuple(extent.stop - extent.start for extent in part)
         count = math.prod(shape)
@@ -172,75 +206,105 @@ class Sweeps:
         try:
             chunk = self._free[room].pop()
         except IndexError:
-            chunk = _Chunk(self._layout, room, compiled=self._compiled)
+            chunk = _Chunk(self._layout, room)
         chunk.whole[POINTS] = count
         for column, array in zip(chunk.columns, arrays.values(), strict=True):
-            column[:count].reshape(shape)[...] = part_of(array, working, part)
+            column[:count].reshape(shape)[...] = _part_of(array, part)
         chunk.run()
         results[:, *part] = chunk.results[:, :count].reshape(-1, *shape)
         missing = chunk.whole[MISSING]
         self._free[room].append(chunk)
         return missing
 
+    # ── points without an ordinary value ─────────────────────────────────────────────
+
     def _complete(
         self,
-        arrays: Mapping[str, NDArray[Any]],
+        arrays: Mapping[str, Array],
         working: tuple[int, ...],
-        results: NDArray[np.float64],
-        held: Mapping[str, float] | None,
+        results: Array,
+        held: Mapping[str, float],
     ) -> None:
-        """Let the engine for arrays settle points without an ordinary value."""
+        """Fill in what holds where an output has no value, or raise an error."""
+        inputs = self._rulebase.inputs
+        valid = {v.name: array_in_range(v, arrays[v.name]) for v in inputs}
+        endless = any(np.isinf(array).any() for array in valid.values())
         where = np.isnan(results).any(axis=0)
-        remaining = {name: np.broadcast_to(a, working)[where] for name, a in arrays.items()}
-        outputs = infer_arrays(self.rulebase, remaining, held)
-        for result, values in zip(results, outputs.values(), strict=True):
-            result[where] = values
+        if not endless and all(
+            not np.isnan(result).any() or self._fill_gaps(output, result, held)
+            for output, result in zip(self._rulebase.outputs, results, strict=True)
+        ):
+            return
+        rows = [np.broadcast_to(array, working)[where].tolist() for array in valid.values()]
+        settled = np.empty((int(where.sum()), len(results)))
+        for point, numbers in enumerate(zip(*rows, strict=True)):
+            values = dict(zip(valid, numbers, strict=True))
+            self._stage.conclude(values, held)
+            settled[point] = [values[output.name] for output in self._rulebase.outputs]
+        results[:, where] = settled.T
+
+    def _fill_gaps(self, output: Output, result: Array, held: Mapping[str, float]) -> bool:
+        """Fill in the held value, or NaN; return False where another reason may be behind it."""
+        if output.outside != "clamp" or not stands_in_for_nan(output):
+            return False
+        if output.no_rule == "hold":
+            result[np.isnan(result)] = held_value(output, held)
+        return True
 
 
 class StagedSweeps:
     """The kernel over arrays, stage by stage; see :mod:`.stages`."""
 
-    def __init__(self, rulebase: RuleBase, parts: Sequence[Sweeps]) -> None:
-        self.rulebase = rulebase
-        self._parts = parts
+    def __init__(self, rulebase: RuleBase, stages: Sequence[Stage]) -> None:
+        self._rulebase = rulebase
+        self._stages = stages
+        self._sweeps: dict[int, Sweeps] = {}
 
-    def many(
-        self, inputs: Mapping[str, Any], held: Mapping[str, float] | None
-    ) -> dict[str, NDArray[np.float64]]:
+    def many(self, inputs: Mapping[str, Any], held: Mapping[str, float]) -> dict[str, Array]:
         """Evaluate arrays of points."""
-        values = dict(inputs)
-        results: dict[str, NDArray[np.float64]] = {}
-        gaps = np.zeros((), dtype=bool)
-        for part in self._parts:
-            names = {output.name for output in part.rulebase.outputs}
-            own_held = {name: value for name, value in (held or {}).items() if name in names}
-            try:
-                found = part.many(
-                    {each.name: values[each.name] for each in part.rulebase.inputs}, own_held
-                )
-            except FuzzyarmError:
-                return infer_arrays(self.rulebase, inputs, held)  # which knows the inputs
-            results |= found
-            for name, column in found.items():
-                lost = np.isnan(column)
-                gaps = gaps | lost
-                values[name] = np.where(lost, 0.0, column) if lost.any() else column
-        if gaps.any():  # rules that read no value do not hold
-            self._complete(inputs, gaps, results, held)
-        return {output.name: results[output.name] for output in self.rulebase.outputs}
+        values, shape = arrays_of(self._rulebase, inputs)
+        if len(self._stages) == 1:
+            return self._sweeps_of(self._stages[0]).many(values, shape, held)
+        for variable in self._rulebase.inputs:
+            values[variable.name] = array_in_range(variable, values[variable.name])
+        for stage in self._stages:
+            arrays = {name: values[name] for name in stage.inputs}
+            values |= self._of_stage(stage, arrays, shape, held)
+        return {output.name: values[output.name] for output in self._rulebase.outputs}
 
-    def _complete(
+    def _sweeps_of(self, stage: Stage) -> Sweeps:
+        if id(stage) not in self._sweeps:  # which the stages keep alive
+            self._sweeps[id(stage)] = Sweeps(stage)
+        return self._sweeps[id(stage)]
+
+    def _of_stage(
         self,
-        inputs: Mapping[str, Any],
-        gaps: NDArray[np.bool_],
-        results: Mapping[str, NDArray[np.float64]],
-        held: Mapping[str, float] | None,
-    ) -> None:
-        remaining = {name: np.broadcast_to(x, gaps.shape)[gaps] for name, x in inputs.items()}
-        for name, values in infer_arrays(self.rulebase, remaining, held).items():
-            results[name][gaps] = values
+        stage: Stage,
+        arrays: dict[str, Array],
+        shape: tuple[int, ...],
+        held: Mapping[str, float],
+    ) -> dict[str, Array]:
+        """Evaluate a stage: points at which the same earlier outputs have no value together."""
+        gaps = {name: np.isnan(array) for name, array in arrays.items()}
+        some = [name for name, gap in gaps.items() if gap.any()]
+        if not some:
+            return self._sweeps_of(stage).many(arrays, shape, held)
+        columns = {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
+        patterns = np.zeros(shape, dtype=np.int64)
+        for number, name in enumerate(some):
+            patterns += np.broadcast_to(gaps[name], shape) * (1 << number)
+        results = {output.name: np.empty(shape) for output in stage.rulebase.outputs}
+        for pattern in np.unique(patterns).tolist():
+            where = patterns == pattern
+            missing = tuple(compress(some, (pattern >> n & 1 for n in range(len(some)))))
+            part = {name: column[where] for name, column in columns.items()}
+            part |= {name: np.zeros_like(part[name]) for name in missing}
+            found = self._sweeps_of(stage.without(missing)).many(part, (int(where.sum()),), held)
+            for name, column in found.items():
+                results[name][where] = column
+        return results
 
 
-def _is_plain(array: NDArray[Any], shape: tuple[int, ...]) -> bool:
+def _is_plain(array: Array, shape: tuple[int, ...]) -> bool:
     """Whether the machine code can read an array as it is."""
-    return array.dtype == np.float64 and array.shape == shape and array.flags.c_contiguous
+    return array.shape == shape and array.flags.c_contiguous

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.base.shown import Drawn, one_line
-from fuzzyarm.inference.aggregate import aggregate, fold_at_point
-from fuzzyarm.inference.defuzzify import consequent_value, ends_of_output
+from fuzzyarm.inference.aggregate import Fired, aggregate, fold_at_point
+from fuzzyarm.inference.engine import Outcome, kept
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
+from fuzzyarm.inference.infer import infer_interval
+from fuzzyarm.inference.inputs import bring_into_range
 from fuzzyarm.inference.labelled import by_name
-from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.point import Point, PointEngine, bring_into_range, prepare
-from fuzzyarm.inference.sets import Piece, crossing
-from fuzzyarm.inference.type_reduction import side_of
+from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
+from fuzzyarm.inference.sets import Piece, crossing, term_function
+from fuzzyarm.inference.strengths import strengths_at_point
 from fuzzyarm.inference.weighted import tsukamoto_at_point
 from fuzzyarm.language.model.rulebase import (
     And,
@@ -274,15 +275,40 @@ def explain(
     """
     rulebase = model_of(rulebase)
     values_by_name = by_name(inputs, named, rulebase.inputs)
-    prepared = prepare(rulebase)
-    point = prepared.run(values_by_name, held)
-    names = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])
+    point = kept(rulebase).outcome(values_by_name, held)
+    steps = plan(rulebase)
+    strengths = strengths_at_point(steps, point.values)
+    names = dict.fromkeys([*(v.name for v in rulebase.inputs), *_outputs_read(steps)])
+    ends: dict[str, tuple[float, float]] = {}
+    if any(output.sides and output.record.of == "ends" for output in steps.outputs.values()):
+        ends = infer_interval(rulebase, values_by_name, held=held)
     return Trace(
         rulebase.name,
         tuple(_fuzzy_value(rulebase.variable(n), values_by_name, point.values[n]) for n in names),
-        _rules(rulebase, prepared, point),
-        tuple(_output(output, point, rulebase) for output in prepared.plan.outputs.values()),
+        _rules(rulebase, steps, strengths),
+        tuple(
+            _output(_Asserted(output, rulebase, point, _fired(output, strengths)), ends)
+            for output in steps.outputs.values()
+        ),
     )
+
+
+def _outputs_read(steps: Plan) -> list[str]:
+    """Return the outputs whose values rules read, in their order."""
+    read = {
+        part.variable
+        for planned in steps.rules
+        for part in propositions(planned.rule.antecedent)
+        if part.variable not in planned.degrees
+    }
+    return [name for name in steps.outputs if name in read]
+
+
+def _fired(output: OutputPlan, strengths: Sequence[float]) -> Fired:
+    """Return member and strength of what rules assert of an output, in the order of the rules."""
+    return [
+        (member, strengths[rule]) for member, rule in output.contributions if strengths[rule] > 0.0
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -352,8 +378,6 @@ def _distance(near: NearRule) -> tuple[int, float]:
 
 
 def _fuzzy_value(variable: Variable, inputs: Mapping[str, float], value: float) -> FuzzyValue:
-    from fuzzyarm.inference.sets import term_function
-
     degrees = tuple(
         (term.name, term_function(term.shape)(value))
         for term in variable.terms
@@ -370,14 +394,14 @@ def _fuzzy_value(variable: Variable, inputs: Mapping[str, float], value: float) 
     return FuzzyValue(variable.name, given_value, value, degrees, lower)
 
 
-def _rules(rulebase: RuleBase, prepared: PointEngine, point: Point) -> tuple[RuleTrace, ...]:
+def _rules(rulebase: RuleBase, steps: Plan, strengths: Sequence[float]) -> tuple[RuleTrace, ...]:
     traces: list[RuleTrace] = []
     for block in rulebase.blocks:
         for rule in block.rules:
             # A rule of type 2 is two in the plan: its upper reading, then its lower one.
-            strengths = [prepared.strength(i, point) for i in prepared.plan.readings[len(traces)]]
-            trace = _rule_trace(len(traces) + 1, block, rule, strengths[0])
-            traces.append(trace if len(strengths) == 1 else replace(trace, lower=strengths[1]))
+            readings = [strengths[i] for i in steps.readings[len(traces)]]
+            trace = _rule_trace(len(traces) + 1, block, rule, readings[0])
+            traces.append(trace if len(readings) == 1 else replace(trace, lower=readings[1]))
     return tuple(traces)
 
 
@@ -394,27 +418,35 @@ def _rule_trace(number: int, block: RuleBlock, rule: Rule, strength: float) -> R
     )
 
 
-def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
+class _Asserted(NamedTuple):
+    """An output, and what rules assert of it at a point."""
+
+    plan: OutputPlan
+    rulebase: RuleBase
+    point: Outcome
+    fired: Fired
+
+
+def _output(asserted: _Asserted, ends: Mapping[str, tuple[float, float]]) -> OutputTrace:
+    plan, fired = asserted.plan, asserted.fired
     if plan.sides:
-        return _output_of_type_2(plan, point, rulebase)
+        return _output_of_type_2(asserted, ends)
     output = plan.output
-    fired = point.fired[output.name]
-    inputs = tuple(variable.name for variable in rulebase.inputs)
     consequents = tuple(
-        _consequent(plan, plan.members[member], strength, point, inputs)
+        _consequent(asserted, plan.members[member], strength)
         for member, strength in fold_at_point(plan, fired).items()
     )
     union: Curve = ()
     if fired and not plan.discrete:
         corners = {x for consequent in consequents for x, _ in consequent.curve}
         union = _union(aggregate(plan, fired), corners, output.low, output.high)
-    return _output_trace(plan, point, consequents, union)
+    return _output_trace(asserted, consequents, union)
 
 
 def _output_trace(
-    plan: OutputPlan, point: Point, consequents: tuple[ConsequentTrace, ...], union: Curve
+    asserted: _Asserted, consequents: tuple[ConsequentTrace, ...], union: Curve
 ) -> OutputTrace:
-    output = plan.output
+    output = asserted.plan.output
     defuzzifier = output.defuzzifier
     method = defuzzifier.method
     if defuzzifier.resolution is not None:
@@ -424,18 +456,17 @@ def _output_trace(
         output.low,
         output.high,
         method,
-        output.name not in point.silent,
+        output.name not in asserted.point.silent,
         consequents,
         union,
-        point.values[output.name],
+        asserted.point.values[output.name],
     )
 
 
-def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
+def _output_of_type_2(asserted: _Asserted, ends: Mapping[str, tuple[float, float]]) -> OutputTrace:
     """Return an output between two sets: each consequent with both of its readings."""
+    plan, rulebase, _, fired = asserted
     name = plan.output.name
-    fired = point.fired[name]
-    inputs = tuple(variable.name for variable in rulebase.inputs)
     folded = fold_at_point(plan, fired)
     names = {term.name for term in rulebase.output(name).terms}
     consequents = []
@@ -443,9 +474,7 @@ def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> Out
     for pair in plan.pairs:
         if folded.get(pair[0], 0.0) <= 0.0:
             continue
-        upper, lower = (
-            _consequent(plan, plan.members[i], folded.get(i, 0.0), point, inputs) for i in pair
-        )
+        upper, lower = (_consequent(asserted, plan.members[i], folded.get(i, 0.0)) for i in pair)
         # One of the two has the name of the file, the other one that was made up.
         member = next(plan.members[i] for i in pair if plan.members[i].term.name in names)
         consequents.append(
@@ -464,27 +493,36 @@ def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> Out
                 consequent.lower_curve if side else consequent.curve for consequent in consequents
             )
             corners = {x for curve in curves for x, _ in curve}
-            function = aggregate(plan, side_of(plan, fired, side))
+            here = [(member, strength) for member, strength in fired if plan.sides[member] == side]
+            function = aggregate(plan, here)
             unions[side] = _union(function, corners, plan.output.low, plan.output.high)
-    trace = _output_trace(plan, point, tuple(consequents), unions[0])
-    ends = None
-    if plan.record.of == "ends" and trace.fired:
-        ends = ends_of_output(plan, fired, point.values, inputs)
-    left, right = ends or (None, None)
+    trace = _output_trace(asserted, tuple(consequents), unions[0])
+    has_ends = plan.record.of == "ends" and trace.fired
+    left, right = ends[name] if has_ends else (None, None)
     return replace(trace, lower_aggregate=unions[1], left=left, right=right)
 
 
-def _consequent(
-    plan: OutputPlan, member: Member, strength: float, point: Point, inputs: tuple[str, ...]
-) -> ConsequentTrace:
+def _consequent(asserted: _Asserted, member: Member, strength: float) -> ConsequentTrace:
+    plan = asserted.plan
     value = member.value
     if plan.discrete and value is None:
         if plan.record.inverts and member.pieces:
             value = tsukamoto_at_point(plan, member, strength)
         else:
-            value = consequent_value(member, point.values, inputs)
+            value = _consequent_value(asserted, member)
     curve = () if plan.discrete else _clipped(member, strength)
     return ConsequentTrace(_worded(member.term.name, member.hedges), strength, value, curve)
+
+
+def _consequent_value(asserted: _Asserted, member: Member) -> float:
+    """Return the number of a linear or formula consequent."""
+    values = asserted.point.values
+    if member.formula is not None:
+        return member.term.shape.height * member.formula.evaluate(values)
+    *coefficients, constant = member.term.shape.parameters
+    for coefficient, variable in zip(coefficients, asserted.rulebase.inputs, strict=True):
+        constant += coefficient * values[variable.name]
+    return constant
 
 
 def _clipped(member: Member, strength: float) -> Curve:

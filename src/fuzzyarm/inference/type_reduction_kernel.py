@@ -1,13 +1,34 @@
-"""Interval type-2 sets reduced to a number, as defuzzifiers of the kernel.
+r"""From interval type-2 sets to a number, as defuzzifiers of the kernel.
 
-The mathematics stands in :mod:`fuzzyarm.inference.type_reduction`. The kernel has found the
-strengths of both readings of the rules; each consequent says whether it is of the upper set
-(side 0) or of the lower one (side 1). What is written down of one side (samples, envelopes of
-straight sets, integrals of curved ones) is what the defuzzifiers of type 1 write down of all.
+The set is all memberships μ between a lower one L and an upper one U. Their centroids fill an
+interval. Its right end belongs to the μ that is L on the left of some c and U on the right of
+it, and c is that centroid (Karnik and Mendel). With
+
+    φ(c) = (∫_{y<c} y L + ∫_{y>c} y U) / (∫_{y<c} L + ∫_{y>c} U)
+
+no φ(c) is beyond the end, and where c is short of it, φ(c) is nearer: c ← φ(c) rises to it, each
+step twice as many digits (it is Newton's on the root of F in :mod:`.centroid_bounds`, which
+has the same bounds over arrays of panels, for proofs). The left end is the mirrored case. Over
+samples, and over the values of Takagi and Sugeno, integrals are sums and the steps are finite.
+Nie and Tan take the centroid of (L + U) / 2.
+
+Where L is nothing anywhere, the ends are those of what U covers, to which the ends for a small L
+go.
+
+The kernel has found the strengths of both readings of the rules; each consequent says whether it is
+of the upper set (side 0) or of the lower one (side 1). What is written down of one side (samples,
+envelopes of straight sets, integrals of curved ones) is what the defuzzifiers of type 1 write down
+of all.
 
 Every defuzzifier gives something above 0 where there is a value, and the value itself: the end
 that the last of the output's floats asks for, -1 the left one, 1 the right one, 0 what is made of
 both. Nie and Tan's give area and moment.
+
+References
+----------
+N. N. Karnik, J. M. Mendel, *Centroid of a type-2 fuzzy set*, 2001.
+M. Nie, W. W. Tan, *Towards an efficient type-reduction method for interval type-2 fuzzy logic
+systems*, 2008.
 """
 
 from __future__ import annotations
@@ -39,7 +60,6 @@ from fuzzyarm.inference.kernel import (
     made_of,
 )
 from fuzzyarm.inference.quadrature_kernel import integrate
-from fuzzyarm.inference.type_reduction import end_of_average
 from fuzzyarm.symbolic.kernels import kernel
 
 # Whole numbers of a consequent that is a value between two: which pair it belongs to, its side,
@@ -48,6 +68,39 @@ PAIR, PAIR_SIDE, LEAST_AT, GREATEST_AT = range(4)
 
 PAIR_ROWS = 4
 """Numbers of a pair in the heap, in rows: least values, greatest ones, lower and upper weights."""
+
+
+# ── sums ───────────────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float) -> float:
+    """Return the greatest (sign 1) or least (-1) average of numbers with weights between two.
+
+    0 where all weights are 0. Plain enough for a compiler.
+    """
+    total = moment = 0.0
+    for i in range(count):
+        if upper[i] > 0.0:
+            total += lower[i] + upper[i]
+            moment += (lower[i] + upper[i]) * numbers[i]
+    c = 0.0
+    if total > 0.0:
+        c = moment / total
+    for _ in range(count + 2):
+        total = moment = 0.0
+        for i in range(count):
+            if upper[i] > 0.0:
+                weight = upper[i] if sign * (numbers[i] - c) > 0.0 else lower[i]
+                total += weight
+                moment += weight * numbers[i]
+        # Nothing is left beyond c where all lower weights are 0: it is the last number.
+        if not total > 0.0:
+            break
+        if not sign * (moment / total - c) > 0.0:
+            break
+        c = moment / total
+    return c
 
 
 # ── values ───────────────────────────────────────────────────────────────────────────

@@ -22,7 +22,7 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.keywords import demand_alone, wrong_argument
 from fuzzyarm.base.names import printable
 from fuzzyarm.base.shown import one_line
-from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference.engine import compiled
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import Samples, folds, read_samples
@@ -640,8 +640,7 @@ def _errors_of_words(
 
 def outputs_of(rulebase: RuleBase, samples: Samples) -> Array:
     """Return the outputs of a rule base at samples, shape (samples, outputs)."""
-    # NumPy: to lay out thousands of rules for the kernel takes longer than one evaluation.
-    results = infer_arrays(rulebase, dict(zip(samples.names, samples.inputs.T, strict=True)))
+    results = compiled(rulebase)(dict(zip(samples.names, samples.inputs.T, strict=True)))
     return np.stack([results[name] for name in output_names(samples)], axis=1)
 
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.shown import Plotted, one_line
-from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.sets import degrees
+from fuzzyarm.inference.strengths import firing_strengths
 from fuzzyarm.inference.trace import place_of
 from fuzzyarm.language.model.rulebase import AnyRuleBase, Input, RuleBase, model_of
 from fuzzyarm.language.rows import sentence

@@ -26,8 +26,8 @@ numbers of values, of samples, of straight lines and of panels of curves.
 To add a defuzzifier
 --------------------
 One made of the numbers above is a record here, and nothing else; ``tests/kinds`` tries it. A new
-number is a name in ``ASPECTS``; a function for one point in :mod:`fuzzyarm.inference.defuzzify`; a
-``Program`` of the kernel (:mod:`fuzzyarm.inference.programs`), from which the exports print it; a
+number is a name in ``ASPECTS``; a ``DefuzzifierProgram`` of the kernel
+(:mod:`fuzzyarm.inference.programs`), from which the exports print it; a
 record in ``WAYS`` of :mod:`fuzzyarm.proof.map.crisp` with its bounds, or it is refused by name;
 and a row of ``tests/inference/test_matrix.py`` and ``tests/proof/test_every_defuzzifier.py``.
 """

@@ -150,7 +150,7 @@ def digest_of_c() -> str:
         return noted
     import subprocess
 
-    command = [sys.executable, "-P", str(_here() / "native" / "build.py"), "--note"]
+    command = [sys.executable, "-P", str(_here() / "apps" / "native" / "build.py"), "--note"]
     path = os.pathsep.join([str(_here().parent), *filter(None, sys.path)])
     environment = {**os.environ, "PYTHONPATH": path, SWITCH: "0"}
     subprocess.run(command, env=environment, capture_output=True, check=False)
@@ -302,8 +302,23 @@ def _address(
 ) -> tuple[int, Any]:
     if compiled:
         return _machine_address(function, letters, bindings)
-    _by_address.append(with_names(function, bindings))
+    _by_address.append(_without_errors(with_names(function, bindings)))
     return -len(_by_address), None
+
+
+def _without_errors(function: Callable[..., None]) -> Callable[..., None]:
+    """Return a printed function that gives NaN or an infinity where Python raises an error."""
+    quiet = getattr(function, "__quiet__", None)
+    if quiet is None:
+        return function
+
+    def fill(*arrays: Any) -> None:
+        try:
+            function(*arrays)
+        except (ArithmeticError, ValueError):
+            quiet(*arrays)
+
+    return fill
 
 
 def is_built(function: Callable[..., None], arrays: int | str, bindings: _Bindings) -> bool:

@@ -58,11 +58,11 @@ def _infer(rulebase: RuleBase, arguments: argparse.Namespace) -> None:
     values = read_point(arguments.inputs, [variable.name for variable in rulebase.inputs])
     results = [output.name for output in rulebase.outputs]
     last_values = read_assignments(arguments.held, results, what="output")
+    from fuzzyarm.inference import infer
     from fuzzyarm.inference.errors import NoRuleFiredError, NothingHeldError
-    from fuzzyarm.inference.point import prepare
 
     try:
-        outputs = prepare(rulebase).evaluate(values, last_values)
+        outputs = infer(rulebase, values, held=last_values)
     except (NoRuleFiredError, NothingHeldError) as error:
         if arguments.explain and not arguments.json:
             from fuzzyarm.apps.show.trace import silence_view

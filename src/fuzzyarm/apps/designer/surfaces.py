@@ -13,8 +13,8 @@ from fuzzyarm.apps.designer.requests import SurfaceWork
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.jsonable import jsonable
-from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.engine import compiled
+from fuzzyarm.inference.strengths import firing_strengths
 from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 
 __all__ = ["surface"]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.inference.errors import NotANumberError
-from fuzzyarm.inference.point import number_of
+from fuzzyarm.inference.inputs import number_of
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
     Clock,

@@ -33,7 +33,7 @@ from fuzzyarm.control.controllers.program import (
     write_down,
 )
 from fuzzyarm.inference.errors import NotANumberError
-from fuzzyarm.inference.point import number_of
+from fuzzyarm.inference.inputs import number_of
 from fuzzyarm.language.model.controller import (
     Amount,
     Axes,

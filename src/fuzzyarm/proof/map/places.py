@@ -157,7 +157,7 @@ class _OfHighest(Places):
 def _level(member: Member, strength: Interval, top: Interval) -> _Level:
     """Return between which levels a set is cut for the positions at which it is the highest.
 
-    As :func:`fuzzyarm.inference.maxima.maxima_at_point` does: at its strength where that clips it,
+    As :mod:`fuzzyarm.inference.positions` does: at its strength where that clips it,
     at its peak elsewhere.
     """
     clips = CLIPPING.get(member.implication, ()) if member.implication != "bounded" else ()

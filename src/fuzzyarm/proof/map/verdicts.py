@@ -28,6 +28,7 @@ from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.map.prover import Prover, written
 
 if TYPE_CHECKING:
+    from fuzzyarm.inference.trace import Trace
     from fuzzyarm.language.statements import ProveNode
 
 __all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
@@ -429,17 +430,22 @@ class _Case:
 
     def _silence(self, at: Mapping[str, Any]) -> str:
         """Say where no rule fires, and whether floats say so, too."""
-        from fuzzyarm.inference import prepare
+        from fuzzyarm.inference import compiled, explain
 
         self._note(at)
         text = f"no rule fires at {written(at)}"
         outputs = tuple(replace(output, no_rule=math.nan) for output in self.rulebase.outputs)
-        prepared = prepare(replace(self.rulebase, outputs=outputs))
-        point = prepared.run({name: float(x) for name, x in at.items()})
-        fires = self.claim.output not in point.silent or (
-            self.claim.kind == "covered" and point.fired[self.claim.output]
+        unstated = replace(self.rulebase, outputs=outputs)
+        point = {name: float(x) for name, x in at.items()}
+        fires = self.claim.output not in compiled(unstated).outcome(point).silent or (
+            self.claim.kind == "covered" and self._is_asserted(explain(unstated, point))
         )
         return f"{text}, {_IN_EXACT_ARITHMETIC}" if fires else text
+
+    def _is_asserted(self, trace: Trace) -> bool:
+        """Whether a rule fires for the output."""
+        outputs = {output.name: output for output in trace.outputs}
+        return bool(outputs[self.claim.output].consequents)
 
     def _note(self, at: Mapping[str, Any]) -> None:
         """Remember a point at which the statement fails, if it is refuted."""
@@ -449,11 +455,11 @@ class _Case:
 
     def _inferred(self, at: Mapping[str, Any]) -> float | None:
         """Return the output at a point as inference gives it; None where it has none."""
-        from fuzzyarm.inference import prepare
+        from fuzzyarm.inference import infer
 
         point = {name: float(x) for name, x in at.items()}
         try:
-            value = prepare(self.rulebase).evaluate(point)[self.claim.output]
+            value = infer(self.rulebase, point)[self.claim.output]
         except FuzzyarmError:
             return None
         return None if math.isnan(value) else value

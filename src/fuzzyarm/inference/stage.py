@@ -1,0 +1,256 @@
+"""The kernel with the numbers of one stage of a rule base, at a point.
+
+At an ordinary point the kernel alone gives the outputs. It writes NaN where an output has no value,
+is outside a range that forbids it, or no rule fires; only then is asked which of these it is, and
+the held value, or an error that names the output, takes its place.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.inference import block as at
+from fuzzyarm.inference.block import NotCoveredError, PointBlock, make_block
+from fuzzyarm.inference.errors import NoRuleFiredError, NotANumberError
+from fuzzyarm.inference.inputs import bring_into_range, held_value, stands_in_for_nan
+from fuzzyarm.inference.kernel import evaluate
+from fuzzyarm.inference.layout import lay_out
+from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.stages import without_values
+from fuzzyarm.language.model.rulebase import Output, RuleBase
+from fuzzyarm.symbolic.kernels import bound_routine, lock, point_routines
+
+if TYPE_CHECKING:
+    from fuzzyarm.inference.block import Layout
+
+ByName = Callable[[Any], "dict[str, float] | None"]
+"""From the inputs at a point to the outputs; None where one is not a number, or has no value."""
+
+LARGEST = sys.float_info.max
+
+
+class Stage:
+    """The kernel with the numbers of one stage of a rule base; see :mod:`.stages`.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The stage.
+    own : int
+        How many of its inputs, the first, are those of the whole; the rest are earlier outputs.
+    otherwise : callable
+        Called with the inputs of the whole by position where an output is not ordinary.
+    machine_code : bool
+        Whether to take it where there is some.
+
+    Attributes
+    ----------
+    at, named : callable
+        From the inputs at a point to the outputs, by position and by name.
+    inputs : tuple of str
+        Names.
+    layout : Layout
+        The numbers.
+    compiled : bool
+        Whether machine code reads them.
+    reason : str
+        What that does not cover, so that the source of the kernel is interpreted.
+    ordinary : callable
+        Of the interpreted kernel: from the inputs in their order to the outputs, or None.
+    """
+
+    ordinary: Callable[[Iterable[Any]], list[float] | None]
+
+    def __init__(
+        self,
+        rulebase: RuleBase,
+        own: int,
+        otherwise: Callable[..., tuple[float, ...]],
+        *,
+        machine_code: bool,
+    ) -> None:
+        self.rulebase = rulebase
+        self.inputs = tuple(variable.name for variable in rulebase.inputs)
+        self._own, self._otherwise = own, otherwise
+        self._outputs = tuple(output.name for output in rulebase.outputs)
+        self._without: dict[tuple[str, ...], Stage] = {}
+        self.layout, self.compiled, self.reason = _laid_out(rulebase, machine_code=machine_code)
+        self.at, self.named = self._point_functions(make_block(self.layout, 1))
+
+    def _point_functions(
+        self, block: PointBlock
+    ) -> tuple[Callable[..., tuple[float, ...]], ByName]:
+        """Make the functions of one point, by position and by name."""
+        inputs, outputs = self.inputs, self._outputs
+        otherwise = self._otherwise
+        if self.compiled:
+            places = (block.columns, inputs), (block.results, outputs)
+            with suppress(ValueError):  # more inputs than the machine code of a point has room for
+                return point_routines(evaluate, block.numbers, *places, otherwise)
+        columns = block.numbers[block.columns : block.columns + len(inputs)]
+        results = block.numbers[block.results : block.results + len(outputs)]
+        run = runner(block, compiled=self.compiled)
+        turn = lock()
+
+        def ordinary(values: Iterable[Any]) -> list[float] | None:
+            with turn:  # there is one block
+                try:
+                    for column, value in enumerate(values):
+                        columns[column] = float(value)
+                except (TypeError, ValueError, OverflowError):  # not a number
+                    return None
+                run()
+                found = list(results)
+            return None if any(map(math.isnan, found)) else found
+
+        self.ordinary = ordinary
+
+        def at(*values: Any) -> tuple[float, ...]:
+            found = ordinary(values) if len(values) == len(inputs) else None
+            return otherwise(*values) if found is None else tuple(found)
+
+        def named(arguments: Mapping[str, Any]) -> dict[str, float] | None:
+            if arguments.keys() != set(inputs):
+                return None
+            values = [arguments[name] for name in inputs]
+            plain = all(isinstance(value, int | float) for value in values)
+            found = ordinary(values) if plain else None
+            return None if found is None else dict(zip(outputs, found, strict=True))
+
+        return at, named
+
+    def without(self, missing: tuple[str, ...]) -> Stage:
+        """Return the stage where earlier outputs have no value; with none missing, itself."""
+        if not missing:
+            return self
+        if missing not in self._without:
+            self._without[missing] = Stage(
+                without_values(self.rulebase, missing),
+                self._own,
+                self._otherwise,
+                machine_code=self.compiled,
+            )
+        return self._without[missing]
+
+    def conclude(self, values: dict[str, float], held: Mapping[str, float]) -> set[str]:
+        """Add the outputs to what there is at a point; return those without a value of their own.
+
+        Raises
+        ------
+        InferenceError, NoRuleFiredError
+            For an output that has no value, or may not have that one.
+        """
+        missing = tuple(name for name in self.inputs if math.isnan(values[name]))
+        columns = [0.0 if name in missing else values[name] for name in self.inputs]
+        silent = set[str]()
+        outputs = self.rulebase.outputs
+        for output, found in zip(outputs, self.without(missing)._judge.found(columns), strict=True):
+            value = found
+            if found is not None and math.isnan(found):
+                if not stands_in_for_nan(output):
+                    where = ", ".join(f"{n} = {x:.6g}" for n, x in self.point_of(values).items())
+                    raise NotANumberError(output.name, f"has none at {where}")
+                value = None
+            if value is None:
+                silent.add(output.name)
+                values[output.name] = self._stated(output, values, held)
+            else:
+                values[output.name] = bring_into_range(output, value)
+        return silent
+
+    def _stated(
+        self, output: Output, values: Mapping[str, float], held: Mapping[str, float]
+    ) -> float:
+        """Return the value of an output where no rule fires."""
+        if output.no_rule == "hold":
+            return held_value(output, held)
+        if isinstance(output.no_rule, str):
+            raise NoRuleFiredError(output.name, self.point_of(values))
+        return float(output.no_rule)
+
+    def point_of(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the inputs of the whole rule base, for an error."""
+        return {name: values[name] for name in self.inputs[: self._own]}
+
+    @cached_property
+    def _judge(self) -> _Judge:
+        return _Judge(self)
+
+
+def _laid_out(rulebase: RuleBase, *, machine_code: bool) -> tuple[Layout, bool, str]:
+    """Return the numbers of a rule base, whether machine code reads them, and why not."""
+    laid = plan(rulebase)
+    reason = ""
+    if machine_code:
+        try:
+            return lay_out(laid, compiled=True), True, ""
+        except NotCoveredError as error:
+            reason = str(error)
+    return lay_out(laid, plain=True), False, reason
+
+
+def runner(block: PointBlock, *, compiled: bool) -> Callable[[], None]:
+    """Return the shortest call of the kernel on a block with room for one point."""
+    if compiled:
+        # One point takes less time than to free the GIL and to wait for it again.
+        return bound_routine(evaluate, "f", (block.numbers,), brief=True)
+
+    def run() -> None:
+        try:
+            evaluate(block.numbers)
+        except (ArithmeticError, ValueError):  # numbers of Python raise where others are NaN
+            import numpy as np
+
+            with np.errstate(all="ignore"):
+                evaluate(np.asarray(block.numbers))
+
+    return run
+
+
+class _Judge:
+    """Says what an output is at a point where the kernel writes NaN: a block of its own."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._block = make_block(stage.layout, 1)
+        self._run = runner(self._block, compiled=stage.compiled)
+        self._turn = lock()
+        self._outputs = stage.rulebase.outputs
+
+    def found(self, columns: Sequence[float]) -> list[float | None]:
+        """Return each output before it is brought into its range.
+
+        None where no rule fires; NaN where one fires and nothing comes out.
+        """
+        with self._turn:
+            found: list[float | None] = [*self._evaluated(columns, at.EXTEND, math.nan)]
+            if not any(math.isnan(value) for value in found if value is not None):
+                return found
+            clamped = self._evaluated(columns, at.CLAMP, math.nan)
+            zeros = self._evaluated(columns, at.CLAMP, 0.0)
+        for o, output in enumerate(self._outputs):
+            if math.isnan(found[o] or 0.0):
+                if not math.isnan(clamped[o]):  # infinite: only an end of a range is left of it
+                    found[o] = math.inf if clamped[o] >= output.high else -math.inf
+                elif not math.isnan(zeros[o]):
+                    found[o] = None
+        return found
+
+    def _evaluated(self, columns: Sequence[float], mode: int, silent: float) -> list[float]:
+        """Run the kernel with something else outside ranges and where no rule fires."""
+        numbers, k = self._block.numbers, self._block.whole
+        for o in range(len(self._outputs)):
+            head = k[at.OUTPUTS_AT] + at.OUTPUT_HEAD * o
+            k[head + at.OUT_MODE] = mode
+            bounds = k[at.FLOATS] + k[head + at.FLOATS_AT]
+            for end in (bounds, bounds + 1):
+                numbers[end] = min(max(numbers[end], -LARGEST), LARGEST)
+            numbers[bounds + 2] = silent
+        for column, value in enumerate(columns, self._block.columns):
+            numbers[column] = min(max(value, -LARGEST), LARGEST)  # an infinite one is in no cell
+        self._run()
+        return list(numbers[self._block.results : self._block.results + len(self._outputs)])
