@@ -254,6 +254,7 @@ class _Writer:
 
     def _cut(self, uncut: set[str]) -> None:
         """Cut the inputs; all degrees of those in `uncut` are found by row functions."""
+        self.alive: dict[int, list[Sequence[int]]] = {}
         self.cells: list[InputCells] = []
         self.curves: list[list[tuple[int, Curve]]] = []
         for variable in self.plan.rulebase.inputs:
@@ -275,11 +276,13 @@ class _Writer:
 
     def _entries(self) -> int:
         programs = math.prod(len(cells.lines) for cells in self.cells)
-        rules = sum(math.prod(map(len, self._alive(rule))) for rule in self.rules)
+        rules = sum(math.prod(map(len, alive)) for alive in map(self._alive, self.rules))
         return rules + programs * len(self.truths)
 
     def _alive(self, rule: LaidRule) -> list[Sequence[int]]:
         """Return for each input the cells in which a rule can fire."""
+        if rule.number in self.alive:
+            return self.alive[rule.number]
         alive: list[Sequence[int]] = []
         for cells, homes in zip(self.cells, self.homes, strict=True):
             cells_of_parts = (
@@ -289,6 +292,7 @@ class _Writer:
                 alive.append(cells_of_parts[0] if cells_of_parts else range(len(cells.lines)))
             else:
                 alive.append(sorted(set(cells_of_parts[0]).intersection(*cells_of_parts[1:])))
+        self.alive[rule.number] = alive
         return alive
 
     # ── writing ──────────────────────────────────────────────────────────────────────
@@ -444,13 +448,17 @@ class _Writer:
 
     def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
         """Return [norm, weight, operands …] of a rule; that of zeros for a term that is 0 there."""
-        rows_of_rule = [rule.norm, self.rule_floats[rule.number]]
-        rows_of_rule += [rows.get(part, self.zero) for part in rule.parts]
-        is_by_itself = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
-        neutral = self.one if rule.conjunction or is_by_itself else self.zero
-        if rule.norm == at.MIN and max(rule.parts) < 0:  # a sum in parentheses may exceed 1
-            neutral = rows_of_rule[-1]
-        return rows_of_rule + [neutral] * (self.operands - len(rule.parts))
+        zero = self.zero
+        record = [rule.norm, self.rule_floats[rule.number]]
+        record += [rows.get(part, zero) for part in rule.parts]
+        missing = self.operands - len(rule.parts)
+        if missing:
+            is_by_itself = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
+            neutral = self.one if rule.conjunction or is_by_itself else zero
+            if rule.norm == at.MIN and max(rule.parts) < 0:  # a sum in parentheses may exceed 1
+                neutral = record[-1]
+            record += [neutral] * missing
+        return record
 
 
 def _lacks_values(hedges: tuple[Hedge, ...]) -> bool:
