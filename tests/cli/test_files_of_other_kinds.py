@@ -126,8 +126,7 @@ def test_a_sum_may_end_with_a_file(said, capsys):
     )
 
 
-def test_an_fmu_and_a_phase_portrait_say_where_a_controller_comes_from(said):
-    assert "fuzzyarm new NAME --kind controller" in said(f"compile {RULES} -o x.fmu")
+def test_a_phase_portrait_says_where_a_controller_comes_from(said):
     words = f"plot {RULES} -o x.png --what phase --plant motor"
     assert "fuzzyarm new NAME --kind controller" in said(words)
 

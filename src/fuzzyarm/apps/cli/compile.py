@@ -389,7 +389,7 @@ def _export_data(exported: Exported) -> dict[str, Any]:
                 "points": routine.accuracy.points,
                 "against": routine.accuracy.against,
                 "proved": _proved(routine),
-                "operations": dict(routine.cost().operations),
+                "operations": routine.cost().by_sort(),
                 "stack": routine.cost().stack,
             }
             for call, routine in zip(exported.calls, exported.routines, strict=True)

@@ -129,12 +129,13 @@ def _functions(exported: Exported | ExportedController) -> list[dict[str, Any]]:
         from fuzzyarm.exchange.export.cost import step_cost
 
         program = exported.program
+        operations = step_cost(program.text).exported
         return [
             {
                 "call": exported.calls[1], "worst": program.tried.worst,
                 "against": "the controller in double precision",
                 "points": len(program.tried.vectors.expected), "proved": None,
-                "operations": {"of a period": step_cost(program.text).exported.total()},
+                "operations": {"of a period": operations and operations.total()},
                 "stack": None,
             }
         ]  # fmt: skip
@@ -143,7 +144,7 @@ def _functions(exported: Exported | ExportedController) -> list[dict[str, Any]]:
             "call": call, "worst": routine.accuracy.worst, "against": routine.accuracy.against,
             "points": routine.accuracy.points,
             "proved": routine.worst_proved() if isinstance(routine, TableRoutine) else None,
-            "operations": dict(routine.cost().operations), "stack": routine.cost().stack,
+            "operations": routine.cost().by_sort(), "stack": routine.cost().stack,
         }
         for call, routine in zip(exported.calls, exported.routines, strict=True)
     ]  # fmt: skip

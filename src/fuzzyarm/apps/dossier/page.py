@@ -100,7 +100,8 @@ def _functions(data: dict[str, Any]) -> list[str]:
         if function["proved"] is not None:
             rows.append(("worst error against the rules", f"{function['proved']:.6g}, proved"))
         rows += [
-            (f"at most: {escape(sort)}", f"{n:,}") for sort, n in function["operations"].items()
+            (f"at most: {escape(sort)}", "not bounded" if n is None else f"{n:,}")
+            for sort, n in function["operations"].items()
         ]
         if function["stack"] is not None:
             rows.append(("local variables, about", f"{function['stack']:,} bytes"))

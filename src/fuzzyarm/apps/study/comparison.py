@@ -341,11 +341,12 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) 
 
 
 def exported_operations(controller: Controller) -> int | None:
-    """Return what a step of the program exported from a text takes at most, None of others."""
+    """Return the most operations of a step of an exported text; None if unknown, or no text."""
     law = text_law_of(controller)
     if law is None:
         return None
     try:
-        return step_cost(law.text).exported.total()
+        exported = step_cost(law.text).exported
     except ExportError:
         return None
+    return None if exported is None else exported.total()

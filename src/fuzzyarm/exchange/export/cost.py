@@ -39,13 +39,13 @@ class StepCost(NamedTuple):
         Of the kernel: where fewest and where most rules can fire. A curved term, a norm other
         than min, max, product and sum, and an integration of sets count as one operation of
         that name.
-    exported : Counter of str
-        Of the exported program, at most.
+    exported : Counter of str or None
+        Of the exported program, at most; None where the loops of a defuzzifier have no known bound.
     """
 
     least: Operations
     most: Operations
-    exported: Operations
+    exported: Operations | None
 
 
 def step_cost(text: ControllerText) -> StepCost:
@@ -77,11 +77,13 @@ def step_cost(text: ControllerText) -> StepCost:
     steps = steps_of(text)
     least, most, exported = Operations(), Operations(), Operations()
     counted: set[tuple[str, tuple[str, ...]]] = set()
+    bounded = True
     for step in steps.steps:
         if isinstance(step, Ask) and isinstance(steps.routines[step.routine], DirectRoutine):
             routine = steps.routines[step.routine]
             assert isinstance(routine, DirectRoutine)
             exported += routine.listing.operations()
+            bounded = bounded and not routine.cost().unbounded
             # The kernel finds all outputs of a rule base at once.
             key = (routine.rulebase.name, step.inputs)
             if key not in counted:
@@ -91,7 +93,7 @@ def step_cost(text: ControllerText) -> StepCost:
             continue
         low, high = _cost(step, steps)
         least, most, exported = least + low, most + high, exported + high
-    return StepCost(least, most, exported)
+    return StepCost(least, most, exported if bounded else None)
 
 
 def _cost(step: Step, steps: Steps) -> tuple[Operations, Operations]:

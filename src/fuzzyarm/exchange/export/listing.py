@@ -236,7 +236,7 @@ class Listing:
         return names
 
     def operations(self) -> Counter[str]:
-        """Return how many operations of each sort are done at most, never both branches."""
+        """Return the most operations of each sort, never both branches; of walks none."""
         return self._count([*self.body, Assign("result", self.result)])
 
     def _count(self, body: Iterable[Statement | Loop | Walked]) -> Counter[str]:

@@ -61,6 +61,11 @@ class CallCost:
 
     operations: tuple[tuple[str, int], ...]  # kind of operation and how many
     stack: int  # bytes of local variables, without what the compiler adds
+    unbounded: str = ""  # the defuzzifier whose loops are not counted
+
+    def by_sort(self) -> dict[str, int | None]:
+        """Return the most operations of each sort; None of what is not bounded."""
+        return {**dict(self.operations), **({self.unbounded: None} if self.unbounded else {})}
 
     def in_words(self) -> str:
         """Return the operations as text."""
@@ -69,6 +74,8 @@ class CallCost:
             for kind, count in self.operations
             if count
         ]
+        if self.unbounded:
+            parts.append(f"and those of {self.unbounded}, not bounded")
         return ", ".join(parts) or "none"
 
 

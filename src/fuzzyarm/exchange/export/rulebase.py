@@ -142,8 +142,11 @@ class DirectRoutine:
         }
         names = {*self.listing.variables, *self.program.symbols}
         size = np.dtype(self.precision.inside).itemsize
-        room = sum(walk.room for walk in self.program.walks)
-        return CallCost(tuple(sorted(counted.items())), size * (len(names) + room))
+        walks = list(self.program.walks)
+        stack = size * (len(names) + sum(walk.room for walk in walks))
+        methods = (str(self.rulebase.output(walk.output).defuzzifier) for walk in walks)
+        unbounded = " and ".join(dict.fromkeys(methods))
+        return CallCost(tuple(sorted(counted.items())), stack, unbounded)
 
     @property
     def silence(self) -> str:
