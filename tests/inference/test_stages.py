@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fuzzyarm import compiled, infer
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.inference import NoRuleFiredError
+from fuzzyarm.inference import NoRuleFiredError, explain
 from fuzzyarm.inference.stages import stages
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -157,3 +157,19 @@ def test_stages_of_any_rule_base_have_the_bits_of_a_point(data: st.DataObject) -
                 interpreted(rulebase).point(point)
             except FuzzyarmError:
                 continue
+
+
+@pytest.mark.parametrize("shape", ["triangle 0 1 1", "gaussian 1 0.3"])
+def test_no_rule_reads_an_output_without_a_value(shape: str) -> None:
+    """Under `any` a term holds everywhere, but not where there is no value."""
+    text = (
+        "rulebase none\ninput a 0 .. 1\noutput y 0 .. 1\noutput z 0 .. 1\n"
+        f"terms a, z: triangles L H\nterm y H: {shape}\ninference y: no-rule nan\n"
+        "inference z: no-rule 0.25\ninference threshold 0.1\n"
+        "rule if a is H then y is H\nblock next\nrule if y is any not H then z is H\n"
+    )
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    assert infer(rulebase, a=0.0)["z"] == infer(rulebase, a=np.zeros(2))["z"][1] == 0.25
+    assert [rule.strength for rule in explain(rulebase, a=0.0).rules] == [0.0, 0.0]
+    assert infer(rulebase, a=0.5)["z"] > 0.5

@@ -5,6 +5,7 @@ For explanations. Outputs come from the kernel, and so do the values that later 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter
@@ -37,6 +38,8 @@ class _Algebra(NamedTuple):
 
 
 def _degree(shape: Shape, value: float, hedges: tuple[Hedge, ...]) -> float:
+    if math.isnan(value):  # of an output without a value, under `any` too
+        return 0.0
     lines = straight_lines(shape, hedges)
     degree = lines.at(value) if lines is not None else term_function(shape, hedges)(value)
     return max(0.0, degree)  # of an output without a value, too
