@@ -20,7 +20,7 @@ from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
 
 ROOT = Path(__file__).parents[2]
 PAGES = ("scikit-fuzzy", "simpful", "pyit2fls", "matlab", "fuzzylite")
-TEXTS = {page: (ROOT / f"docs/from-{page}.md").read_text(encoding="utf-8") for page in PAGES}
+TEXTS = {page: (ROOT / f"docs/howto/from-{page}.md").read_text(encoding="utf-8") for page in PAGES}
 
 
 def blocks(page: str, kind: str) -> list[str]:
