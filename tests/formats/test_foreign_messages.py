@@ -305,3 +305,93 @@ def test_a_sign_that_fuzzylite_refuses_is_a_warning(formula: str, refused: bool)
     imported = parse_fll(text)
     good(imported)
     assert bool(of_name(imported, "bad-formula")) is refused
+
+
+# ── what is wrong in every format ────────────────────────────────────────────────────
+
+ENDS = {
+    ".fll": "range: 0 {}", ".fml": 'domainright="{}"', ".fcl": "(0 .. {})", ".fis": "[0 {}]",
+    ".frb": "output y 0 .. {}",
+}  # fmt: skip
+RAMPS = """rulebase a
+input x 0 .. 1
+output y 0 .. 4
+term x a: ramp 1 0
+term x b: ramp 0 1
+term y p: {}
+term y q: {}
+inference defuzzifier {}, no-rule 0
+rule if x is a then y is p
+rule if x is b then y is q
+"""
+SETS = RAMPS.format("triangle 0 1 2", "triangle 1 2 3", "centroid(101)")
+VALUES = RAMPS.format("singleton 1", "singleton 2", "weighted-average")
+
+
+def _checked(text: str, suffix: str, end: str, folder: Path, capsys) -> tuple[int, str]:
+    """Return the status and the findings of `check`, of a file whose output ends at `end`."""
+    source, path = folder / "made.frb", folder / f"made{suffix}"
+    source.write_text(text, "utf-8")
+    if suffix != ".frb":
+        assert main(["convert", str(source), str(path), "--lossy"]) == 0
+    made, place = path.read_text("utf-8"), ENDS[suffix]
+    assert made.count(place.format("4")) == 1
+    path.write_text(made.replace(place.format("4"), place.format(end)), "utf-8")
+    capsys.readouterr()
+    status = main(["check", str(path)])
+    return status, "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize("suffix", ENDS)
+def test_an_output_without_a_range_is_an_error_where_sets_are_integrated(suffix, tmp_path, capsys):
+    status, said = _checked(SETS, suffix, "inf", tmp_path, capsys)
+    assert status == 1
+    assert said.count("error[") == 1
+    assert "error[bad-range]: the output 'y' needs a finite range to be integrated over" in said
+
+
+@pytest.mark.parametrize("suffix", [".fll", ".fis", ".frb"])
+def test_values_need_no_range(suffix, tmp_path, capsys):
+    status, said = _checked(VALUES, suffix, "inf", tmp_path, capsys)
+    assert status == 0, said
+
+
+@pytest.mark.parametrize("suffix", ENDS)
+def test_a_number_that_overflows_is_an_error_at_its_place(suffix, tmp_path, capsys):
+    status, said = _checked(SETS, suffix, "1e4000", tmp_path, capsys)
+    assert status == 1
+    assert said.count("error[") == 1
+    assert "'1e4000' is too large for a number" in said
+    row = next(line for line in said.splitlines() if " | " in line and "1e4000" in line)
+    text = (tmp_path / f"made{suffix}").read_text("utf-8").splitlines()
+    number = int(row.split("|")[0])
+    assert "1e4000" in text[number - 1]
+
+
+def test_a_number_of_a_term_that_overflows():
+    imported = parse_fll("InputVariable: x\n  range: 0 1\n  term: a Ramp 0 1e4000\n")
+    assert of_name(imported, "not-a-number") == ["'1e4000' is too large for a number"]
+
+
+@pytest.mark.parametrize(
+    ("shape", "names"),
+    [
+        ("piShape", "start, top"), ("leftGaussianShape", "mean, deviation"),
+        ("rightGaussianShape", "mean, deviation"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("count", [1, 3, 4])
+def test_a_wrong_count_of_numbers_is_called_that(shape, names, count, tmp_path, capsys):
+    source, path = tmp_path / "made.frb", tmp_path / "made.fml"
+    source.write_text(SETS, "utf-8")
+    assert main(["convert", str(source), str(path), "--lossy"]) == 0
+    numbers = " ".join(f'param{i}="{i}"' for i in range(1, count + 1))
+    before = '<triangularShape param1="0" param2="1" param3="2"/>'
+    made = path.read_text("utf-8")
+    assert before in made
+    path.write_text(made.replace(before, f"<{shape} {numbers}/>"), "utf-8")
+    capsys.readouterr()
+    assert main(["check", str(path)]) == 1
+    said = "".join(capsys.readouterr())
+    assert f"error[parameter-count]: {shape} takes 2 numbers ({names}), not {count}" in said
+    assert "did you mean" not in said

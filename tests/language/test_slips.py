@@ -305,3 +305,15 @@ def test_a_text_of_another_program_is_called_that_once(text: str) -> None:
     (finding,) = check_text(text).diagnostics
     assert finding.message == f"this is {TEXTS_OF_OTHERS[text]}, not the language of .frb files"
     assert finding.hint
+
+
+def test_a_name_in_double_quotes_is_shown_in_single_ones_once():
+    text = (
+        'rulebase a\ninput "Grad-Zahl Ü" 0 .. 1\noutput y 0 .. 4\nterm "Grad-Zahl Ü" a: ramp 1 0\n'
+        'term y p: triangle 0 1 2\nrule if "Grad-Zahl Ü" is a then y is p\n'
+    )
+    (finding,) = parse(text).diagnostics
+    assert (finding.name, finding.line) == ("double-quoted-name", 2)
+    assert finding.hint == "write  'Grad-Zahl Ü'"
+    assert finding.replacement == "'Grad-Zahl Ü'"
+    assert not parse(text.replace('"', "'")).diagnostics

@@ -11,7 +11,7 @@ from fuzzyarm import load, shipped
 from fuzzyarm.apps.cli import main
 from fuzzyarm.apps.study import find_rows, reproduce_row
 from fuzzyarm.apps.study.comparison import CONDITIONS, compare, compared_names, watched_run
-from fuzzyarm.apps.study.cost import CostError, count_operations, measure_time
+from fuzzyarm.apps.study.cost import RESOLUTION, CostError, count_operations, measure_time
 from fuzzyarm.control.controllers import CompiledController, Controller, controller
 from fuzzyarm.control.controllers.law import Law, law_kernel
 from fuzzyarm.control.loop import Options, simulate
@@ -351,3 +351,23 @@ def test_what_cannot_be_compared_is_one_clear_line(capsys, words):
     assert found.out == ""
     assert found.err.startswith("fuzzyarm: ")
     assert found.err.count("\n") == 1
+
+
+def test_a_time_that_is_lost_in_the_noise_is_never_a_figure(monkeypatch, capsys):
+    """What a run with a law takes less than one without is the noise of the machine."""
+    taken = iter([3e-3, 3e-3, 3e-3, 4e-3])  # warm, then one pair: the law is faster than nothing
+
+    class Run:
+        seconds = property(lambda self: next(taken))
+
+    with monkeypatch.context() as patched:
+        patched.setattr("fuzzyarm.apps.study.cost.simulate", lambda *a, **k: Run())
+        assert measure_time(controller("pd"), rounds=1) == RESOLUTION
+    measured = iter([RESOLUTION, 4.2e-8])
+    monkeypatch.setattr(
+        "fuzzyarm.apps.study.comparison.measure_time", lambda *a, **k: next(measured)
+    )
+    assert main(["compare", "pd", "ct", "--cost"]) == 0
+    rows = {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if line}
+    assert rows["pd"].rstrip().endswith(" < 10")
+    assert rows["ct"].rstrip().endswith(" 42")

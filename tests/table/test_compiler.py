@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzyarm import shipped
 from fuzzyarm.apps.cli import main
 from fuzzyarm.base.numbers import evenly, short_levels
 from fuzzyarm.inference import infer
@@ -433,3 +434,20 @@ def test_a_table_over_further_inputs_gives_the_same_numbers():
     assert over_inputs(table, rulebase.inputs[1:]) is table
     proved = table_proof(rulebase, "v")
     assert proved(whole, "nearest") == pytest.approx(proved(table, "nearest"), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("mode", "cells", "ways"),
+    [
+        ("", "worst error 2 of -5.3 .. 5.3, 19 %", "--levels N or --mode linear"),
+        ("--mode linear", "worst error 0.544 of -5.3 .. 5.3, 5.1 %", "--levels N"),
+        ("--mode linear --levels 51", "", ""),
+    ],
+)
+def test_a_large_error_is_said_beside_the_range_and_what_reduces_it(
+    mode, cells, ways, tmp_path, capsys
+):
+    words = ["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "t.h"), "--table"]
+    assert main([*words, *mode.split()]) == 0
+    lines = [x for x in capsys.readouterr().out.splitlines() if " %" in x]
+    assert lines == ([f"{cells}: less with  {ways}"] if cells else [])

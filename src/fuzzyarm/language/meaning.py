@@ -49,6 +49,7 @@ from fuzzyarm.language.model.rulebase import (
     Tuning,
     last_conclusions,
     propositions,
+    without_range,
 )
 from fuzzyarm.language.phrases import NameKind
 from fuzzyarm.language.rows import mentions
@@ -335,6 +336,11 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
     if not has_rules and not broken & {"rule", "rules"}:
         scope.report("no-rules", "the file has no rules", end)
     _judge_chain(rulebase, scope)
+    for output in without_range(rulebase):
+        node = scope.drafts[output.name].node
+        if node.low is not None and node.high is not None:
+            message = f"the output '{output.name}' needs a finite range to be integrated over"
+            scope.report("bad-range", message, node.low.span.to(node.high.span))
 
 
 def _judge_chain(rulebase: RuleBase, scope: Scope) -> None:

@@ -128,8 +128,11 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     diagnostics = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
         diagnostics = list(map(_with_failure, diagnostics))
-    # One slip in a line shared by several variables is one finding.
-    once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(diagnostics)}
+    # One slip in a line shared by several variables is one finding; so are the quotes of a name.
+    once = {
+        (d.name, d.replacement if d.name == "double-quoted-name" else d.span): d
+        for d in reversed(diagnostics)
+    }
     diagnostics = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
     return Parsed(document, partial, tuple(_limited(diagnostics, path)), whole)
 

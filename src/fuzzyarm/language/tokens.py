@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import NamedTuple, NoReturn
 
 from fuzzyarm.base.diagnostic import Diagnostic, Span, split_lines
@@ -291,7 +292,14 @@ class Cursor:
     def name(self, what: str) -> Word:
         """Take a name: a plain word that is not reserved, or one in single quotes."""
         token = self.peek()
-        if token is None or token.kind not in ("name", "quoted"):
+        # Alone after the keyword it is the description, and the name is missing.
+        described = self.position == 1 and self.peek(1) is None
+        if token is not None and token.kind == "string" and not described:
+            message = f"expected {what}, found text in double quotes"
+            quoted = quote(token.text, "'")
+            fault = Diagnostic("double-quoted-name", message, token.span)
+            self.forgiven.append(replace(fault, hint=f"write  {quoted}", replacement=quoted))
+        elif token is None or token.kind not in ("name", "quoted"):
             self._fail_at_digit(what)
             self.fail(what)
         if token.kind == "name" and is_reserved(token.text):

@@ -328,7 +328,7 @@ def _cost_heads(costs: Sequence[ControlStepCost]) -> list[str]:
 def _cost_cells(cost: ControlStepCost) -> list[str]:
     exported = "-" if cost.exported is None else f"{cost.exported}"
     cells = [f"{cost.operations.total:.0f}", exported]
-    return cells if cost.seconds is None else [*cells, f"{1e9 * cost.seconds:.0f}"]
+    return cells if cost.seconds is None else [*cells, cost.nanoseconds]
 
 
 def _columns(name: str, sense: str, cells: Sequence[str], errors: int) -> str:

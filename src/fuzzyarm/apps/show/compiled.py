@@ -30,6 +30,7 @@ def report_lines(report: CompileReport, out: str) -> list[str]:
         lines.append("inputs without levels in the file got 13 even ones")
     lines.append("difference to direct inference, in units of the output:")
     lines += [f"  {fidelity_line(fidelity)}" for fidelity in report.fidelities]
+    lines += _large_error(report)
     if report.few_points:
         lines.append("only a few points were compared, because direct inference is slow here")
     if report.tolerance is not None:
@@ -43,6 +44,25 @@ def report_lines(report: CompileReport, out: str) -> list[str]:
             " looked up linearly"
         )
     return lines
+
+
+LARGE = 0.05
+"""Share of the range of an output from which on the error of its table has a line."""
+
+
+def _large_error(report: CompileReport) -> list[str]:
+    """Return the worst error beside the range of the output, and how to reduce it, where large."""
+    if not report.fidelities:
+        return []
+    used, values = report.fidelities[0], report.table.values
+    low, high = float(values.min()), float(values.max())
+    worst = used.worst if used.proved is None else used.proved
+    if not worst > LARGE * (high - low) > 0.0:
+        return []
+    share, ends = worst / (high - low), f"{number_words(low, 4)} .. {number_words(high, 4)}"
+    ways = "--levels N" if used.mode == "linear" else "--levels N or --mode linear"
+    words = outward_text(worst, up=True, digits=3)
+    return [f"worst error {words} of {ends}, {100 * share:.2g} %: less with  {ways}"]
 
 
 def fidelity_line(fidelity: Fidelity) -> str:

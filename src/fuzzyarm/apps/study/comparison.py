@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.apps.study.beyond import NAMES as BEYOND
 from fuzzyarm.apps.study.beyond import SUMMARY_TABLE
-from fuzzyarm.apps.study.cost import Operations, count_operations, measure_time
+from fuzzyarm.apps.study.cost import RESOLUTION, Operations, count_operations, measure_time
 from fuzzyarm.apps.study.published import published_rows
 from fuzzyarm.base.keywords import demand_arguments
 from fuzzyarm.control.controllers.controller import Controller
@@ -300,12 +300,21 @@ class ControlStepCost:
         What a step of the exported program takes at most; None of what cannot be exported.
     seconds : float or None
         Measured in the loop, as machine code; None where it was not.
+        :data:`~fuzzyarm.apps.study.cost.RESOLUTION` stands for less.
     """
 
     name: str
     operations: Operations
     exported: int | None
     seconds: float | None
+
+    @property
+    def nanoseconds(self) -> str:
+        """The time as text."""
+        if self.seconds is None:
+            return "-"
+        figure = f"{1e9 * self.seconds:.0f}"
+        return figure if self.seconds > RESOLUTION else f"< {figure}"
 
 
 def is_counted(plant: Plant) -> bool:

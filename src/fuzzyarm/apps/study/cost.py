@@ -301,6 +301,9 @@ def _pair(numbers: Pair) -> Pair:
 ROUNDS = 60
 """Runs of which the fastest counts, in turns with those of the law that does nothing."""
 
+RESOLUTION = 10e-9
+"""Time of a step, s, below which the difference of two runs is lost in what disturbs them."""
+
 
 def timed_move() -> Trajectory:
     """Return the move on which time is measured: 1 s, short enough to pass undisturbed."""
@@ -314,7 +317,7 @@ def measure_time(
     conventions: Conventions = PLAIN,
     rounds: int = ROUNDS,
 ) -> float:
-    """Measure what a control step adds to the loop, s.
+    """Measure what a control step adds to the loop, s; `RESOLUTION` stands for less.
 
     Parameters
     ----------
@@ -336,4 +339,4 @@ def measure_time(
 
     once(controller), once(nothing)  # compiled, loaded, warm
     pairs = [(once(controller), once(nothing)) for _ in range(rounds)]
-    return min(busy for busy, _ in pairs) - min(idle for _, idle in pairs)
+    return max(min(busy for busy, _ in pairs) - min(idle for _, idle in pairs), RESOLUTION)

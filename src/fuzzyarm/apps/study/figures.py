@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.apps.study.beyond import NAMES as BEYOND
 from fuzzyarm.apps.study.beyond import Beyond
 from fuzzyarm.apps.study.comparison import Compared, ControlStepCost
+from fuzzyarm.apps.study.cost import RESOLUTION
 from fuzzyarm.apps.study.published import RMS_PLACES, PublishedRow
 from fuzzyarm.apps.study.reproduce import Reproduced
 from fuzzyarm.base import figure_files
@@ -293,13 +294,13 @@ def draw_cost(
 
     figure = Figure(figsize=(13.0, 7.0), layout="constrained")
     panels: Any = figure.subplots(1, 2, sharey=True)
+    least = f"< {1e9 * RESOLUTION:.0f}"
     headings = {
         "floating-point operations of a control step, both joints": [
             cost.operations.total for cost in costs
         ],
-        "time of a control step in the loop, both joints, ns (less than 10 at 10)": [
-            max(1e9 * (cost.seconds or 0.0), 10.0)
-            for cost in costs  # what is less is lost in the noise
+        f"time of a control step in the loop, both joints, ns ({least} drawn there)": [
+            1e9 * (cost.seconds or RESOLUTION) for cost in costs
         ],
     }
     for panel, (heading, values) in zip(panels, headings.items(), strict=True):

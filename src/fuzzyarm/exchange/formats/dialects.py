@@ -127,8 +127,6 @@ class Dialect:
         Whether every rule of a weighted output counts for itself, whatever the aggregation.
     estimates : bool
         Whether a range that the file does not name is that of the terms.
-    needs_range : bool
-        Whether an output that is integrated is at fault without a range.
     values_hint : str
         What to write instead where values are integrated.
     """
@@ -174,7 +172,6 @@ class Dialect:
     inverts: bool = False
     sums_values: bool = False
     estimates: bool = False
-    needs_range: bool = False
     values_hint: str = ""
 
     def folded(self, word: str) -> str:
@@ -266,7 +263,7 @@ FIS = {
         assumed="read with the defaults of MATLAB: sums over 101 points, the middle of the "
         "range where no rule fires",
         case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="middle",
-        inverts=True, samplings=_FIS_SAMPLINGS, sums_values=True, needs_range=True,
+        inverts=True, samplings=_FIS_SAMPLINGS, sums_values=True,
         drops_numbers=True,
     ),
     "octave": Dialect(
@@ -276,7 +273,7 @@ FIS = {
         assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
         "where no rule fires, no values outside a range",
         case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="maximum",
-        inverts=True, samplings=_FIS_SAMPLINGS, needs_range=True,
+        inverts=True, samplings=_FIS_SAMPLINGS,
     ),
     "fuzzylite": Dialect(
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
@@ -287,7 +284,6 @@ FIS = {
         "fires and no Default is given",
         case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="nothing",
         holds=True, defaults=True, has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS,
-        needs_range=True,
     ),
 }  # fmt: skip
 

@@ -16,6 +16,8 @@ from fuzzyarm.exchange.formats.findings import (
     Findings,
     Imported,
     TextPiece,
+    is_too_large,
+    not_a_number,
     number,
     rounded,
     shortened,
@@ -263,8 +265,11 @@ class VariableDraft:
         """Take the range from two words."""
         values = [number(word.text) for word in words]
         if len(values) != 2 or values[0] is None or values[1] is None:
+            large = [word for word in words if is_too_large(word.text)]
             message = f"a range is {what}, not '{at.text[:40]}'"
-            findings.error("bad-range", message, at)
+            if large:
+                message = f"{not_a_number(large[0].text)}, in the range of '{self.name}'"
+            findings.error("bad-range", message, large[0] if large else at)
             return
         self.low, self.high = values[0], values[1]
 

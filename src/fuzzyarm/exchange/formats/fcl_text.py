@@ -8,7 +8,14 @@ from itertools import pairwise
 from fuzzyarm.base.diagnostic import NOWHERE, Span
 from fuzzyarm.exchange.formats.dialects import FCL, Dialect, Spelling, all_spellings
 from fuzzyarm.exchange.formats.fcl_scikit_terms import own_shape, refusal
-from fuzzyarm.exchange.formats.findings import FaultError, Findings, TextPiece, number
+from fuzzyarm.exchange.formats.findings import (
+    FaultError,
+    Findings,
+    TextPiece,
+    is_too_large,
+    not_a_number,
+    number,
+)
 from fuzzyarm.exchange.formats.shapes import formula_shape, make_shape, spelled_shape
 from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.symbolic.kinds import SHAPES
@@ -147,7 +154,7 @@ class WordCursor:
                 sign = -sign
         value = number(self.word.text) if not self.ended else None
         if value is None:
-            text = f", not '{self.word.text[:40]}'" if not self.ended else ""
+            text = "" if self.ended else f": {not_a_number(self.word.text)}"
             raise FaultError(f"a number is expected here{text}", first, "not-a-number")
         self.at += 1
         return sign * value
@@ -158,7 +165,7 @@ class WordCursor:
         while self.key(ahead) in ("+", "-"):
             ahead += 1
         text = self.key(ahead)
-        return bool(text) and number(text) is not None
+        return bool(text) and (number(text) is not None or is_too_large(text))
 
     def end_key(self) -> None:
         """Go past the key that is next, and what may stand between it and its value."""

@@ -400,14 +400,15 @@ _PRODUCT = re.compile(r"[+-]*(?:[\d.pi*/]|e[+-]?\d)+", re.ASCII)
 
 
 def number(text: str) -> float | None:
-    """Return the value of `text`, or None where it is not a number.
+    """Return the value of `text`, or None where it is not a number, or too large for one.
 
     Besides decimal numbers: ``nan``, ``inf`` and products and quotients with ``pi`` as in
     ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
     """
     if _PLAIN.match(text):
         # `1d3` is a number to MATLAB and Octave.
-        return float(text.replace("d", "e").replace("D", "e"))
+        value = float(text.replace("d", "e").replace("D", "e"))
+        return value if math.isfinite(value) else None
     if len(text) > 60:
         return None
     lowered = text.lower()
@@ -422,6 +423,17 @@ def number(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def is_too_large(text: str) -> bool:
+    """Whether a text is a number beyond all doubles."""
+    return _PLAIN.match(text) is not None and number(text) is None
+
+
+def not_a_number(text: str) -> str:
+    """Return the words for a text of which :func:`number` makes nothing."""
+    fault = "too large for a number" if is_too_large(text) else "not a number"
+    return f"'{text[:60]}' is {fault}"
+
+
 def numbers(words: list[TextPiece], findings: Findings) -> list[float] | None:
     """Return the values of `words`; None, with findings, where one is not a number."""
     values: list[float] = []
@@ -429,7 +441,7 @@ def numbers(words: list[TextPiece], findings: Findings) -> list[float] | None:
     for word in words:
         value = number(word.text)
         if value is None:
-            findings.error("not-a-number", f"'{word.text[:60]}' is not a number", word)
+            findings.error("not-a-number", not_a_number(word.text), word)
             failed = True
         else:
             values.append(value)

@@ -24,6 +24,7 @@ from fuzzyarm.exchange.formats.findings import (
     Findings,
     Imported,
     TextPiece,
+    not_a_number,
     number,
 )
 from fuzzyarm.exchange.formats.meaning import BlockDraft, around, hedged_weight
@@ -144,6 +145,13 @@ MODIFIERS = {
     "norm": (),  # divides by the height, which is 1
 }
 """Modifiers without a hedge of that name; `above`, `below` and `slightly` have no equal."""
+
+_PAIRS = {
+    "leftGaussianShape": "mean, deviation",
+    "rightGaussianShape": "mean, deviation",
+    "piShape": "start, top",
+}
+"""Shapes that are made of two numbers but are other shapes here, and these numbers."""
 
 _TNORMS_OF_SCHEMA = {"BSUM": "bounded", "DRS": "drastic"}
 """T-norms as the schema of the standard misspells them."""
@@ -371,9 +379,13 @@ class _Reader(SystemReader):
     def _of_numbers(
         self, kind: TextPiece, values: list[float], draft: VariableDraft, inputs: int
     ) -> Shape | None:
-        if len(values) == 2 and kind.text in ("leftGaussianShape", "rightGaussianShape"):
+        if kind.text in _PAIRS and len(values) != 2:
+            message = f"{kind.text} takes 2 numbers ({_PAIRS[kind.text]}), not {len(values)}"
+            self.findings.error("parameter-count", message, kind)
+            return None
+        if kind.text in ("leftGaussianShape", "rightGaussianShape"):
             return self._one_sided(kind, values, draft)
-        if len(values) == 2 and kind.text == "piShape":
+        if kind.text == "piShape":
             start, top = values  # both flanks are as wide
             parameters = [start, top, top, top + abs(top - start)]
             return make_shape("pi", parameters, kind, self.findings)
@@ -382,7 +394,7 @@ class _Reader(SystemReader):
             if kind.text in _DEFINED_ELSEWHERE:
                 self._refuse(kind, "unsupported-shape")
             else:
-                self.findings.unknown("unknown-shape", "the shape", kind, (*spellings, "piShape"))
+                self.findings.unknown("unknown-shape", "the shape", kind, (*spellings, *_PAIRS))
             return None
         return spelled_shape(spellings[kind.text], values, inputs, kind, self.findings, FML)
 
@@ -446,7 +458,7 @@ class _Reader(SystemReader):
                 continue
             value = number(text.strip())
             if value is None:
-                message = f"{key}: '{text[:40]}' is not a number"
+                message = f"{key}: {not_a_number(text.strip())}"
                 self.findings.error("not-a-number", message, element.tag)
                 return None
             values.append(value)

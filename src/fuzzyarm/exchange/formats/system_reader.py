@@ -23,7 +23,14 @@ from fuzzyarm.exchange.formats.findings import MAX_VARIABLES, Findings, TextPiec
 from fuzzyarm.exchange.formats.meaning import BlockDraft, blocks_in_model
 from fuzzyarm.exchange.formats.shapes import estimated_range
 from fuzzyarm.exchange.formats.values import formulas_of_input, values_as_sets
-from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase, RuleBlock, Shape, Term
+from fuzzyarm.language.model.rulebase import (
+    Defuzzifier,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+    without_range,
+)
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 from fuzzyarm.symbolic.records import Norm
 
@@ -250,9 +257,6 @@ class SystemReader:
             values_as_sets(draft, self.implication(), at, self.findings)
         else:
             self._refuse_values(draft, at)
-        if self.dialect.needs_range and not draft.bounded and not self.findings.is_damaged:
-            message = f"the output '{draft.name}' needs a range to be integrated over"
-            self.findings.error("bad-range", message, draft.word)
 
     def _refuse_values(self, draft: VariableDraft, at: TextPiece) -> None:
         for term in draft.terms:
@@ -300,7 +304,11 @@ class SystemReader:
         """Return the rule base of all variables, and of finished blocks."""
         inputs = tuple(draft.input() for draft in self.inputs)
         outputs = tuple(draft.output() for draft in self.outputs)
-        return RuleBase(name, inputs, outputs, blocks, description)
+        made = RuleBase(name, inputs, outputs, blocks, description)
+        for output in () if self.findings.failed else without_range(made):
+            message = f"the output '{output.name}' needs a finite range to be integrated over"
+            self.findings.error("bad-range", message, self.variables[output.name].word)
+        return made
 
 
 def _is_nan(value: float | str) -> bool:

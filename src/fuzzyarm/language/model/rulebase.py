@@ -6,6 +6,7 @@ term stood in a file (its `span`) takes no part in equality.
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -707,6 +708,25 @@ def propositions(expression: Expression) -> Iterator[Is]:
         # The reader limits how deep parentheses nest, so this may recurse.
         for operand in expression.operands:
             yield from propositions(operand)
+
+
+def without_range(rulebase: RuleBase) -> Iterator[Output]:
+    """Yield the outputs of an infinite range of which rules conclude sets: nothing integrates."""
+    concluded = {
+        (consequent.variable, consequent.term)
+        for block in rulebase.blocks
+        for rule in block.rules
+        for consequent in rule.consequents
+    }
+    for output in rulebase.outputs:
+        if math.isinf(output.low) or math.isinf(output.high):
+            terms = (term for term in output.terms if (output.name, term.name) in concluded)
+            if any(term.shape.kind not in _VALUES for term in terms):
+                yield output
+
+
+_VALUES = frozenset({"singleton", "linear", "formula"})
+"""Kinds of shape that are numbers or, in a formula, may be one."""
 
 
 def last_conclusions(rulebase: RuleBase) -> dict[str, int]:
