@@ -637,7 +637,8 @@ def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
     Returns
     -------
     RuleBase
-        With the rules, inputs and other outputs that these need; where that is all, itself.
+        With the rules, inputs and other outputs that these need; where that is all, itself. Of
+        outputs that depend on no input with the first one.
 
     Raises
     ------
@@ -675,7 +676,7 @@ def _part_for(rulebase: RuleBase, outputs: tuple[str, ...]) -> RuleBase:
         i
         for i, variable in enumerate(rulebase.inputs)
         if variable.name in names_read or any(parameters[i] != 0.0 for parameters in linear)
-    ]
+    ] or list(range(len(rulebase.inputs)))[:1]
     if len(inputs) == len(rulebase.inputs) and len(names) == len(rulebase.outputs):
         return rulebase
     number = count()

@@ -145,10 +145,7 @@ def needed_inputs(rulebase: RuleBase, output: str) -> tuple[Input, ...]:
     from fuzzyarm.inference.plan import part_for
 
     names = {variable.name for variable in part_for(rulebase, [output]).inputs}
-    return (
-        tuple(variable for variable in rulebase.inputs if variable.name in names)
-        or rulebase.inputs[:1]
-    )
+    return tuple(variable for variable in rulebase.inputs if variable.name in names)
 
 
 def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
