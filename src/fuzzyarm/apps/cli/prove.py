@@ -48,6 +48,7 @@ from fuzzyarm.apps.cli.prove_sectors import (
     print_drives,
     print_sectors,
     progress,
+    status_of_drives,
 )
 from fuzzyarm.exchange.files import controller_if_any
 
@@ -111,7 +112,9 @@ def _files(request: ProveWords) -> int:
             for loop, status in print_loops(request, path, controller, claims):
                 statuses.add(status)
                 data.append(file | loop_data(loop))
-            data += [file | drive for drive in print_drives(request, path, controller)]
+            drives = print_drives(request, path, controller)
+            statuses.add(status_of_drives(drives))
+            data += [file | drive for drive in drives]
     if request.json:
         print_json(data, 2)
     return next((status for status in (EXIT_REFUTED, EXIT_UNDECIDED) if status in statuses), 0)
@@ -158,7 +161,8 @@ def _single(request: ProveWords) -> int:
     else:
         for key, bounds in results.items():
             say(*bound_lines(name, key, bounds))
-    return 0 if all(bounds.complete for bounds in results.values()) else EXIT_UNDECIDED
+    proved = all(bounds.complete and not bounds.hole for bounds in results.values())
+    return 0 if proved else EXIT_UNDECIDED
 
 
 def _print_single(bounds_by_key: dict[str, Bounds]) -> None:
@@ -188,6 +192,7 @@ def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
         "high": bounds.high,
         "at_low": bounds.at_low,
         "at_high": bounds.at_high,
+        "hole": bounds.hole,
         **facts,
     }
 

@@ -83,7 +83,12 @@ def print_sectors(request: ProveWords) -> int:
     data = print_drives(request, path, controller)
     if request.json:
         print_json(data, 2)
-    return 0
+    return status_of_drives(data)
+
+
+def status_of_drives(data: list[dict[str, Any]]) -> int:
+    """Return the exit status: undecided where a drive may not be a number."""
+    return EXIT_UNDECIDED if any(drive["hole"] for drive in data) else 0
 
 
 # ── rule bases ───────────────────────────────────────────────────────────────────────

@@ -116,7 +116,7 @@ def _prove_rules(rulebase: RuleBase, request: ProveRequest, job: WindowJob) -> N
             _prove_sectors(rulebase, request, job)
         return
     for key, bounds in bounds_of(request, rulebase, _told(job)).items():
-        verdict = "proved" if bounds.complete else "undecided"
+        verdict = "proved" if bounds.complete and not bounds.hole else "undecided"
         tell_result(job, bound_lines(name, key, bounds), verdict=verdict)
 
 

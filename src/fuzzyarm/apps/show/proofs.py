@@ -29,8 +29,10 @@ def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
         first = f"worst {bound_text(max(bounds.high, -bounds.low))} (proved)"
         return [first, f"  near {written(place_of_worst(bounds))}", f"  {work}"]
     what = f"{output}" if key == "range" else f"slope of {output} along {key}"
-    first = f"{what} in {bound_text((bounds.low, bounds.high))} (proved)"
-    lines = [first]
+    where = " where it has a value" if bounds.hole else " (proved)"
+    lines = [f"{what} in {bound_text((bounds.low, bounds.high))}{where}"]
+    if bounds.hole:
+        lines.append(f"  not proved: {bounds.hole}")
     if bounds.at_low:
         lines.append(f"  lowest near {written(bounds.at_low)}")
     if bounds.at_high:
@@ -75,7 +77,10 @@ def grouped_drives(proofs: list[DriveProof]) -> list[tuple[DriveProof, list[str]
 def drive_lines(path: str, proof: DriveProof, names: list[str], *, sectors_only: bool) -> list[str]:
     """Return what is proved of a drive; `path` is whose it is."""
     unit = f" {proof.unit}" if proof.unit else ""
-    lines = [f"{path}: {', '.join(names)} in {_interval(proof.low, proof.high)}{unit} (proved)"]
+    where = " where it is a number" if proof.hole else " (proved)"
+    lines = [f"{path}: {', '.join(names)} in {_interval(proof.low, proof.high)}{unit}{where}"]
+    if proof.hole:
+        lines.append(f"  not proved: {proof.hole}")
     if not sectors_only:
         lines += _limit_lines(proof)
         lines += _gain_lines(proof)

@@ -183,7 +183,7 @@ def bounds_of(
     if request.table is not None:
         return {"worst": _error_of_table(prover, request.table)}
     if request.range:
-        return {"range": prover.value({})}
+        return {"range": prover.value({})._replace(hole=prover.hole({}))}
     return {name: prover.slope({}, name) for name in prover.names}
 
 

@@ -13,6 +13,7 @@ __all__ = [
     "WIDENED",
     "Bounds",
     "Claim",
+    "Missing",
     "NothingFiresError",
     "Point",
     "UnprovableError",
@@ -55,6 +56,8 @@ class Bounds(NamedTuple):
         ``exact`` (rationals), ``widened`` (floats, widened outward) or ``boxes``.
     complete : bool
         Whether the bounds are within the tolerance of what is attained.
+    hole : str
+        Where the output has no value, or why that is open; empty where it has one everywhere.
     """
 
     low: float
@@ -66,6 +69,20 @@ class Bounds(NamedTuple):
     pieces: int
     way: str
     complete: bool
+    hole: str = ""
+
+
+class Missing(NamedTuple):
+    """A point at which an output has no value of its own.
+
+    `silent` is whether no rule fires there, else it leaves its range; `held` whether it then keeps
+    its last value.
+    """
+
+    at: dict[str, Fraction]
+    reason: str
+    silent: bool
+    held: bool = False
 
 
 class Claim(NamedTuple):

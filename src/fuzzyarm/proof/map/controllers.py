@@ -123,6 +123,8 @@ class DriveProof:
         Along each source, then along the linear law.
     open : tuple of str
         What could not be proved, and why.
+    hole : str
+        Where it is not a number, or why that is open: then its range is not proved. Else empty.
     """
 
     axis: str
@@ -137,6 +139,7 @@ class DriveProof:
     gains: tuple[DriveGain, ...]
     sectors: tuple[DriveSector, ...]
     open: tuple[str, ...]
+    hole: str = ""
 
 
 # ── one axis on trial ─────────────────────────────────────────────────────────────────
@@ -197,6 +200,7 @@ class _AxisCase:
             gains=gains,
             sectors=sectors,
             open=tuple(dict.fromkeys(gaps)),
+            hole=law.hole,
         )
 
     def _actuator(self, port: str) -> tuple[Interval | None, Unit | None]:

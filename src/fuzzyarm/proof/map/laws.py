@@ -65,6 +65,8 @@ class SignalLaw:
         Between which multiples of σ it lies; or why not.
     slack : float
         By so much it may leave those.
+    hole : str
+        Where it is not a number, or why that is open; empty where it is one everywhere.
     """
 
     at: Interval
@@ -74,6 +76,7 @@ class SignalLaw:
     linear: dict[str, float] | None
     along: Interval | str
     slack: float = 0.0
+    hole: str = ""
 
     @property
     def constant(self) -> float | None:
@@ -115,6 +118,7 @@ def scaled(law: SignalLaw, factor: float) -> SignalLaw:
         None if law.linear is None else {name: w * factor for name, w in law.linear.items()},
         law.along if isinstance(law.along, str) else combined("multiply", law.along, by),
         law.slack * abs(factor),
+        law.hole,
     )
 
 
@@ -153,6 +157,7 @@ def plus(a: SignalLaw, b: SignalLaw) -> SignalLaw:
         linear,
         along,
         a.slack + b.slack,
+        a.hole or b.hole,
     )
 
 
@@ -179,6 +184,7 @@ def times(a: SignalLaw, b: SignalLaw) -> SignalLaw:
         None,
         along,
         slack,
+        a.hole or b.hole,
     )
 
 
@@ -190,7 +196,7 @@ def over(a: SignalLaw, b: SignalLaw) -> SignalLaw:
     along = combined("divide", a.along, b.at) if isinstance(a.along, Interval) else a.along
     slack = combine("divide", symmetric(a.slack), b.at).high if a.slack else 0.0
     at, rest = combined("divide", a.at, b.at), combine("divide", a.rest, b.rest)
-    return SignalLaw(at, rest, why, why, None, along, slack)
+    return SignalLaw(at, rest, why, why, None, along, slack, a.hole or b.hole)
 
 
 def unknown(at: Interval, why: str) -> SignalLaw:
@@ -208,7 +214,7 @@ def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
     """Return a law applied after a curve, an expression over ``x``."""
     at, rest = outward(_values(root, law.at)), _values(root, law.rest)
     if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
-        return replace(unknown(at, "a source may jump"), rest=rest)
+        return replace(unknown(at, "a source may jump"), rest=rest, hole=law.hole)
     slope = derivative(root, "x")
     near = _slopes(root, law.rest)
     gains, around = _each(law.gains, near), _each(law.around, near)
@@ -219,7 +225,7 @@ def curved(root: Node, law: SignalLaw, *, exact: bool) -> SignalLaw:
         else:
             ratio = _ratio(root, slope, law.at)
             along, slack = combined("multiply", along, ratio), law.slack * largest(ratio)
-    return SignalLaw(at, rest, gains, around, None, along, slack)
+    return SignalLaw(at, rest, gains, around, None, along, slack, law.hole)
 
 
 JUMPS = frozenset(
@@ -318,7 +324,8 @@ def table_law(
             along = (
                 sector if isinstance(sector, str) else combined("multiply", outward(sector), along)
             )
-    return SignalLaw(at, Interval(value, value), gains, gains, None, along)
+    hole = next((law.hole for law in laws.values() if law.hole), "")
+    return SignalLaw(at, Interval(value, value), gains, gains, None, along, hole=hole)
 
 
 def _table_slope(

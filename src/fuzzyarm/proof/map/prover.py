@@ -41,6 +41,7 @@ from fuzzyarm.proof.map.bounds import (
     WIDENED,
     Bounds,
     Claim,
+    Missing,
     NothingFiresError,
     Point,
     UnprovableError,
@@ -259,6 +260,8 @@ class Prover:
             at = self.outside_range(region)
             if at is not None:
                 raise UnprovableError(f"the error of a table: {self.beyond_range(at)}")
+            if self.no_rule is None:  # boxes bound the value for no rule, too
+                self._demand_value_everywhere("the error of a table", region)
             return self._boxes(box).table(table, mode, self.gap)
         self._demand_value_everywhere("the error of a table")
         self.demand_inside_range("the error of a table", box)
@@ -388,6 +391,30 @@ class Prover:
             if not claim.holds:
                 return claim.at
         return None
+
+    def missing(self, region: Mapping[str, tuple[float, float]]) -> Missing | None:
+        """Return a point at which the output has no value of its own; None if there is none.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        at = self.without_value(region) if self.no_rule is None else None
+        if at is not None:
+            held = self.output.no_rule == "hold"
+            then = f": '{self.output.name}' holds its last value" if held else ""
+            return Missing(at, f"no rule fires at {written(at)}{then}", silent=True, held=held)
+        at = self.outside_range(region)
+        return None if at is None else Missing(at, self.beyond_range(at), silent=False)
+
+    def hole(self, region: Mapping[str, tuple[float, float]]) -> str:
+        """Return where the output has no value of its own, or why that is open; else nothing."""
+        try:
+            missing = self.missing(region)
+        except FuzzyarmError as error:
+            return str(error)
+        return "" if missing is None else missing.reason
 
     def _inside_at(
         self, region: Mapping[str, tuple[float, float]], sign: int, limit: float
@@ -663,12 +690,15 @@ class Prover:
             name: (float(a), float(b))
             for name, (a, b) in zip(self.names, question.box, strict=True)
         }
-        if low < high and self.without_value(region) is not None:
-            raise UnprovableError("there are points at which no rule fires")
+        silent = self.without_value(region) if low < high else None
+        if silent is not None:
+            raise UnprovableError(f"slopes: no rule fires at {written(silent)}")
         self.demand_inside_range("slopes", question.box)
 
-    def _demand_value_everywhere(self, what: str) -> None:
-        at = self.without_value({})
+    def _demand_value_everywhere(
+        self, what: str, region: Mapping[str, tuple[float, float]] = MappingProxyType({})
+    ) -> None:
+        at = self.without_value(region)
         if at is not None:
             raise UnprovableError(f"{what}: no rule fires at {written(at)}")
 

@@ -415,18 +415,15 @@ class _Case:
         """Refute a statement on the value where the output has none; leave open what it holds."""
         prover = self.prover
         prover.stop = self.stop.half()  # the other half is for the bounds
-        if prover.no_rule is None:
-            at = prover.without_value(self.region)
-            if at is not None and prover.output.no_rule == "hold":
-                held = f"no rule fires at {written(at)}: '{self.claim.output}' holds its last value"
-                return self._said(UNDECIDED, reason=held)
-            if at is not None:
-                return self._said(REFUTED, reason=self._silence(at))
-        at = prover.outside_range(self.region)
-        if at is None:
+        missing = prover.missing(self.region)
+        if missing is None:
             return None
-        self._note(at)
-        return self._said(REFUTED, reason=prover.beyond_range(at))
+        if missing.held:
+            return self._said(UNDECIDED, reason=missing.reason)
+        if missing.silent:
+            return self._said(REFUTED, reason=self._silence(missing.at))
+        self._note(missing.at)
+        return self._said(REFUTED, reason=missing.reason)
 
     def _silence(self, at: Mapping[str, Any]) -> str:
         """Say where no rule fires, and whether floats say so, too."""

@@ -139,6 +139,14 @@ class AxisLines:
             prover.stop = self.stop
         return self._cache[key]
 
+    def hole(self, prover: Prover, region: Mapping[str, Any]) -> str:
+        """Return where an output has no value, or why that is open; else nothing."""
+        key = "hole", id(prover), tuple(sorted(region.items()))
+        if key not in self._cache:
+            self._cache[key] = prover.hole(region)
+        hole: str = self._cache[key]
+        return hole
+
     def sector(
         self,
         prover: Prover,
@@ -256,7 +264,8 @@ class LineWalk(Algebra[SignalLaw]):
             along = Interval(1.0 / self.question.form[name], 1.0 / self.question.form[name])
         else:
             along = f"'{name}' is one part of the sum only"
-        return SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)
+        hole = "" if update.kind.ports else update.x.hole
+        return SignalLaw(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along, hole=hole)
 
     def _curve(self, update: Update[SignalLaw]) -> Node | None:
         """Return a source as an expression over ``x``, where it is one: it remembers nothing."""
@@ -338,7 +347,21 @@ class LineWalk(Algebra[SignalLaw]):
             gains, around = _chained(slopes, laws)
             law = SignalLaw(at, Interval(value, value), gains, around, None, "")
         along, slack = self._along_rules(prover, region, laws, law.rest)
-        return replace(law, along=along, slack=slack)
+        hole = self._hole(prover, region, laws)
+        return replace(law, along=along, slack=slack, hole=hole)
+
+    def _hole(
+        self, prover: Prover, region: Mapping[str, Any], laws: Mapping[str, SignalLaw]
+    ) -> str:
+        """Return where a conclusion is not a number, or why that is open."""
+        for variable in prover.inputs:
+            law = laws[variable.name]
+            if law.hole:
+                return law.hole
+            universe = Interval(variable.low, variable.high)
+            if variable.outside == "error" and not inside(law.at, universe):
+                return f"'{variable.name}' may leave its universe, where there is no value"
+        return self.case.hole(prover, region)
 
     def _note_zone(self, law: SignalLaw, universe: Interval) -> None:
         """Remember where a source takes its input to the ends of the universe."""
