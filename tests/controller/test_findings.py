@@ -491,3 +491,25 @@ def test_ports_are_those_of_the_plants():
         assert all(words.startswith(site.name) for words in told.values())
     every = ports_in_words(["nowhere"])
     assert {"temperature", "voltage", "f", "pump", "angle_rate"} <= set(every)
+
+
+@pytest.mark.parametrize(
+    ("silence", "found"),
+    [("", ["no-rule-fires"]), (", no-rule nan", ["no-rule-fires"]), (", no-rule 0", [])],
+)
+def test_a_signal_that_may_not_be_a_number_is_named(tmp_path, silence, found):
+    (tmp_path / "hole.frb").write_text(
+        "rulebase hole\ninput e -6 .. 6\noutput d -1 .. 1\nterm e N: triangle -6 -4 -2\n"
+        "term e P: triangle 2 4 6\nterms d: singletons A B\n"
+        f"inference d: defuzzifier weighted-average{silence}\n"
+        "rule if e is N then d is A\nrule if e is P then d is B\n"
+    )
+    path = tmp_path / "around.frb"
+    path.write_text(
+        'controller around\nuse hole from "hole.frb"\nperiod 1 s\naxis room\n'
+        "  e = error of temperature\n  d = rules hole(e)\n"
+        "  drive power = d * 50, within 0 .. 100\n"
+    )
+    doubts = [doubt for doubt in check_file(path).diagnostics if doubt.name == "no-rule-fires"]
+    assert [doubt.name for doubt in doubts] == found
+    assert all("fires at e = -6: d is not a number" in doubt.message for doubt in doubts)

@@ -303,3 +303,72 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert main(["prove", path, "--sector", "--along", "e=1"]) == 2
     with pytest.raises(UnprovableError, match="weight"):
         sector(Prover(fuzzyarm.load(rules), "u"), {})
+
+
+HOLE = """rulebase nr
+input e -1 .. 1
+output d -1 .. 1
+term e N: triangle -1 -0.6 -0.2
+term e P: triangle 0.2 0.6 1
+terms d: singletons A B
+inference d: defuzzifier weighted-average{silence}
+rule if e is N then d is A
+rule if e is P then d is B
+prove d in -1 .. 1
+"""
+AROUND_HOLE = """controller nrc
+use nr from "nr.frb"
+period 1 s
+axis shaft
+  e = error of position
+  d = rules nr(e)
+  i = {source}
+  drive voltage = {drive}, within -5 .. 5
+"""
+
+
+@pytest.mark.parametrize(
+    ("silence", "line", "bounded"),
+    [("", 1, 4), (", no-rule nan", 1, 4), (", no-rule hold", 4, 4), (", no-rule 0", 0, 0)],
+)
+def test_no_range_is_proved_over_a_hole(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], silence: str, line: int, bounded: int
+) -> None:
+    path = tmp_path / "nr.frb"
+    path.write_text(HOLE.format(silence=silence))
+    assert main(["prove", str(path)]) == line
+    assert ("no rule fires at e = 0" in capsys.readouterr().out) == bool(line)
+    assert main(["prove", str(path), "--range"]) == bounded
+    text = capsys.readouterr().out
+    assert ("(proved)" in text) != bool(bounded)
+    assert ("not proved: no rule fires at e = 0" in text) == bool(bounded)
+    assert main(["prove", str(path), "--range", "--json"]) == bounded
+    assert bool(json.loads(capsys.readouterr().out)["hole"]) == bool(bounded)
+
+
+@pytest.mark.parametrize(("silence", "proved"), [("", False), (", no-rule 0", True)])
+@pytest.mark.parametrize(
+    ("source", "drive"),
+    [
+        ("d * 2", "d * 10 + e"),
+        ("d * 2", "i"),
+        ("d * e", "i"),
+        ("lag of d, time 2 s", "i"),
+        ("deadband of d, width 0.1", "e - i"),
+    ],
+)
+def test_no_drive_is_proved_that_may_not_be_a_number(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    silence: str,
+    proved: bool,
+    source: str,
+    drive: str,
+) -> None:
+    (tmp_path / "nr.frb").write_text(HOLE.format(silence=silence))
+    path = tmp_path / "nrc.frb"
+    path.write_text(AROUND_HOLE.format(source=source, drive=drive))
+    (proof,) = prove_drives(fuzzyarm.load(path))
+    assert ("no rule fires at e = 0" in proof.hole) != proved
+    assert main(["prove", str(path), "--sector"]) == (0 if proved else 4)
+    assert ("(proved)" in capsys.readouterr().out) == proved

@@ -22,7 +22,8 @@ class ProveRequest(Request):
     )  # fmt: skip
     budget: float | None = option(
         "--budget SECONDS",
-        "how long each statement may take; else a tube or a certificate a minute, others no limit",
+        "processor seconds that each statement may take (those printed are by the clock); else a"
+        " tube or a certificate a minute, others no limit",
         None,
         Limits(0.0, is_open=True),
         unit="seconds",

@@ -24,7 +24,12 @@ from fuzzyarm.control.controllers.reach import (
     width,
 )
 from fuzzyarm.control.controllers.text import ControllerText, ports_of
+from fuzzyarm.language.check.coverage import silent_point
+from fuzzyarm.language.check.search import GaveUpError
+from fuzzyarm.language.check.subject import Subject
+from fuzzyarm.language.document import Document
 from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, GainModel, SignalLine
+from fuzzyarm.language.model.rulebase import Output, RuleBase
 from fuzzyarm.language.model.units import (
     dimension,
     product,
@@ -118,6 +123,7 @@ def doubts_of(
     reaches = reaches_of(text, site)
     diagnostics = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
     diagnostics += _unknown_of_claims(text)
+    diagnostics += _without_rule(text)
     diagnostics += _limits_before_factors(text.model, reaches, site)
     if site is not None:
         diagnostics += _missing_ports(text.model, site, plant_is_named=plant is not None)
@@ -219,6 +225,44 @@ def _made(look_up: LookUp) -> tuple[Related, ...]:
         ):
             return (Related(f"{look_up.signal} is made here", line.span),)
     return ()
+
+
+# --- Where no rule fires ---
+
+
+def _without_rule(text: ControllerText) -> Iterator[Diagnostic]:
+    """Yield signals of rule bases that are not a number at some point, for no rule fires there."""
+    for _, line in text.model.lines():
+        if not isinstance(line, SignalLine) or line.source is None:
+            continue
+        for sheet in text.sheets.get(line.source.name, ()):
+            if isinstance(sheet, RuleBase):
+                yield from _not_a_number(line, line.source.name, sheet)
+
+
+def _not_a_number(line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diagnostic]:
+    for signal, output in zip(line.names, sheet.outputs, strict=False):
+        if output.no_rule == "hold" or not math.isnan(_stated(output)):
+            continue
+        try:
+            at = silent_point(output, Subject(sheet, Document(())))
+        except GaveUpError:  # the check of the rule base says so
+            continue
+        if at is None:
+            continue
+        point = ", ".join(f"{name} = {value:g}" for name, value in at.items())
+        yield Diagnostic(
+            "no-rule-fires",
+            f"no rule of {name} fires at {point}: {signal} is not a number there, and an integral"
+            " of it goes to its lower bound",
+            line.span,
+            Severity.WARNING,
+            hint=f"add a rule to {name}, or say what it is then: inference no-rule 0",
+        )
+
+
+def _stated(output: Output) -> float:
+    return float(output.no_rule) if isinstance(output.no_rule, int | float) else math.nan
 
 
 # --- Units ---

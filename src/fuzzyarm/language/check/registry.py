@@ -121,7 +121,8 @@ CHECKS: dict[str, Check] = {
             "no-rule-fires",
             Severity.WARNING,
             "At some point, given in the message, no rule of an output fires. Only an info if "
-            "`no-rule` says what happens then.",
+            "`no-rule` says what happens then; in a controller a warning where its signal is then "
+            "not a number.",
             points_without_rule,
         ),
         Check(

@@ -221,7 +221,14 @@ class Conclusions:
         self, prover: Prover, region: Mapping[str, tuple[float, float]]
     ) -> tuple[Fraction, Fraction]:
         key = "range", id(prover), tuple(region.items())
-        return self._bounded(key, lambda: prover.value(region))
+        return self._bounded(key, lambda: self._value_everywhere(prover, region))
+
+    @staticmethod
+    def _value_everywhere(prover: Prover, region: Mapping[str, tuple[float, float]]) -> Bounds:
+        hole = prover.hole(region)
+        if hole:
+            raise LoopProofError(hole)
+        return prover.value(region)
 
     def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
         """Return proved ends, kept under a key; a prover whose time runs out has none."""

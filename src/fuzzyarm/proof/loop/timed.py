@@ -146,7 +146,8 @@ def loop_tube(
     problem.require_known_start()
     loop_claim = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
     way, _ = followed(problem, loop_claim, budget=budget, tell=tell)
-    return way, in_the_way(way)
+    why = (f"why: {way.reason}",) if way.reason else ()
+    return way, (*in_the_way(way), *why)
 
 
 def _failure(problem: LoopProblem, tube: Tube, claim: LoopClaim, haven: Haven | None) -> str:
@@ -177,7 +178,7 @@ def in_the_way(tube: Tube) -> tuple[str, ...]:
         for name, (low, high) in tube.open[0].items()
     )
     more = len(tube.open) - 1
-    return (f"in the way: {box}" + (f", and {more} other boxes" if more else ""),)
+    return (f"in the way: {box}" + (f", and {more} other box{'es' * (more > 1)}" if more else ""),)
 
 
 # ── a region that is never left ──────────────────────────────────────────────────────

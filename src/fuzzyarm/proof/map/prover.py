@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.language.model.rulebase import Output, RuleBase
 from fuzzyarm.proof.map.arithmetic import (
