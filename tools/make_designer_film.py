@@ -23,7 +23,7 @@ from playwright.sync_api import sync_playwright
 
 HERE = Path(__file__).parents[1] / "docs" / "pictures"
 SIZE: Any = {"width": 1280, "height": 720}
-SHOWN = (960, 540)
+SHOWN = (720, 405)
 SHORTEST = 0.16
 LONGEST = 1.6
 """Of a picture of the film, s: pauses are shortened to it."""
@@ -100,23 +100,10 @@ class Film:
             Image.open(io.BytesIO(content)).convert("RGB").resize(SHOWN, Image.Resampling.LANCZOS)
             for _, content in self.pictures
         ]
-        # One palette for all: what does not change is the same to the bit, and costs nothing.
-        palette = _joined(images[:: max(1, len(images) // 12)]).quantize(96)
-        flat = [
-            each.quantize(palette=palette, dither=Image.Dither.NONE).convert("RGB")
-            for each in images
-        ]
-        flat[0].save(
-            path, save_all=True, append_images=flat[1:], duration=spans, loop=0, lossless=True,
-            quality=60, method=4,
+        images[0].save(
+            path, save_all=True, append_images=images[1:], duration=spans, loop=0, quality=20,
+            method=4,
         )  # fmt: skip
-
-
-def _joined(images: list[Image.Image]) -> Image.Image:
-    whole = Image.new("RGB", (SHOWN[0], SHOWN[1] * len(images)))
-    for number, each in enumerate(images):
-        whole.paste(each, (0, SHOWN[1] * number))
-    return whole
 
 
 def say(page: Any, words: str, wait: float = 0.0) -> None:
