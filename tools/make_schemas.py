@@ -344,7 +344,10 @@ FUNCTION = record(
     points=whole("how many points were tried"),
     against=text("with what it was compared"),
     proved=number("the proved error against the rules", null="where there is none"),
-    operations=by_name({"type": "integer"}, "how many operations a call takes at most, by kind"),
+    operations=by_name(
+        {"type": ["integer", "null"]},
+        "how many operations a call takes at most, by kind; null where they are not bounded",
+    ),
     stack=whole("bytes of local variables"),
 )
 SOURCE_REPORT = record(
@@ -911,7 +914,10 @@ OUTPUTS = (
                     against=text("what that is"),
                     points=whole("over how many points"),
                     proved=number("worst error against the rules", null="where none is proved"),
-                    operations=by_name({"type": "integer"}, "most of a call, by their sort"),
+                    operations=by_name(
+                        {"type": ["integer", "null"]},
+                        "most of a call, by their sort; null where they are not bounded",
+                    ),
                     stack=whole("bytes of local variables", null="of a controller"),
                 ),
                 "in order",

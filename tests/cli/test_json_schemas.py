@@ -55,6 +55,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "claims.frb").write_text(
         Path(PD7).read_text() + "prove u odd\nprove u rises with e\n"
     )
+    (folder / "maxima.frb").write_text(
+        Path(PD7).read_text().replace("centroid exact", "mean-of-maximum")
+    )
     (folder / "endless.frb").write_text(
         "rulebase x\ninput e -inf .. inf\noutput u 0 .. 1\nterm e A: ramp 0 1\n"
         "terms u: triangles A B\ninference no-rule nan\nrule if e is A then u is A\n"
@@ -108,7 +111,11 @@ CALLS = {
         ["compile", PD7, "-o", "a.lut"],
         ["compile", PD7, "--tolerance", "1", "-o", "b.lut"],
     ],
-    "compile-source": [["compile", PD7, "-o", "a.c"], ["compile", PD7, "-o", "a.js"]],
+    "compile-source": [
+        ["compile", PD7, "-o", "a.c"],
+        ["compile", PD7, "-o", "a.js"],
+        ["compile", "maxima.frb", "--direct", "-o", "maxima.c"],
+    ],
     "compile-controller": [["compile", SERVO, "--table", "-o", "servo.c"]],
     "compile-report": [
         ["compile", file, "-o", "evident.c", "--report", "evidence"]
