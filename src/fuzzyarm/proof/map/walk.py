@@ -143,7 +143,10 @@ class AxisLines:
         """Return where an output has no value, or why that is open; else nothing."""
         key = "hole", id(prover), tuple(sorted(region.items()))
         if key not in self._cache:
+            if prover.model is None:
+                prover.stop = Stop(min(BOXES_SECONDS, self.stop.left))
             self._cache[key] = prover.hole(region)
+            prover.stop = self.stop
         hole: str = self._cache[key]
         return hole
 
