@@ -242,7 +242,7 @@ def test_any_rule_base_has_the_values_of_the_kernel(tmp_path_factory, rulebase):
     assert made.kernel == "python", made.reason
     points = points_of(rulebase, 12)
     expected = np.array([
-        list((made._engine.named(dict(zip(points, map(float, each), strict=True)))
+        list((made.named_point(dict(zip(points, map(float, each), strict=True)))
               or dict.fromkeys(rulebase.outputs, np.nan)).values())
         for each in zip(*points.values(), strict=True)
     ]).T  # fmt: skip

@@ -645,3 +645,21 @@ def test_blocks_of_any_room_give_the_bits_of_single_points(pd7: RuleBase, size: 
         found = fast(*columns)["u"]
         wanted = [fast.at(float(x), float(y))[0] for x, y in zip(*columns, strict=True)]
         np.testing.assert_array_equal(found, wanted)
+
+
+def test_a_point_function_outlives_its_rule_base() -> None:
+    """The interpreted kernel finds plain Python by its number, as long as somebody may call it."""
+    text = """rulebase searched
+input a 0 .. 1
+output y 0 .. 1
+term a L: gaussian 0.3 0.2
+term y H: gaussian 0.5 0.2
+term y K: triangle 0 0.2 1
+inference and product, implication product, aggregation probor, defuzzifier mean-of-maximum exact
+rule if a is L then y is H
+rule if a is L then y is K
+"""
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    at = compiled(rulebase).at
+    assert at(0.3) == compiled(rulebase).at(0.3)

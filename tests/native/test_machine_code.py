@@ -202,7 +202,7 @@ def test_a_program_walks_over_arrays_that_fit_it_only():
 
 def test_a_sweep_refuses_what_lies_outside():
     fast = compiled(load(shipped("pd7.frb")))
-    sweep_arrays = fast._engine.sweeps._sweeper(8192)
+    sweep_arrays = fast._sweeps._sweeps_of(fast._stages[0])._sweeper(8192)
     x, into = np.zeros(10), np.zeros(10)
     assert sweep_arrays((x, x, into), 0, 10) == 0
     with pytest.raises(ValueError, match="an array ends before element 11"):

@@ -108,6 +108,8 @@ class Stage:
                 found = list(results)
             return None if any(map(math.isnan, found)) else found
 
+        # The numbers of the block name objects that live as long as the layout.
+        ordinary.layout = self.layout  # type: ignore[attr-defined]
         self.ordinary = ordinary
 
         def at(*values: Any) -> tuple[float, ...]:
