@@ -302,7 +302,7 @@ def test_machine_code_of_other_sources_is_not_used(monkeypatch):
 
 @pytest.mark.slow
 def test_the_digest_is_of_the_c_and_not_of_the_text_it_is_printed_from(tmp_path):
-    source = Path(kernels.__file__).parent
+    source = Path(kernels.__file__).parents[1]
     package = tmp_path / "fuzzyarm"
     skipped = shutil.ignore_patterns("__pycache__", "_kernels.*", "page", "files")
     shutil.copytree(source, package, ignore=skipped)

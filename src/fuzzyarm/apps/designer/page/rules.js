@@ -29,7 +29,16 @@ export class RulesPane extends Pane {
       title: S.gridHint,
       onclick: () => addGrid(this.hand, this.store.scene),
     });
-    if (this.attempt) bar.append(space(), this.grid);
+    const toSystem = el("button", {
+      textContent: S.system,
+      hidden: true,
+      onclick: () => this.store.turnDiagram(true),
+    });
+    bar.append(space(), toSystem);
+    if (this.attempt) bar.append(this.grid);
+    this.store.on("diagram", () => {
+      toSystem.hidden = !this.store.diagram?.isSystem;
+    });
     this.lit = []; // for each rule its element
     this.shown = []; // and the strength that it shows
     this.fresh = { rule: null, text: "" }; // what stands in the line of a new rule

@@ -70,8 +70,7 @@ export class TermsPane extends Pane {
     this.redraw = eachFrame(this.draw);
     this.store.on("scene", this.build);
     this.store.on("diagram", () => {
-      toDiagram.hidden = !this.store.diagram;
-      toDiagram.textContent = this.store.diagram?.isSystem ? S.system : S.diagram;
+      toDiagram.hidden = !this.store.diagram || this.store.diagram.isSystem;
     });
     this.store.on("reshaped", () => {
       this.partly = this.store.busy ? this.moving : "";
