@@ -346,6 +346,21 @@ def test_no_range_is_proved_over_a_hole(
     assert bool(json.loads(capsys.readouterr().out)["hole"]) == bool(bounded)
 
 
+def test_a_hole_between_curved_terms_is_found_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Bounds of a curve stay above 0 there by their rounding; inference says that it is 0."""
+    path = tmp_path / "curved.frb"
+    terms = ("triangle -1 -0.6 -0.2", "triangle 0.2 0.6 1")
+    text = HOLE.format(silence="")
+    assert all(term in text for term in terms)
+    for term, curve in zip(terms, ("pi -1 -0.8 -0.5 -0.2", "pi 0.2 0.5 0.8 1"), strict=True):
+        text = text.replace(term, curve)
+    path.write_text(text)
+    assert main(["prove", str(path), "--range"]) == 4
+    assert "not proved: no rule fires at e = 0" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("silence", "proved"), [("", False), (", no-rule 0", True)])
 @pytest.mark.parametrize(
     ("source", "drive"),

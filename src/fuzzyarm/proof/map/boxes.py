@@ -201,12 +201,23 @@ class Boxes:
                 k = nothing[sizes.argmax()]
                 middle = (0.5 * (low[k] + high[k])).tolist()
                 return dict(zip(self.names, map(Fraction, middle), strict=True))
+            if valued and (at := self._without_value(low[~fires], high[~fires])) is not None:
+                return dict(zip(self.names, map(Fraction, at), strict=True))
             size = (high - low).max(axis=1)
             if (size[~fires] < 1e-9).any():
                 raise UnprovableError("whether some rule fires everywhere is open")
             self.stop.say(int((~fires).sum()))
             low, high = self._halved(low[~fires], high[~fires])
         return None
+
+    def _without_value(self, low: Array, high: Array) -> list[float] | None:
+        """Return a middle of the largest boxes where inference itself gives no value."""
+        if self.says_no_rule or not len(low):
+            return None
+        largest = np.argsort((high - low).prod(axis=1))[-self.tried :]
+        points = 0.5 * (low[largest] + high[largest])
+        silent = np.flatnonzero(np.isnan(self._values(points)))
+        return points[silent[-1]].tolist() if silent.size else None
 
     def _judge(self, low: Array, high: Array, *, valued: bool) -> tuple[Array, Array]:
         """Tell where a rule fires all over a box, and where none does anywhere in it."""
