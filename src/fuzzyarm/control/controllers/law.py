@@ -148,7 +148,10 @@ class LawBlock:
 
 def view(array: NDArray[Any]) -> Any:
     """Return an array as plain numbers, for kernels that run interpreted; slices share memory."""
-    return memoryview(array)  # type: ignore[arg-type]
+    try:
+        return memoryview(array)  # type: ignore[arg-type]
+    except TypeError:  # arrays of a page without NumPy, whose slices share memory as well
+        return array
 
 
 def zeros(count: int) -> Pack:

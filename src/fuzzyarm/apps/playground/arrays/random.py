@@ -136,6 +136,16 @@ class Generator:
         row = array_of(among)
         return row[self.integers(0, row.size, size)]
 
+    def permutation(self, among: Any) -> Any:
+        """Return numbers, or the first whole ones, in another order (Fisher and Yates)."""
+        row = array_of(range(among) if isinstance(among, int) else among).copy()
+        for last in range(row.size - 1, 0, -1):
+            mask = (1 << last.bit_length()) - 1
+            while (other := self._bits32() & mask) > last:
+                pass
+            row[last], row[other] = row[other], row[last]
+        return row
+
     def standard_normal(self, size: Any = None) -> Any:
         """Not available: its table is NumPy's."""
         raise NotImplementedError("noise is drawn by NumPy, which this page does not have")
