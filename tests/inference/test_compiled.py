@@ -663,3 +663,28 @@ rule if a is L then y is K
     assert rulebase is not None
     at = compiled(rulebase).at
     assert at(0.3) == compiled(rulebase).at(0.3)
+
+
+def test_an_output_without_a_value_leaves_others_theirs_over_arrays() -> None:
+    """Where no machine code is built: that two outputs are silent at different points."""
+    text = """rulebase two
+input e 0 .. 1
+output a 0 .. 1
+output b 0 .. 1
+term e L: triangle 0 0.2 0.4
+term e H: triangle 0.6 0.8 1
+terms a, b: singletons ON
+inference defuzzifier weighted-average, no-rule nan
+rule if e is L then a is ON
+rule if e is H then b is ON
+"""
+
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    points = {"e": np.array([0.2, 0.5, 0.8])}
+    found = interpreted(rulebase).evaluate(points)
+    assert found.keys() == {"a", "b"}
+    for name, values in compiled(rulebase).evaluate(points).items():
+        np.testing.assert_array_equal(found[name], values)
+    assert np.isnan(found["a"]).tolist() == [False, True, True]
+    assert np.isnan(found["b"]).tolist() == [True, True, False]

@@ -60,11 +60,12 @@ class Stage:
         Whether machine code reads them.
     reason : str
         What that does not cover, so that the source of the kernel is interpreted.
-    ordinary : callable
-        Of the interpreted kernel: from the inputs in their order to the outputs, or None.
+    found : callable
+        Of the interpreted kernel: from the inputs in their order to the outputs, NaN where one has
+        no value; None for inputs that are no numbers.
     """
 
-    ordinary: Callable[[Iterable[Any]], list[float] | None]
+    found: Callable[[Iterable[Any]], list[float] | None]
 
     def __init__(
         self,
@@ -97,7 +98,7 @@ class Stage:
         run = runner(block, compiled=self.compiled)
         turn = lock()
 
-        def ordinary(values: Iterable[Any]) -> list[float] | None:
+        def evaluated(values: Iterable[Any]) -> list[float] | None:
             with turn:  # there is one block
                 try:
                     for column, value in enumerate(values):
@@ -105,12 +106,15 @@ class Stage:
                 except (TypeError, ValueError, OverflowError):  # not a number
                     return None
                 run()
-                found = list(results)
-            return None if any(map(math.isnan, found)) else found
+                return list(results)
 
         # The numbers of the block name objects that live as long as the layout.
-        ordinary.layout = self.layout  # type: ignore[attr-defined]
-        self.ordinary = ordinary
+        evaluated.layout = self.layout  # type: ignore[attr-defined]
+        self.found = evaluated
+
+        def ordinary(values: Iterable[Any]) -> list[float] | None:
+            found = evaluated(values)
+            return None if found is None or any(map(math.isnan, found)) else found
 
         def at(*values: Any) -> tuple[float, ...]:
             found = ordinary(values) if len(values) == len(inputs) else None

@@ -139,14 +139,14 @@ class Sweeps:
     def _point_by_point(
         self, arrays: Mapping[str, Array], working: tuple[int, ...], results: Array
     ) -> int:
-        """Interpret the kernel at each point; return how many points have no ordinary value."""
+        """Interpret the kernel at each point; return how many results have no ordinary value."""
         columns = [np.broadcast_to(array, working).ravel().tolist() for array in arrays.values()]
         rows = results.reshape(len(results), -1)
         missing = 0
         for point, values in enumerate(zip(*columns, strict=True)):
-            found = self._stage.ordinary(values)
-            missing += found is None
+            found = self._stage.found(values)
             rows[:, point] = math.nan if found is None else found
+            missing += int(np.isnan(rows[:, point]).sum())
         return missing
 
     def _by_machine_code(
