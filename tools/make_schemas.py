@@ -240,6 +240,7 @@ BOUNDS = record(
     high=number("the upper bound", null="where it has none"),
     at_low=by_name({"type": "number"}, "a point near the lowest value"),
     at_high=by_name({"type": "number"}, "a point near the highest value"),
+    hole=text("where the output has no value, or why that is open; empty where it always has one"),
     **_BOUND,
 )
 WORST = record(
