@@ -678,7 +678,6 @@ inference defuzzifier weighted-average, no-rule nan
 rule if e is L then a is ON
 rule if e is H then b is ON
 """
-
     rulebase = parse(text).rulebase
     assert rulebase is not None
     points = {"e": np.array([0.2, 0.5, 0.8])}

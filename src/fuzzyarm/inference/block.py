@@ -184,12 +184,15 @@ class PointBlock(NamedTuple):
         The same memory as whole numbers.
     columns, results : int
         Where inputs and outputs begin: a row for each, of ``whole[WIDTH]`` numbers.
+    searches : tuple
+        Those of the layout: the numbers name them, so they live as long as the block.
     """
 
     numbers: memoryview[float]
     whole: memoryview[int]
     columns: int
     results: int
+    searches: tuple[object, ...]
 
 
 GAP = 24
@@ -222,7 +225,7 @@ def make_block(layout: Layout, points: int) -> PointBlock:
     numbers[ends[FLOATS] : ends[ROOM]] = memoryview(array("d", layout.floats))
     ones = ends[ROOM] + ONES * width
     numbers[ones : ones + points] = memoryview(array("d", [1.0] * points))
-    return PointBlock(numbers, whole, ends[COLUMNS], ends[RESULTS])
+    return PointBlock(numbers, whole, ends[COLUMNS], ends[RESULTS], layout.searches)
 
 
 @kernel

@@ -108,8 +108,6 @@ class Stage:
                 run()
                 return list(results)
 
-        # The numbers of the block name objects that live as long as the layout.
-        evaluated.layout = self.layout  # type: ignore[attr-defined]
         self.found = evaluated
 
         def ordinary(values: Iterable[Any]) -> list[float] | None:

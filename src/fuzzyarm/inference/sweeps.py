@@ -142,12 +142,10 @@ class Sweeps:
         """Interpret the kernel at each point; return how many results have no ordinary value."""
         columns = [np.broadcast_to(array, working).ravel().tolist() for array in arrays.values()]
         rows = results.reshape(len(results), -1)
-        missing = 0
         for point, values in enumerate(zip(*columns, strict=True)):
             found = self._stage.found(values)
             rows[:, point] = math.nan if found is None else found
-            missing += int(np.isnan(rows[:, point]).sum())
-        return missing
+        return int(np.isnan(rows).sum())
 
     def _by_machine_code(
         self, arrays: Mapping[str, Array], working: tuple[int, ...], results: Array

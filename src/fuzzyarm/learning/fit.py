@@ -21,6 +21,7 @@ from fuzzyarm.base.diagnostic import MAX_OUTPUTS
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.keywords import demand_alone, wrong_argument
 from fuzzyarm.base.names import printable
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.inference.engine import compiled
 from fuzzyarm.language import parse
@@ -538,7 +539,7 @@ def _head(samples: Samples, options: Options, fit: Fit) -> list[str]:
     lines = [
         f"Learned by fuzzyarm {__version__} from {source}: {len(samples):,} samples,"
         f" target {printable(samples.target)}.",
-        f"{rules} rule{'' if rules == 1 else 's'}: {printable(fit.structure)}.",
+        f"{counted(rules, 'rule')}: {printable(fit.structure)}.",
         f"Training {kind} {fit.error:.4g}; linear regression {fit.linear_error:.4g}.",
         f"RMS error in {how} {fit.cross_validation:.4g};"
         f" linear regression {fit.linear_cross_validation:.4g}.",

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure_of, start_of
@@ -128,7 +129,7 @@ def followed(plant: Plant, trajectory: Trajectory) -> tuple[Address, ...]:
     count = len(trajectory.segments[0].start)
     if len(ports) != count:
         names = ", ".join(map(interface.label, ports))
-        numbers = f"{count} number{'' if count == 1 else 's'}"
+        numbers = counted(count, "number")
         message = f"a point of '{trajectory.name}' has {numbers}, and the {plant.name} follows"
         hint = "outputs of a Trajectory names those that follow"
         raise PlantError(f"{message} with {len(ports)}: {names}", name="outputs", hint=hint)

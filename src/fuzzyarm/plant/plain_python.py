@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.base.names import did_you_mean, nearest
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
     PARTS,
@@ -252,7 +253,7 @@ def _one_for_each(plant: Plant, what: str, answer: Any, ports: Mapping[str, obje
             hint=f"return a list, {expectation}",
         ) from None
     if len(values) != len(ports):
-        counts = f"{len(values)} number{'' if len(values) == 1 else 's'} for {len(ports)}"
+        counts = f"{counted(len(values), 'number')} for {len(ports)}"
         nouns = "outputs" if what == "measure" else "states"
         raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {expectation}")
     name, value = next((n, v) for n, v in zip(ports, values, strict=True) if not _is_number(v))

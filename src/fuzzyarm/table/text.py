@@ -14,7 +14,7 @@ from itertools import product
 
 from fuzzyarm.base.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
 from fuzzyarm.base.names import did_you_mean, near_hint
-from fuzzyarm.base.numbers import column_of_numbers, number_text
+from fuzzyarm.base.numbers import column_of_numbers, counted, number_text
 from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize_line
 from fuzzyarm.table.axis import Axis, PlainTable, TableHeader
 from fuzzyarm.table.header import (
@@ -352,8 +352,8 @@ class _GridReader:
         elif len(values) != len(axis.levels):
             self._report(
                 "wrong-cell-count",
-                f"{_counted(len(values), 'column')}, but '{axis.name}' has "
-                f"{_counted(len(axis.levels), 'level')}",
+                f"{counted(len(values), 'column')}, but '{axis.name}' has "
+                f"{counted(len(axis.levels), 'level')}",
                 span,
             )
         else:
@@ -386,8 +386,8 @@ class _GridReader:
         span = extra[0].span.to(extra[-1].span) if extra else _line_end(number, line)
         self._report(
             "wrong-cell-count",
-            f"the row has {_counted(count, 'cell')}, '{self.column.name}' has "
-            f"{_counted(count_expected, 'level')}",
+            f"the row has {counted(count, 'cell')}, '{self.column.name}' has "
+            f"{counted(count_expected, 'level')}",
             span,
         )
 
@@ -422,8 +422,8 @@ class _GridReader:
             extra = rows[len(levels)] if len(labels) > len(levels) else None
             self._report(
                 name,
-                f"the grid has {_counted(len(labels), 'row')}, '{self.row.name}' has "
-                f"{_counted(len(levels), 'level')}",
+                f"the grid has {counted(len(labels), 'row')}, '{self.row.name}' has "
+                f"{counted(len(levels), 'level')}",
                 Span(extra[0], 1, extra[0], len(extra[1]) + 1) if extra else self.grid.span,
             )
         return False
@@ -499,10 +499,6 @@ def _cells(number: int, line: str, start: int) -> list[TextCell]:
 def _line_end(number: int, line: str) -> Span:
     end = len(line.split("#", 1)[0].rstrip()) + 1
     return Span(number, end, number, end + 1)
-
-
-def _counted(count: int, word: str) -> str:
-    return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
 def _page_conditions(table: TableHeader) -> Iterator[str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.apps.show.layers import Corner, LayeredGraph, Link, Pins, lay_out
 from fuzzyarm.base.diagnostic import NOWHERE, Span
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
     SOURCES,
@@ -380,7 +380,7 @@ class _DiagramPart:
         words = []
         if name in self.counts:
             count = self.counts[name]
-            words.append(f"{count} rule{'' if count == 1 else 's'}")
+            words.append(counted(count, "rule"))
         files = self.files.get(name, ())
         if files == ("zero",):
             return [*words, "begins at zero"]

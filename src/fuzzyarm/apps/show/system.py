@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import chain
 
 from fuzzyarm.apps.show.diagram import Diagram, DiagramBlock, DiagramWire, laid_out
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.language.model.rulebase import Input, Output, Rule, RuleBase, propositions
 
@@ -46,7 +46,7 @@ def system_diagram(rulebase: RuleBase) -> Diagram:
     return Diagram(
         rulebase.name,
         rulebase.description,
-        _counted(count),
+        counted(count, "rule"),
         tuple(placed),
         tuple(routed),
         (),
@@ -99,7 +99,7 @@ def _in_order(outputs: Iterable[Output], read: dict[str, list[str]]) -> list[Out
 def _variable_block(kind: str, variable: Input | Output) -> DiagramBlock:
     details = [f"{number_text(variable.low)} .. {number_text(variable.high)}"]
     if variable.terms:
-        details.append(f"{len(variable.terms)} term{'' if len(variable.terms) == 1 else 's'}")
+        details.append(counted(len(variable.terms), "term"))
     if isinstance(variable, Output):
         details.append(str(variable.defuzzifier))
     inputs, outputs = (("",), ()) if kind == "output" else ((), ("",))
@@ -115,10 +115,6 @@ def _rules_block(
         for block in rulebase.blocks
         if any(rule in block.rules for rule in rules)
     ]
-    details = (_counted(len(rules)), *dict.fromkeys(norms))
+    details = (counted(len(rules), "rule"), *dict.fromkeys(norms))
     span = rules[0].span if rules else output.span
     return DiagramBlock("rules", label, details, (), ("",) * inputs, ("",), span)
-
-
-def _counted(rules: int) -> str:
-    return f"{rules} rule{'' if rules == 1 else 's'}"

@@ -164,12 +164,10 @@ def trial(
             spread = 10.0 ** draw.uniform(-3.0, 0.0)
         around = (k // _SEGMENT) % 3 == 2 and k % _SEGMENT != 0
         choices = [moved(around=around, spread=spread) for _ in range(_CHOICES if places else 1)]
-        points = choices[0]
-        if places is not None:
-            counts = [places.new(sample(k, choice)) for choice in choices]
-            points = choices[counts.index(max(counts))]
-            places.visit(sample(k, points))
-        yield sample(k, points)
+        samples = [sample(k, choice) for choice in choices]
+        best = places.visit_best(samples) if places is not None else 0
+        points = choices[best]
+        yield samples[best]
 
 
 def _sample(
@@ -214,16 +212,22 @@ class _Places:
         self._driven: set[tuple[int, float]] = set()
         self._ends: dict[int, tuple[float, float]] = {}
 
-    def new(self, sample: Mapping[str, float]) -> int:
-        """Return how many places a period would show that were never visited."""
-        reached, driven = self._reached(sample)
+    def visit_best(self, samples: Sequence[Mapping[str, float]]) -> int:
+        """Visit what the period shows of the sample with most new places; return its number."""
+        shown = [self._reached(sample) for sample in samples]
+        counts = [self._new(reached, driven) for reached, driven in shown]
+        best = counts.index(max(counts))
+        self._visit(*shown[best])
+        return best
+
+    def _new(self, reached: set[tuple[object, ...]], driven: set[tuple[int, float]]) -> int:
+        """Return how many places were never visited, and drives beyond what they have reached."""
         beyond = (
             not self._ends.get(k, _NONE)[0] <= x <= self._ends.get(k, _NONE)[1] for k, x in driven
         )
         return len(reached - self._visited) + sum(beyond)
 
-    def visit(self, sample: Mapping[str, float]) -> None:
-        reached, driven = self._reached(sample)
+    def _visit(self, reached: set[tuple[object, ...]], driven: set[tuple[int, float]]) -> None:
         self._visited |= reached
         self._driven |= driven
         for k, x in driven:

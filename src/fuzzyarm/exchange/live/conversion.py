@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError, Severity
 from fuzzyarm.base.made import MARK
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.exchange.formats.findings import Exported, Imported
 from fuzzyarm.exchange.formats.registry import suffix_of, write
 from fuzzyarm.exchange.formats.tables import in_tables
@@ -82,7 +83,7 @@ def converted(
     comments = sum(bool(line.comment) and MARK not in line.comment for line in lines)
     if not comments:
         return exported
-    message = f"{comments} comment{'' if comments == 1 else 's'} left out"
+    message = f"{counted(comments, 'comment')} left out"
     loss = Diagnostic("dropped-comments", message, severity=Severity.INFO)
     return replace(exported, diagnostics=(loss, *exported.diagnostics))
 

@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.base.files import real_path, same_file, write_atomically
 from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -373,7 +374,7 @@ def _remarks(tuned: Tuned) -> Iterator[str]:
 
 
 def _trials(count: int) -> str:
-    return f"{count} trial{'' if count == 1 else 's'}"
+    return counted(count, "trial")
 
 
 def notes_of(tuned: Tuned) -> list[str]:
