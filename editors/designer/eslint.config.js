@@ -19,5 +19,11 @@ export default [
   },
   { rules: { "max-lines-per-function": ["error", 80] } },
   { files: ["editors/designer/**/*.js"], languageOptions: { globals: globals.node } },
-  { ignores: ["**/node_modules/**", "src/fuzzyarm/apps/designer/page/vendor/**", "src/fuzzyarm/apps/designer/page/built/**"] },
+  {
+    ignores: [
+      "**/node_modules/**",
+      "src/fuzzyarm/apps/designer/page/vendor/**",
+      "src/fuzzyarm/apps/designer/page/built/**",
+    ],
+  },
 ];

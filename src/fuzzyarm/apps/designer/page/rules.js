@@ -29,11 +29,7 @@ export class RulesPane extends Pane {
       title: S.gridHint,
       onclick: () => addGrid(this.hand, this.store.scene),
     });
-    const toSystem = el("button", {
-      textContent: S.system,
-      hidden: true,
-      onclick: () => this.store.turnDiagram(true),
-    });
+    const toSystem = el("button", { textContent: S.system, hidden: true, onclick: () => this.store.turnDiagram(true) });
     bar.append(space(), toSystem);
     if (this.attempt) bar.append(this.grid);
     this.store.on("diagram", () => {
