@@ -29,8 +29,7 @@ FILE = Path(__file__).parents[1] / "editors/designer/messages.d.ts"
 
 HEAD = """\
 // What the designer's page says and hears. Printed by tools/message_types.py from the records of
-// fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages: `make types` after a change
-there.
+// fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages; `make types` prints it anew.
 
 declare namespace Messages {
 """

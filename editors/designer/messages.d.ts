@@ -1,6 +1,5 @@
 // What the designer's page says and hears. Printed by tools/message_types.py from the records of
-// fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages: `make types` after a change
-there.
+// fuzzyarm.apps.designer.requests and fuzzyarm.apps.designer.messages; `make types` prints it anew.
 
 declare namespace Messages {
   /** A question that says no more than what it is. */
