@@ -1,15 +1,14 @@
-"""Sources of the signals of a controller, a record each: what all of the program knows of one.
+"""Sources of a controller's signals: one record each, the single definition of a source.
 
-``NAME = deadband of e, width 0.5`` is one record: its word and its options, what it remembers from
-period to period, its update as one expression, its unit and its range. The reader, completion and
-help, the kernel, ranges, proofs, describing functions, diagrams, C and Structured Text read that
-record, and nothing else says what a source is. The list is closed: each of them has a textbook
-structure after it.
+``NAME = deadband of e, width 0.5`` is one record: its word and options, its states, its update as
+one expression, its unit and its range. The reader, completion and help, the kernel, ranges,
+proofs, describing functions, diagrams, C and Structured Text all read that record. The list is
+closed: a source needs a textbook structure that uses it.
 
 To add a source
 ---------------
 1. Write its update as a function of the arguments below, with arithmetic, comparisons and
-   :mod:`fuzzyarm.op`, no ``if``: the value of this period. What it remembers is a
+   :mod:`fuzzyarm.op`, no ``if``: the value of this period. Each state is a
    :class:`SourceState`: a name, its next value (a function of ``value`` and of the arguments), and
    its start.
 2. Add one ``kind(…)`` to `_register`, or call :func:`source` from a program of your own.
@@ -18,19 +17,19 @@ To add a source
    every record through the language, both kinds of loop, ranges, proofs, describing functions,
    diagrams and exports.
 
-Without ``bounds`` its range follows from its update. A proof takes its update as it is, or refuses
-it by the name of the operation that it cannot enclose.
+Without ``bounds`` the range follows from the update. A proof encloses the update, or refuses it
+by the name of the operation that it cannot enclose.
 
 The arguments of an update are found by their names:
 
 ================  ==============================================================================
-``x``             what the source is taken of: a signal, or the error of a port
+``x``             the operand: a signal, or the error of a port
 ``period``        the control period, s
-``last``          the condition that a set point ends with this period
-``excess``        by how much the limits of its drive changed that in the last period
-``gain``          by how much that drive grows with what the source gives
-a state           what it remembered; NaN where it starts so and has seen nothing yet
-an option         by its word: a number or a time (0 where it is not given), 1 or 0 for words;
+``last``          true in the last period of a set point
+``excess``        change that the limits of its drive made in the last period
+``gain``          sensitivity of that drive to the source's value
+a state           its stored value; NaN before the first period if that is its start
+an option         by its word: a number or a time (0 if absent), 1 or 0 for words;
                   of ``within`` both ends, ``within_low`` and ``within_high``; of
                   ``anti-windup`` -1 for ``hold``, else a time
 ================  ==============================================================================
@@ -64,44 +63,44 @@ X = Any
 """An expression or a number."""
 
 Setting = str | float | tuple[float, float] | bool
-"""What an option says: a number or the name of a gain; s; a pair; true; ``"hold"`` or s."""
+"""The value of an option: a number or the name of a gain; s; a pair; true; ``"hold"`` or s."""
 
 VALUE = "value"
-"""Symbol of what an update gives, in what is remembered of it."""
+"""Symbol of the update's value in the next-state functions."""
 
 ALWAYS = ("x", "period")
-"""Arguments that every update is given, whether it takes them or not."""
+"""Arguments of every update, used or not."""
 
 SUPPLIED = (*ALWAYS, "last", "excess", "gain")
-"""Arguments of updates that the program supplies."""
+"""Arguments of updates that the control loop supplies."""
 
 
 def unseen(state: X) -> X:
-    """Return the condition that a state, NaN at first, has seen nothing yet."""
+    """Return the condition that a state, NaN at the start, has no value yet."""
     return ~op.equal(state, state)
 
 
 class OptionKind(NamedTuple):
-    """A record: a word after a comma, what follows it, and what it means.
+    """The definition of an option: a word after a comma, its value and its meaning.
 
     Attributes
     ----------
     takes : str
         ``number`` (or the name of a gain), ``figure`` (a number), ``time`` (with a unit),
-        ``range`` (``A .. B``), ``words`` (nothing but the words in `rest`), or ``windup``:
+        ``range`` (``A .. B``), ``words`` (only the words in `rest`), or ``windup``:
         ``hold``, or ``back TIME``.
     doc : str
         One line.
     rest : tuple of str
-        Words that stand after it.
+        Words that follow it.
     needed : bool
-        Whether the source means nothing without it.
+        Whether it is mandatory.
     positive : bool
         Whether its number must be above 0.
     alike : bool
-        Whether it is in the unit of what the source is taken of.
+        Whether it has the unit of the operand.
     periods : bool
-        Whether its time must be whole control periods, at most `MOST_PERIODS`.
+        Whether its time must be a whole number of control periods, at most `MOST_PERIODS`.
     """
 
     takes: Literal["number", "figure", "time", "range", "words", "windup"]
@@ -114,22 +113,22 @@ class OptionKind(NamedTuple):
 
     @property
     def example(self) -> str:
-        """What may follow the word."""
+        """An example of the text after the word."""
         texts = {"time": "10 ms", "range": "-1 .. 1", "windup": "hold"}
         return " ".join(self.rest) or texts.get(self.takes, "0.5")
 
 
 class SourceState(NamedTuple):
-    """What a source remembers from one period to the next.
+    """A state of a source, kept from one period to the next.
 
     Attributes
     ----------
     name : str
-        An argument of the update; in exported programs it stands after the name of the signal.
+        Argument of the update; in exported programs the suffix of the signal's name.
     next : callable
-        Of ``value`` (what the update gives) and of arguments of the update, by their names.
+        Function of ``value`` (the update's) and of arguments of the update, by their names.
     start : float or str
-        Before the first period; a word is that of the option that says it. NaN: nothing yet.
+        Before the first period: a number, or the option that sets it. NaN: no value yet.
     """
 
     name: str
@@ -138,20 +137,20 @@ class SourceState(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What the range of a source may depend on.
+    """The quantities on which the range of a source may depend.
 
     Attributes
     ----------
     at : Interval
-        All values of what it is taken of.
+        Range of the operand.
     pace : float
-        The largest change of that per second.
+        Largest rate of the operand, per second.
     period : float
-        s.
+        Control period, s.
     every : int
-        Periods of a set point.
+        Control periods of a set point.
     options : mapping of str to Setting
-        Those that are given.
+        Options in the text.
     """
 
     at: Interval
@@ -162,12 +161,12 @@ class Surroundings(NamedTuple):
 
     @property
     def width(self) -> float:
-        """How wide the interval is."""
+        """The width of the operand's range."""
         return max(0.0, self.at.high - self.at.low)
 
     @property
     def largest(self) -> float:
-        """The largest magnitude in it."""
+        """The largest magnitude of the operand."""
         return max(abs(self.at.low), abs(self.at.high))
 
 
@@ -178,39 +177,39 @@ class SourceKind(Kind):
     Attributes
     ----------
     of : str
-        What it is taken of: a ``port`` of the plant, a ``signal``, the ``error`` of a port;
-        ``call``: a rule base or a table, with its inputs in parentheses.
+        Kind of operand: a ``port`` of the plant, a ``signal``, the ``error`` of a port;
+        ``call``: a rule base or a table with inputs in parentheses.
     options : dict of str to OptionKind
-        What may stand after a comma.
+        Options by the word after the comma.
     ports : tuple of str
-        Which values of its port it reads: ``reference``, ``measured`` or both.
+        Values of the port that it reads: ``reference``, ``measured`` or both.
     states : tuple of SourceState
-        What it remembers. Without an update it gives what it is taken of.
+        Its states. Without an update its value is the operand's.
     rounded : bool
-        Whether what it remembers is rounded as signals are.
+        Whether its states are rounded as signals are.
     seconds : int
-        The power of s that its unit has more than that of what it is taken of.
+        Exponent of s by which its unit differs from the operand's.
     difference : bool
         Whether its unit is that of a difference: K of °C.
     kept : str
-        What keeps it small: ``signal``, what keeps its signal small, whose course it has;
-        ``loop``, which works against errors and rates; ``text`` alone.
+        What keeps it bounded: ``signal``, whatever bounds the operand, whose course it has;
+        ``loop``, the feedback, which works against errors and rates; ``text``, limits in the text.
     bounds : callable or None
-        From :class:`Surroundings` to the interval of its values. None: from its update, whose
-        states are widened until they stay.
+        From :class:`Surroundings` to the range. None: computed from the update, with the states
+        widened to a fixed point.
     pace : callable or None
-        From :class:`Surroundings` to its largest change per second. None: not known.
+        From :class:`Surroundings` to the largest rate, per second. None: unknown.
     linear : bool
-        Of a source with states: whether k times its signal gives k times its values.
+        With states: whether scaling the operand by k scales the source by k.
     inverse_of : str
-        The source that it takes back, ``rate`` of the integral.
+        The source that it undoes: ``rate`` for the integral.
     elsewhere : str
-        Words that others have for it, with blanks between.
+        Synonyms in other programs, separated by blanks.
     dimensionless : bool
-        Whether its values have no unit, whatever it is taken of.
+        Whether it has no unit, whatever the operand's.
     of_periods : callable or None
-        Of a source that remembers as many values as an option has periods: from that number to its
-        update and its states. The record itself has those of one period.
+        With one state for each period of an option: from that number to update and states. The
+        record itself has those of one period.
     """
 
     of: Literal["port", "signal", "error", "call"] = "signal"
@@ -231,7 +230,7 @@ class SourceKind(Kind):
 
     @cached_property
     def symbols(self) -> tuple[str, ...]:
-        """Arguments of the update: what it remembers, :data:`ALWAYS`, then the others."""
+        """Arguments of the update: states, :data:`ALWAYS`, then the others."""
         functions = [update for update in (self.function, *(s.next for s in self.states)) if update]
         names = [*(state.name for state in self.states), *ALWAYS]
         names += (
@@ -241,14 +240,14 @@ class SourceKind(Kind):
 
     @cached_property
     def expression(self) -> Node:
-        """What the update gives."""
+        """The update, as an expression."""
         if self.function is None:
             raise TypeError(f"'{self.name}' has no update")
         return trace(self.function, argument_names(self.function))
 
     @cached_property
     def nexts(self) -> tuple[Node, ...]:
-        """What each state is next: expressions over :data:`VALUE` and the arguments."""
+        """The next value of each state, over :data:`VALUE` and the arguments."""
         return tuple(trace(state.next, argument_names(state.next)) for state in self.states)
 
     @property
@@ -258,30 +257,30 @@ class SourceKind(Kind):
 
     @property
     def windup(self) -> str:
-        """The option that says what it does while its drive is at a limit; empty without."""
+        """The option for a drive at its limit (anti-windup); empty if there is none."""
         return next((word for word, kind in self.options.items() if kind.takes == "windup"), "")
 
     @property
     def joined(self) -> str:
-        """The words between its own and the name of what it is taken of."""
+        """The words between its own and the operand's name."""
         if self.of == "port":
             return " of" if self.name == "error" else ""
         return {"signal": " of", "error": " of error of"}.get(self.of, "")
 
     def settings(self, options: Mapping[str, Setting]) -> dict[str, str | float]:
-        """Return the arguments of the update that options say: numbers, or names of gains."""
+        """Return the arguments that options set: numbers, or names of gains."""
         numbers: dict[str, str | float] = {}
         for word, kind in self.options.items():
             name, value = word.replace("-", "_"), options.get(word)
             if kind.takes == "range":
-                # Without limits the update still has its arguments: they are infinite.
+                # Without limits the update still needs both arguments: they are infinite.
                 ends = value if isinstance(value, tuple) else EVERYTHING
                 numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
             elif kind.takes == "windup":
-                # An update is an expression of numbers: hold is -1, which no time can be; 0 is
-                # none.
+                # An update computes with numbers alone: hold is -1, no valid time; 0 is no
+                # anti-windup.
                 numbers[name] = -1.0 if value == "hold" else _number(value)
-            # The name of a gain, whose value the program puts in.
+            # The name of a gain; the program replaces it by the value.
             elif isinstance(value, str):
                 numbers[name] = value
             else:
@@ -289,7 +288,7 @@ class SourceKind(Kind):
         return numbers
 
     def sized(self, options: Mapping[str, Setting], period: float) -> SourceKind:
-        """Return its record with as many states as an option has periods."""
+        """Return the record with one state for each period of its option, if any."""
         word = next((word for word, kind in self.options.items() if kind.periods), "")
         if self.of_periods is None or not word:
             return self
@@ -304,11 +303,11 @@ class SourceKind(Kind):
 
 
 MOST_PERIODS = 250
-"""Values that a source remembers at most: each is a variable of an exported program."""
+"""Largest number of states of a source: each is a variable of an exported program."""
 
 
 def whole_periods(time: float, period: float) -> int:
-    """Return a time in whole control periods; a half counts up."""
+    """Return a time in whole control periods, halves rounded up."""
     return math.floor(time / period + 0.5 + 1e-9)
 
 
@@ -323,7 +322,7 @@ def _sized(kind: SourceKind, count: int) -> SourceKind:
 
 
 class _Named:
-    """A function whose arguments have names that are made."""
+    """A function whose argument names are made at run time."""
 
     def __init__(self, names: Sequence[str], function: Callable[..., X]) -> None:
         self.argument_names = tuple(names)
@@ -338,7 +337,7 @@ def _number(value: Setting | None) -> float:
 
 
 class SourceRegistry(Registry[SourceKind]):
-    """All sources by their words; what is not among them is an error by name."""
+    """All sources by their words; an unknown word raises `KindError`."""
 
     def __getitem__(self, name: str) -> SourceKind:
         if name not in self._kinds:
@@ -349,7 +348,7 @@ class SourceRegistry(Registry[SourceKind]):
         return name in self._kinds
 
     def of(self, *what: str) -> Iterator[SourceKind]:
-        """Iterate over those that are taken of something."""
+        """Iterate over the sources with operands of these kinds."""
         return (kind for kind in self.values() if kind.of in what)
 
 
@@ -365,10 +364,10 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
     name : str
         The word in a file.
     update : callable or None
-        What it gives: of arguments by their names, written with arithmetic, comparisons and
-        :mod:`fuzzyarm.op`. None: what it is taken of, or what a rule base or a table says.
+        Its value as a function of arguments found by their names, with arithmetic, comparisons
+        and :mod:`fuzzyarm.op`. None: the operand, or the value of a rule base or a table.
     **facts
-        What else is known of it, see :class:`SourceKind`.
+        Further fields of :class:`SourceKind`.
 
     Returns
     -------
@@ -378,8 +377,8 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
     Raises
     ------
     KindError
-        If the name is taken or not a word, the update takes an argument that nothing gives, or
-        one of your own is a ``call``: rule bases and tables are all that can be asked.
+        If the name is taken or not a word, an argument of the update is unknown, or `of` is
+        ``call``, which only rule bases and tables are.
     """
     kind = SourceKind(name, (), update, **{"own": True, **facts})
     if kind.own and kind.of == "call":
@@ -388,14 +387,14 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
         raise KindError(
             f"'{name}' is taken of a port, and does not say which values it reads", name
         )
-    # An update may use what the loop supplies, its options and its states.
+    # Known arguments: those of the loop, the options and the states.
     names = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
     if unknown := [symbol for symbol in kind.symbols if symbol not in names]:
         raise KindError(f"nothing gives the update of '{name}' its argument '{unknown[0]}'", name)
     return SOURCES.add(kind)
 
 
-# ── what updates compute ─────────────────────────────────────────────────────────────
+# ── updates ──────────────────────────────────────────────────────────────────────────
 
 
 def _rate(x: X, before: X, slope: X, filter: X, period: X) -> X:  # noqa: A002
@@ -414,12 +413,12 @@ def _integral(
 ) -> X:
     """Return the integral of x, this period included.
 
-    Where its drive was at a limit in the last period it holds, if x would drive on, or goes
-    back by ``excess Δ / (T K)``: K is by how much the drive grows with the integral, so that the
-    excess counts as what it is of the integral (Åström and Hägglund, *Advanced PID Control*, 3.5).
+    At a limit of its drive in the last period it holds where x drives further, or goes back by
+    ``excess Δ / (T K)``: `gain` K turns the excess of the drive into one of the integral
+    (back-calculation, Åström and Hägglund, *Advanced PID Control*, 3.5).
     """
     gained = op.where(~op.equal(gain, 0.0), excess / gain, 0.0)
-    # In less than a period nothing goes back: it would swing.
+    # A tracking time below one period would overshoot and oscillate.
     back = x * period + gained * period / op.maximum(anti_windup, period)
     increment = op.where((anti_windup < 0.0) & (gained * x < 0.0), 0.0, x * period)
     new = total + op.where(anti_windup > 0.0, back, increment)
@@ -428,20 +427,20 @@ def _integral(
 
 
 def _deadband(x: X, width: X) -> X:
-    """Return 0 in the zone, outside by how much x has left it."""
+    """Return 0 inside the zone, the distance to it outside."""
     return op.maximum(x - 0.5 * width, 0.0) + op.minimum(x + 0.5 * width, 0.0)
 
 
 def _hysteresis(x: X, held: X, width: X) -> X:
-    """Return what it held, moved by x where that leaves the band around it."""
+    """Return the held value, pushed along by x at the edges of the band (play operator)."""
     return op.minimum(op.maximum(held, x - 0.5 * width), x + 0.5 * width)
 
 
 def _delayed(count: int) -> tuple[Callable[..., X], tuple[SourceState, ...]]:
-    """Return a row of values, each handed on once in a period; x where it has seen nothing yet."""
+    """Return a shift register of `count` periods; an empty stage gives x."""
     names = [f"late{k + 1}" for k in range(count)]
     after = [_Named(["x", *before], _seen_or_x) for before in ([], *([name] for name in names))]
-    # Each is next what the one before it is now: the first x, the value the last.
+    # Stage k takes the present value of stage k - 1, the first one x; the last is the output.
     *nexts, value = after
     states = tuple(
         SourceState(name, following, math.nan) for name, following in zip(names, nexts, strict=True)
@@ -454,12 +453,12 @@ def _seen_or_x(x: X, *before: X) -> X:
 
 
 def _switched(x: X, on: X, width: X) -> X:
-    """Return 1 above the band, 0 below it, and within it what it was."""
+    """Return 1 above the band, 0 below it, the old value inside (Schmitt trigger)."""
     return op.where(x > 0.5 * width, 1.0, op.where(x < -0.5 * width, 0.0, on))
 
 
 def _relay(x: X, on: X, width: X, levels_low: X, levels_high: X) -> X:
-    """Return one of two levels, by the side on which x has last left the band."""
+    """Return the level of the side on which x last left the band."""
     return op.where(_switched(x, on, width) > 0.5, levels_high, levels_low)
 
 
@@ -519,14 +518,14 @@ def _register() -> None:
         "reference",
         of="port",
         ports=("reference",),
-        doc="what a port is to be",
+        doc="set point of a port",
         elsewhere="setpoint set-point target desired demand ref",
     )
     kind(
         "measured",
         of="port",
         ports=("measured",),
-        doc="what a port is",
+        doc="measured value of a port",
         elsewhere="measurement measure actual feedback meas sensor",
     )
     low_pass = OptionKind("time", "time constant of a first-order low-pass after it")
@@ -561,7 +560,7 @@ def _register() -> None:
         options={
             "within": OptionKind("range", "bounds of the integral"),
             "anti-windup": OptionKind(
-                "windup", "what it does while its drive is at a limit: hold, or go back in a time"
+                "windup", "while its drive is at a limit: hold, or go back with a time constant"
             ),
             "start": OptionKind("figure", "its value before the first period"),
         },
@@ -607,7 +606,7 @@ def _register() -> None:
     kind(
         "deadband",
         _deadband,
-        doc="0 while a signal is within ± half the width, outside by how much it has left that",
+        doc="0 within ± half the width, outside that the signal's distance from it",
         options=WIDTH,
         kept="signal",
         pace=lambda near: near.pace,
@@ -651,7 +650,7 @@ def _register() -> None:
         bounds=lambda near: _levels(near.options),
         elsewhere="switch bang-bang on-off two-point thermostat",
     )
-    kind("rules", of="call", doc="what a rule base concludes; one signal for each output")
+    kind("rules", of="call", doc="outputs of a rule base; one signal for each output")
     kind("table", of="call", doc="the value of a lookup table")
 
 
