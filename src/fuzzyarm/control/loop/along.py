@@ -1,7 +1,6 @@
-"""Along a trajectory of a plant: its set points, and what the plant carries in each segment.
+"""Trajectories of a plant: set points, and the load of the plant in each segment.
 
-What a run follows is a :class:`FollowedPlant`: a plant, and one of its trajectories or else
-references.
+A run follows a :class:`FollowedPlant`: a plant with one of its trajectories or with references.
 """
 
 from __future__ import annotations
@@ -23,14 +22,14 @@ from fuzzyarm.plant.setting import PLAIN, STUDY_TIMING, ArmError, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, carried, sample
 
 AnyWay = Trajectory | Plant | Motion | str | os.PathLike[str]
-"""What is followed: a trajectory, a plant, the name or the file of one, or set points."""
+"""A trajectory, a plant, the name or file of one, or set points."""
 
 Schedule = Sequence[Mapping[str, float]]
-"""For each segment of a trajectory the parameters of the plant that differ in it."""
+"""Plant parameters that differ, for each segment of a trajectory."""
 
 
 class FollowedPlant(NamedTuple):
-    """A plant, and the trajectory that it follows; references where there is none."""
+    """A plant, and the trajectory that it follows; None with references."""
 
     plant: Plant
     trajectory: Trajectory | None
@@ -39,21 +38,21 @@ class FollowedPlant(NamedTuple):
 def way_of(
     on: AnyWay, along: Trajectory | str | None = None, *, referred: bool = False
 ) -> FollowedPlant | Motion:
-    """Return what is followed.
+    """Resolve the plant and the trajectory of a run.
 
     Parameters
     ----------
     on : Trajectory, Plant, Motion, str or path-like
-        A trajectory alone is followed by the study's arm.
+        A trajectory alone is followed by the arm of the study.
     along : Trajectory or str, optional
-        Of the plant; by default its first one, where it has some.
+        A trajectory of the plant; by default its first one, if any.
     referred : bool, optional
-        Whether references, or the time of a run, are given in place of a trajectory.
+        Whether references, or a duration, replace a trajectory.
 
     Raises
     ------
     PlantError
-        If there is no such plant, no such trajectory, or two things are to be followed.
+        If the plant or the trajectory is unknown, or two things are to be followed.
     """
     twice = PlantError(
         "both a trajectory and references are given",
@@ -74,7 +73,7 @@ def way_of(
 
 
 def equipped(plant: Plant, options: Options) -> Plant:
-    """Return a plant with the drives that the options ask for."""
+    """Return the plant with the drives of the options."""
     usual = Options()
     for name in DRIVE_OPTIONS:
         is_given = getattr(options, name) != getattr(usual, name)
@@ -84,11 +83,11 @@ def equipped(plant: Plant, options: Options) -> Plant:
 
 
 DRIVE_OPTIONS = ("torque_limits", "inductance", "supply")
-"""Options of a run that some plants know."""
+"""Options of a run that only some plants have."""
 
 
 def no_option(plant: Plant, name: str) -> PlantError:
-    """Return the error of an option of drives that a plant does not know."""
+    """Return the error for a drive option unknown to the plant."""
     interface = interface_of(plant)
     drive = interface.label(next(iter(interface.inputs)))
     hint = f"limits of an actuator bound it, as in {drive}=-5..5"
@@ -109,34 +108,34 @@ def trajectory_motion(
     schedule: Schedule | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> Motion:
-    """Return the set points of a trajectory, and the plant that each of them meets.
+    """Return the set points of a trajectory, and the plant of each segment.
 
     Parameters
     ----------
     plant : Plant
-        That follows, with the drives that it is to have.
+        The plant, with its drives.
     trajectory : Trajectory
-        What it follows.
+        The trajectory.
     controller : Controller, optional
-        Whose timing counts; by default that of the study. A loop refuses set points that were
-        made for another.
+        Supplies the timing; by default that of the study. A loop refuses set points of another
+        timing.
     conventions : Conventions, optional
-        Precision, π, whether a load stays on in a hold.
+        Precision, π, whether a load stays on during a hold.
     payload : bool or float, optional
-        The load where the trajectory says so, as a share of the plant's.
+        The load where the trajectory has one, as a share of the plant's.
     segments : sequence of int, optional
-        Carry the load in these, counted from 1, instead.
+        Segments with the load instead, counted from 1.
     schedule : sequence of mapping, optional
-        What of the parameters of the plant differs in each segment, instead of its load.
+        Plant parameters of each segment, in place of its load.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
 
     Raises
     ------
     SourceError
-        If the plant does not have what the controller measures or drives.
+        If the plant lacks a port that the controller measures or drives.
     PlantError
-        If the plant carries no load, does not follow with as many outputs, or lacks a parameter.
+        If the plant carries no load, has another number of outputs, or lacks a parameter.
     ArmError
         If an angle, a time or a segment is out of range.
     """
@@ -164,8 +163,8 @@ def trajectory_motion(
             columns[:, column] = orders[order][:, ports.index(of)]
     step = timing.period
     if conventions.single:
-        # In single precision the set point's time is a stored number, and so is what it is divided
-        # into.
+        # In single precision both the set-point time and its divisor are stored numbers: round
+        # twice.
         step = float(np.float32(np.float64(np.float32(timing.set_point)) / timing.every))
     return Motion(
         trajectory.name,
@@ -185,7 +184,7 @@ def trajectory_motion(
 
 
 class _Met(NamedTuple):
-    """The plants that are met, which of them in each segment, and which of them carry a load."""
+    """The plants of a run, the index of one for each segment, and which of them carry a load."""
 
     plants: tuple[Plant, ...]
     block: tuple[int, ...]
@@ -196,7 +195,7 @@ def _met_by_load(plant: Plant, where: Sequence[bool], share: float) -> _Met:
     if any(where) and not carries(plant):
         hint = "loaded_parameters of the plant says what it is with its load"
         raise PlantError(f"the {plant.name} carries no load", name="payload", hint=hint)
-    # A plant with its load and one without, as far as they are met; segments share them.
+    # At most one plant with the load and one without; segments share them.
     kinds = tuple(dict.fromkeys(where))
     plants = tuple(with_load(plant, share) if loaded else plant for loaded in kinds)
     return _Met(plants, tuple(map(kinds.index, where)), kinds)

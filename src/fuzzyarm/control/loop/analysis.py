@@ -1,4 +1,4 @@
-"""What a rule base does in a loop, without a run: describing function and phase portrait."""
+"""Analysis of a rule base without a run: describing function and phase portrait."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Vector = NDArray[np.float64]
 
 
 class AnalysisError(FuzzyarmError, ValueError):
-    """A describing function or a phase portrait cannot be had of something; `name` is of what."""
+    """No describing function or phase portrait of the object `name`."""
 
     def __init__(self, message: str, *, name: str, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -42,7 +42,7 @@ class AnalysisError(FuzzyarmError, ValueError):
 # --- Describing functions ---
 
 FEWEST, MOST = 256, 4_096
-"""Points of a period: doubled until the result stands still, or there are so many."""
+"""Samples per period: doubled from the first number until converged, up to the second."""
 
 
 def describing_function(
@@ -54,21 +54,21 @@ def describing_function(
 ) -> NDArray[np.complex128]:
     """Return the sinusoidal-input describing function.
 
-    Under the error ``A sin ωt`` the fundamental of the output is ``|N| A sin(ωt + arg N)``; terms
-    of higher order are left out, which is what a plant does that damps them.
+    Under the error ``A sin ωt`` the fundamental of the output is ``|N| A sin(ωt + arg N)``; higher
+    harmonics are neglected, as a plant with low-pass behaviour attenuates them.
 
     Parameters
     ----------
     thing : RuleBase or ControllerText
         A rule base with one input, the error, or two: the error and its rate. Or a controller
-        that remembers nothing, whose gains and limits count; its first error is the input, its
+        without states, with its gains and limits; its first error is the input, its
         first drive the output.
     amplitudes : array_like
         A, positive, in the unit of the error.
     frequency : float, optional
-        ω, rad/s: of what has a rate as an input, which is ``A ω cos ωt``.
+        ω, rad/s; matters for a rate input, which is ``A ω cos ωt``.
     tolerance : float, optional
-        Largest change by twice the points of a period, relative to the largest magnitude.
+        Convergence limit: change on doubling the samples, relative to the largest magnitude.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def describing_function(
     Raises
     ------
     AnalysisError
-        If it has more inputs, or a controller remembers something.
+        If it has more inputs, or the controller has states.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def describing_function(
 def _fundamental(
     answer: Callable[[Vector, Vector], Vector], sizes: Vector, frequency: float, points: int
 ) -> NDArray[np.complex128]:
-    """Return ``2/(n A) Σ f (sin + j cos)``, the midpoint rule: exact for what is smooth."""
+    """Return ``2/(n A) Σ f (sin + j cos)``, the midpoint rule: spectral accuracy for smooth f."""
     angle = 2.0 * np.pi * (np.arange(points) + 0.5) / points
     sine, cosine = np.sin(angle), np.cos(angle)
     error, rate = sizes[:, None] * sine, sizes[:, None] * frequency * cosine
@@ -115,7 +115,7 @@ def _fundamental(
 
 
 def _static(thing: AnyRuleBase | ControllerText) -> Callable[[Vector, Vector], Vector]:
-    """Return what gives the output of error and rate, arrays of one shape."""
+    """Return the output as a function of error and rate, arrays of one shape."""
     if isinstance(thing, AnyRuleBase):
         return _of_rulebase(thing.model)
     return _of_controller(thing)
@@ -172,7 +172,7 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
 def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
     """Return a rule base of one input, or a controller without rates, for python-control.
 
-    What it returns is the ``F`` of :func:`control.describing_function_plot` and
+    The result is the ``F`` of :func:`control.describing_function_plot` and
     :func:`control.describing_function`.
 
     Parameters
@@ -200,7 +200,7 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
             return float(answer(at, 0.0 * at)[0])
 
         def describing_function(self, A: float) -> complex:  # noqa: N803
-            # python-control begins at zero, where N is the slope.
+            # python-control starts at amplitude zero, where N is the slope.
             return complex(describing_function(thing, max(float(A), 1e-9)))
 
         def _isstatic(self) -> bool:
@@ -214,21 +214,21 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Portrait(Plotted):
-    """Motions from many starts in the plane of two quantities.
+    """Trajectories from many starts in the plane of two quantities.
 
     Attributes
     ----------
     name : str
-        Of what moves.
+        The system.
     x, y : str
-        What goes across, and up, with units.
+        Labels of the axes across and up, with units.
     paths : list of ndarray, shape (n, 2)
-        One for each start, over time.
+        One trajectory for each start, over time.
     target : pair of float
-        Where they should end; not a number where only the first is known.
+        The equilibrium; NaN where only the first coordinate is known.
     field : tuple of ndarray or None
-        Grid across, grid up, and the rates of both there, shape (up, across), where two
-        quantities are all that there is.
+        Grid across, grid up, and the rates of both there, shape (up, across); only for systems of
+        second order.
     """
 
     name: str
@@ -243,10 +243,10 @@ class Portrait(Plotted):
 
 
 STARTS = 12
-"""Around the target."""
+"""Number of starts around the target."""
 
 INTERVALS = 250
-"""Of the motion of a double integrator."""
+"""Time steps of the double integrator."""
 
 
 def phase_portrait(
@@ -266,21 +266,21 @@ def phase_portrait(
         A rule base with two inputs, error and its rate, needs no plant: it then drives a double
         integrator, ``ë = -u(e, ė)``.
     plant : Plant, str or path-like, optional
-        Whose first tracked output and its rate (or its second output) span the plane. Both have
-        to be states. A string is its name or file.
+        Its first tracked output and the rate of that (or its second output) span the plane; both
+        must be states. A string is its name or file.
     reference : mapping of str to Signal, str or float, optional
-        As of :func:`simulate`; by default the tracked output is to be in the middle of its range.
+        As of :func:`simulate`; by default the middle of the tracked output's range.
     starts : sequence of pair of float, optional
         By default twelve around the target, within the ranges of inputs or ports.
     duration : float or str, optional
         s, or with its unit; by default the plant's own, and 20 s for a rule base alone.
     options : Options, optional
-        Of the runs on a plant.
+        Options of runs on a plant.
 
     Raises
     ------
     AnalysisError
-        If there is nothing that spans a plane.
+        If no two states span a plane.
     """
     seconds = None if duration is None else as_seconds(duration, "duration")
     if isinstance(thing, AnyRuleBase):

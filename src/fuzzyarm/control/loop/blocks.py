@@ -1,8 +1,7 @@
-"""Blocks of runs on any executor: how large they are, in which order they come back, what travels.
+"""Blocks of runs on any executor: their size, their order, and pickling.
 
-What goes to another process is bytes, in which a user's file is its text, a law of the package is
-its name and a controller as text is its text: there is no address in it, and nothing that the
-other machine would have to have.
+Objects go to another process as bytes without addresses: a user's file as its text, a law of the
+package by name, a controller as its text. The other machine needs nothing but fuzzyarm.
 """
 
 from __future__ import annotations
@@ -34,13 +33,13 @@ from fuzzyarm.plant.plain_python import HOME, Home
 from fuzzyarm.plant.plant import Plant
 
 Rows = NDArray[np.float64]
-"""What came of some runs, one in each row."""
+"""Results of runs, one in each row."""
 
 Block = tuple[Rows, float]
-"""The rows of a block, and how long it took, s."""
+"""The rows of a block, and its time, s."""
 
 BLOCK_SECONDS = 1.0
-"""How long a block should take: its message costs nothing beside it, and little is lost with it."""
+"""Target time of a block, s: long beside its message, short enough to lose."""
 
 
 # --- Sizes and order ---
@@ -54,11 +53,11 @@ def in_order(
     Parameters
     ----------
     submit : callable
-        Takes the first run of a block and the one behind its last.
+        Called with the first run of a block and the one after its last.
     begin, end : int
-        First run, and the one behind the last.
+        First run, and the one after the last.
     workers : int
-        How many blocks run at a time. Twice as many wait or run.
+        Blocks running at a time. Up to twice as many are submitted.
 
     Yields
     ------
@@ -74,7 +73,7 @@ def in_order(
     try:
         while delivered < end:
             while submitted < end and len(under_way) < 2 * workers:
-                # At the end small ones, so that all workers finish together.
+                # Smaller blocks near the end, so that all workers finish together.
                 share = math.ceil((end - submitted) / (2 * workers))
                 last = submitted + max(1, min(size, share))
                 under_way[submit(submitted, last)] = submitted
@@ -121,15 +120,15 @@ def _processes(workers: int) -> Executor:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
-        # A fork would copy locks of threads that it does not copy.
+        # A fork would copy locks held by threads that it does not copy: deadlock.
         return ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
     executor: Executor = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
     return executor
 
 
 _SAFE_PATH = "PYTHONSAFEPATH"
-"""With it a process does not look for modules in the folder that it is started in: there may be a
-``control.py`` or a ``signal.py`` of the user's."""
+"""Keeps the start folder off the module path: it may hold a ``control.py`` or ``signal.py`` of
+the user."""
 
 
 @contextmanager
@@ -147,7 +146,7 @@ def _safe_path() -> Iterator[None]:
 
 @contextmanager
 def workers_watched() -> Iterator[None]:
-    """Make one clear sentence of it where a worker process has gone."""
+    """Turn the loss of a worker process into a `WorkersError`."""
     try:
         yield
     except BrokenExecutor as error:
@@ -156,7 +155,7 @@ def workers_watched() -> Iterator[None]:
 
 
 def end_processes(pool: Executor) -> None:
-    """End processes of :func:`default_processes`, with what they are at."""
+    """Kill the processes of :func:`default_processes`, with their work."""
     if type(pool).__module__.startswith("loky"):
         pool.shutdown(wait=True, kill_workers=True)  # type: ignore[call-arg]
         return
@@ -166,7 +165,7 @@ def end_processes(pool: Executor) -> None:
 
 
 def deaf() -> None:
-    """Ignore Ctrl-C in a worker: who started it ends it."""
+    """Ignore Ctrl-C in a worker: its parent ends it."""
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -176,11 +175,11 @@ def deaf() -> None:
 
 
 class TravelError(FuzzyarmError, TypeError):
-    """Something of an experiment cannot go to another process."""
+    """An object of an experiment cannot be pickled."""
 
 
 def packed(thing: object) -> bytes:
-    """Return the bytes of a thing; TravelError if something in it has none."""
+    """Return the pickle of an object; TravelError if a part of it has none."""
     buffer = io.BytesIO()
     try:
         _pickler()(buffer, protocol=5).dump(thing)
@@ -192,13 +191,13 @@ def packed(thing: object) -> bytes:
 
 
 def unpacked(content: bytes) -> Any:
-    """Return the thing of which these are the bytes."""
+    """Unpickle an object."""
     return pickle.loads(content)
 
 
 @cache
 def _pickler() -> type[pickle.Pickler]:
-    """Return the pickler; what a session defined travels where cloudpickle is installed."""
+    """Return the pickler; with cloudpickle, objects of an interactive session are picklable."""
     base: Any = pickle.Pickler
     try:
         import cloudpickle
@@ -219,7 +218,7 @@ def _pickler() -> type[pickle.Pickler]:
 
 
 def recipe(thing: Any) -> tuple[Any, ...] | None:
-    """Return how another process makes a thing again, where pickle does not know it."""
+    """Return a constructor and its arguments for an object that pickle cannot handle."""
     if isinstance(thing, TextLaw):
         return make_law, (thing.text, thing.find_law, thing.site)
     if isinstance(thing, Law):
@@ -228,16 +227,16 @@ def recipe(thing: Any) -> tuple[Any, ...] | None:
         return _recipe_of_plant(thing)
     if type(thing) is CompiledController:  # without the arrays of its last run
         return _controller_of, (thing.law, dict(thing.gains), thing.name)
-    # A function that was printed has no module at all.
+    # A function compiled from printed source has no module at all.
     if callable(thing) and (getattr(thing, "__module__", None) or "").startswith(OWN):
         return _recipe_of_own(thing)
     return _recipe_of_fields(thing)
 
 
 def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
-    """Return how a thing with cached properties is made again: without what they have cached.
+    """Return the reconstruction of an object without its cached properties.
 
-    That may be anything, such as a compiled function, and is computed again where it is needed.
+    Their values may be anything, such as compiled functions, and are recomputed on demand.
     """
     kind: Any = type(thing)
     derived = _cached_names(kind)
@@ -249,13 +248,13 @@ def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
 
 @cache
 def _cached_names(kind: Any) -> frozenset[str]:
-    """Return the cached properties of a class."""
+    """Return the names of the cached properties of a class."""
     names = (name for base in kind.__mro__ for name in vars(base))
     return frozenset(n for n in names if isinstance(getattr(kind, n, None), cached_property))
 
 
 def _is_plain(kind: type) -> bool:
-    """Whether a class leaves it to pickle how its things are taken apart."""
+    """Whether a class leaves pickling to the default protocol."""
     ways = ("__reduce_ex__", "__reduce__", "__getstate__", "__setstate__", "__getnewargs_ex__")
     return all(getattr(kind, way, None) is getattr(object, way, None) for way in ways)
 
@@ -279,12 +278,12 @@ def _controller_of(law: Law, gains: Any, name: str) -> CompiledController:
 
 
 def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
-    """Return how a class or function of a user's file is made again."""
+    """Return the reconstruction of a class or function of a user's file."""
     name = getattr(thing, "__qualname__", "")
     module = sys.modules[thing.__module__]
     if not name or not hasattr(module, SOURCE):
         return None
-    # A file that was loaded twice has two of each; a function knows its own.
+    # A file loaded twice has two modules of the same name; a function knows its own.
     target: Any = thing.__globals__ if isinstance(thing, FunctionType) else vars(module)
     first, *rest = name.split(".")
     target = target.get(first)
@@ -293,12 +292,12 @@ def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
     if target is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
         return plant_class, thing.__bases__[:1]
     if target is not thing and not _same_class(target, thing):
-        return None  # made in a function, or under a decorator: its name does not lead to it
+        return None  # local or decorated: not reachable by its name
     return _own_thing, (module.__file__, getattr(module, SOURCE), name)
 
 
 def _same_class(value: Any, thing: Any) -> bool:
-    """Whether two classes come from the same text; the name of their module says so."""
+    """Whether two classes come from the same text; their module's name contains its hash."""
     both = isinstance(value, type) and isinstance(thing, type)
     return both and (value.__module__, value.__qualname__) == (thing.__module__, thing.__qualname__)
 
@@ -311,9 +310,9 @@ def _own_thing(path: str, source: str, name: str) -> Any:
 
 
 def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:
-    """Return how a plant of a user's file is made again: from its text, then what was changed.
+    """Return the reconstruction of a user's plant: its text, then the changed attributes.
 
-    So whatever the class keeps for itself, a function or a lock, need not travel.
+    So private attributes of the class, such as functions or locks, need not be pickled.
     """
     home: Home = vars(plant)[HOME]
     kind: Any = type(plant)

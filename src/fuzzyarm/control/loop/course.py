@@ -1,4 +1,4 @@
-"""An experiment as the loop takes it: set points, plant, sensors, disturbances, limits."""
+"""An experiment as arrays of the loop kernel: set points, plant, sensors, disturbances, limits."""
 
 from __future__ import annotations
 
@@ -57,24 +57,24 @@ Vector = NDArray[np.float64]
 
 
 class OptionError(ArmError, PlantError, UsageError):
-    """A number that says how to run is out of range."""
+    """A run option out of range."""
 
 
 @dataclass(frozen=True, init=False)
 class Sensor:
-    """What a sensor makes of an output.
+    """The model of a sensor.
 
     Parameters
     ----------
     noise : float, optional
         Standard deviation of white noise, in the unit of the port.
     resolution : float, optional
-        Step of the values, which are multiples of it and end at the range of the port; 0 for none.
+        Quantisation step; values are its multiples within the range of the port; 0 for none.
     delay : float or str, optional
-        s, or with its unit, as in ``"2ms"``; rounded to whole control periods, a half up.
+        s, or with its unit, as in ``"2ms"``; rounded to whole control periods, halves up.
     difference : float or str, optional
-        Form this rate from what the sensor of its port says, by difference, with a filter of
-        this time constant (s or with its unit, 0 for none), in place of a sensor of its own.
+        Form this rate as the filtered difference of the measured value of its port instead of with
+        a sensor of its own: time constant of the filter, s or with its unit, 0 for none.
     """
 
     noise: float
@@ -101,37 +101,36 @@ class Sensor:
 
 
 LARGEST_INDUCTANCE = 10.0
-"""H; more is taken for a slip of the pen."""
+"""H; a larger value is taken as a typing error."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to run, beyond conventions.
+    """Run options beyond the conventions.
 
     Parameters
     ----------
     torque_limits : pair of float, optional
-        Of the joints of a plant that has some, N m; infinite by default.
+        Joint torques of an arm, N m; infinite by default.
     inductance : float, optional
-        Of the armatures of its motors, H; none by default.
+        Armature inductance of the motors, H; 0 by default.
     supply : float, optional
-        Largest voltage at its motors, V; infinite by default.
+        Largest motor voltage, V; infinite by default.
     runge_kutta : int, optional
-        Steps of the integrator in each control period; 0 for the plant's own integrator, where it
-        has one, and else for as many as it needs.
+        Steps of the integrator in each control period; 0 for the plant's own integrator, if any,
+        else for as many as it needs.
     disturbance : float, optional
         Largest relative disturbance of each state at each step.
     seed : int, optional
-        Of disturbance and noise.
+        Seed of disturbance and noise.
     compiled : bool, optional
-        Whether to run machine code; by default as the environment wants it.
+        Whether to run machine code; by default as the environment says.
     interpolate : bool, optional
-        Whether the reference moves in a straight line from one set point to the next, instead
-        of being held.
+        Whether the reference is interpolated linearly between set points instead of held.
     sensors : mapping of str to Sensor, optional
-        By port; the others are exact.
+        By port; other sensors are ideal.
     loads : mapping of str to Signal, str or float, optional
-        By input: what is added to a drive behind its limits; as references of a run.
+        By input: disturbance added to a drive after its limits; a signal like a reference.
     """
 
     torque_limits: Pair = (math.inf, math.inf)
@@ -163,7 +162,7 @@ class Options:
             raise OptionError(message, name="runge_kutta", hint="0 to 1000")
 
     def arithmetic(self, conventions: Conventions) -> RunArithmetic:
-        """Return how the laws count under some conventions."""
+        """Return the arithmetic of the laws under these conventions."""
         compiled = has_machine_code() if self.compiled is None else self.compiled
         return RunArithmetic(conventions.single, conventions.pi, compiled)
 
@@ -178,32 +177,32 @@ class Motion:
     Attributes
     ----------
     name : str
-        Under which it is reported.
+        Its name in reports.
     time : ndarray, shape (n,)
         s.
     references : ndarray, shape (n, R)
         In the order of the plant's references.
     iterations : ndarray of int64, shape (n,)
-        Control periods of each.
+        Control periods of each set point.
     block : ndarray of int64, shape (n,)
-        Which of the plants each meets.
+        Index into `plants`, for each set point.
     plants : tuple of Plant
         One, or one for each load.
     tracked : tuple of (str, str)
-        The outputs whose errors count.
+        The outputs whose errors are measured.
     period, step : float
-        Of control, s; and as the run stores it.
+        Control period, s; exact, and as stored in the precision of the run.
     every : int
         Control periods of a whole set point.
     path : ndarray, shape (m, k), optional
-        What each tracked output should be in each of the `m` control periods, where set points
-        are samples of something that moves on; by default the set points themselves.
+        The reference of each tracked output in each of the `m` control periods, where set points
+        are samples of a moving reference; by default the set points themselves.
     along : bool, optional
         Whether it is a trajectory of the plant.
     carrying : tuple of bool, optional
-        Of each of the plants whether it is one with its load.
+        Whether each of the plants carries its load.
     duration : float, optional
-        For how long it was asked, s; a run takes whole set points.
+        Requested duration, s; a run takes whole set points.
     """
 
     name: str
@@ -223,16 +222,16 @@ class Motion:
 
     @property
     def sampled(self) -> Vector:
-        """Time at which each set point is sampled, s: of its last control period."""
+        """Sampling time of each set point, s: that of its last control period."""
         return np.asarray((np.cumsum(self.iterations) - 1) * self.period, np.float64)
 
 
 MOST_POINTS = 20_000_000
-"""Set points of a run."""
+"""Largest number of set points of a run."""
 
 
 def require_points(duration: float, set_point: float) -> int:
-    """Return how many set points fill a time; PlantError for none or too many."""
+    """Return the number of set points in a duration; PlantError for none or too many."""
     count = math.ceil(duration / set_point - 1e-9) if duration < math.inf else 0
     if not 1 <= count <= MOST_POINTS:
         hint = f"up to {MOST_POINTS:,} set points of {set_point:g} s"
@@ -309,17 +308,17 @@ def motion(
 
 
 def periods_of(delay: float, period: float) -> int:
-    """Return a delay in whole control periods, a half counts up."""
+    """Return a delay in whole control periods, halves rounded up."""
     return whole_periods(delay, period)
 
 
 def is_whole(delay: float, period: float) -> bool:
-    """Tell whether a delay is whole control periods, except for the rounding of its digits."""
+    """Whether a delay is a whole number of control periods, within the rounding of its digits."""
     return math.isclose(delay, periods_of(delay, period) * period, rel_tol=1e-6, abs_tol=1e-12)
 
 
 def delay_notes(options: Options, period: float) -> tuple[str, ...]:
-    """Return in words which delays of sensors are not whole control periods, and what is taken."""
+    """Return notes on delays rounded to whole control periods."""
     notes = []
     for name, sensor in options.sensors.items():
         count = periods_of(sensor.delay, period)
@@ -332,7 +331,7 @@ def delay_notes(options: Options, period: float) -> tuple[str, ...]:
 
 
 def duration_notes(motion: Motion) -> tuple[str, ...]:
-    """Return in words how long a run is whose time is not one of whole set points."""
+    """Return a note on a duration rounded to whole set points."""
     set_point = motion.every * motion.period
     whole = len(motion.time) * set_point
     if motion.duration is None or math.isclose(whole, motion.duration, rel_tol=1e-6):
@@ -342,7 +341,7 @@ def duration_notes(motion: Motion) -> tuple[str, ...]:
 
 
 def range_notes(motion: Motion, site: Site) -> tuple[str, ...]:
-    """Return in words which set points are beyond what their sensors can say."""
+    """Return notes on set points outside the range of their sensor."""
     notes = []
     for column, (address, reference) in enumerate(site.interface.references.items()):
         port = site.interface.outputs.get(address)
@@ -363,13 +362,13 @@ def range_notes(motion: Motion, site: Site) -> tuple[str, ...]:
 
 
 def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
-    """Return numbers in one row, as an array or, for an interpreter, as a view on one."""
+    """Return numbers as one flat array, or for the interpreter as a memory view of it."""
     row: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
     return row if as_array else view(row)
 
 
 class Course:
-    """An experiment as the loop takes it.
+    """An experiment as arrays of the loop kernel.
 
     Parameters
     ----------
@@ -380,16 +379,16 @@ class Course:
     options : Options
         The rest of the setting.
     driven : collection of (str, str)
-        Inputs that the controller drives.
+        Inputs driven by the controller.
     as_array : bool
-        Arrays, or views for the interpreter.
+        Arrays for machine code, or views for the interpreter.
     connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
 
     Attributes
     ----------
     dynamics : Dynamics or None
-        The kernel of the plant, and of all plants of the kind; None of one in plain Python.
+        The kernel shared by all plants of the kind; None for a plant in plain Python.
     """
 
     def __init__(
@@ -411,7 +410,7 @@ class Course:
         self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
         self.driven = driven
         self.steps = int(motion.iterations.sum())
-        # Indices of the set points that are sampled, if a run gets so far: those of all periods.
+        # Only set points with all their periods are sampled (if the run gets that far).
         self.whole = np.flatnonzero(motion.iterations == motion.every)
         self.dynamics = self._dynamics()
         cells, bounds = self._checks()
@@ -445,7 +444,7 @@ class Course:
 
     @property
     def _true(self) -> int:
-        """Cell of the first true output: behind the input of the laws and the room for drives."""
+        """Cell of the first true output: after the observation and the scratch for drives."""
         return self.site.told + len(self.site.interface.inputs)
 
     @property
@@ -459,12 +458,12 @@ class Course:
         return CLOCK + list(self.site.interface.references).index(port)
 
     def output_cell(self, port: Address) -> int:
-        """Return the cell of an output as it is."""
+        """Return the cell of a true output."""
         first = self._true if self.options.sensors else self._seen
         return first + list(self.site.interface.outputs).index(port)
 
     def drive_cell(self, port: Address) -> int:
-        """Return the cell of a drive as the plant feels it."""
+        """Return the cell of a drive after actuators and loads."""
         outputs = len(self.site.interface.outputs) + self.site.extra
         return self._true + outputs + list(self.site.interface.inputs).index(port)
 
@@ -487,7 +486,7 @@ class Course:
         return dynamics_of(self.plant, self.arithmetic, finely=finely)
 
     def _meeting(self) -> dict[str, Any]:
-        """Return the plants, and which of them each set point meets."""
+        """Return the parameter blocks of all plants, and the block of each set point."""
         plants = self.plant, *self.motion.plants[1:]
         blocks = [numbers_of(plant, self.driven, self.arithmetic) for plant in plants]
         return {
@@ -496,7 +495,7 @@ class Course:
         }
 
     def with_plants(self, motion: Motion) -> Course:
-        """Return the same set points for other plants of the kind."""
+        """Return the same experiment with other plants of the kind."""
         other = copy(self)
         other.motion = motion
         other.plant = for_runs(motion.plants[0])
@@ -504,7 +503,7 @@ class Course:
         return other
 
     def with_options(self, options: Options) -> Course:
-        """Return the same experiment with other sensors and disturbances of the states."""
+        """Return the same experiment with other sensors and state disturbances."""
         other = copy(self)
         other.options = options
         other._parts = {**self._parts, **other._sensing(options.seed)}
@@ -512,7 +511,7 @@ class Course:
         return other
 
     def _sensing(self, seed: int) -> dict[str, Any]:
-        """Return sensors and their noise; both are empty where all sensors are exact."""
+        """Return sensor records and noise; both empty if all sensors are ideal."""
         sensors, noise = self._sensor_numbers(seed)
         return {"sensors": self._flat(sensors), "noise": self._flat(noise)}
 
@@ -536,7 +535,7 @@ class Course:
         noisy: list[float] = []
         for port, output in interface.outputs.items():
             sensor = sensors.get(port, Sensor())
-            # Beyond the end of the run it makes no difference, but takes room.
+            # A longer delay changes nothing in this run, but takes memory.
             delay = min(periods_of(sensor.delay, self.motion.period), self.steps)
             source = -1
             if sensor.difference is not None:
@@ -550,7 +549,7 @@ class Course:
             heads += [sensor.resolution, output.low, output.high, delay, ring, source]
             heads += [sensor.difference or 0.0, math.nan, 0.0, column]
             ring += delay
-        # What a plant derives from its outputs has no sensor of its own.
+        # Quantities that a plant derives from its outputs have ideal sensors.
         exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]
         heads += exact * self.site.extra
         heads += [0.0] * (ring - len(heads))
@@ -559,6 +558,7 @@ class Course:
 
     def _pushes(self) -> Any:
         loads = {
+            # One row for each control period, one column for each input, evaluated beforehand.
             port: as_signal(signal)
             for name, signal in self.options.loads.items()
             for port in self.site.interface.every_port(name)
@@ -599,17 +599,17 @@ class Course:
     # --- What is handed over ---
 
     def parts(self, seed: int | None = None, loads: Any = None) -> dict[str, Any]:
-        """Return what is the experiment's of a :class:`LoopBlock`, by name, for one run.
+        """Return the experiment's parts of a :class:`LoopBlock`, by name, for one run.
 
-        Limits and sensors remember, so each run has its own. `seed` and `loads` take the place of
+        Limits and sensors have state, so each run gets its own copy. `seed` and `loads` override
         those of the options.
         """
         run_seed = self._setting.seed if seed is None else seed
-        # The generator works with 31 bits; more would not fit into a float.
+        # The generator has 31 bits.
         setting = self._flat(self._setting._replace(seed=run_seed % 2**31))
         parts = {**self._parts, "setting": setting, "limits": self._flat(self._limits())}
         if len(parts["sensors"]):
-            # Noise is drawn again for another seed only.
+            # Noise is drawn anew only for another seed.
             own = {"sensors": self._flat(parts["sensors"])}
             parts |= own if run_seed == self.options.seed else self._sensing(run_seed)
         if loads is not None:
@@ -617,11 +617,11 @@ class Course:
         return parts
 
     def loads(self) -> Any:
-        """Return the disturbances of the drives with room for a hand's: for each control period."""
+        """Return the drive disturbances of every control period, to be overwritten by hand."""
         load_array = self._parts["pushes"]
         if len(load_array):
             return self._flat(load_array)
-        # To add -0 changes no bit of any drive; to add 0 would make 0 of -0.
+        # Adding -0.0 keeps every bit of a drive; adding 0.0 would turn -0.0 into 0.0.
         return self._flat(np.full(self.steps * len(self.site.interface.inputs), -0.0))
 
     def _limits(self) -> list[float]:
@@ -632,9 +632,9 @@ class Course:
         return rows
 
     def clock(self, *, between: bool = True) -> Any:
-        """Return the clock of the plant at the start, and room for changes and errors.
+        """Return the initial clock of the plant, followed by the sums of changes and errors.
 
-        Without `between` the errors of control periods that are not sampled are not added up.
+        Without `between` the sums of errors over all control periods are left out.
         """
         parts = self.options.runge_kutta
         if not parts:
@@ -647,7 +647,7 @@ class Course:
         return self._flat(clock)
 
     def state(self, seed: int | None = None) -> Any:
-        """Return the states at the start, and room for the integrator."""
+        """Return the initial states, followed by the scratch of the integrator."""
         generator = np.random.default_rng(self._setting.seed if seed is None else seed)
         start = start_of(self.plant, generator)
         size = self.plant.particulars.room or (1 + WORK) * len(start)

@@ -1,6 +1,6 @@
-"""An experiment made ready: controllers, files, plant, and what it follows.
+"""From an `ExperimentRequest` to controllers, files, plant and set points.
 
-What the commands that run a loop, and the calls from Python, do with an `ExperimentRequest`.
+Shared by the commands that run a loop and by the Python calls.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _Asked = TypeVar("_Asked", bound=ExperimentRequest)
 
 
 def controllers_of(request: ExperimentRequest, names: Sequence[str]) -> list[Controller]:
-    """Return the controllers of some names, told apart where two have the same."""
+    """Return the controllers by name, with distinct names."""
     controllers = find_controllers(
         names, start=request.start, variant=request.variant, sources=sources_of(request)
     )
@@ -53,7 +53,7 @@ def controllers_of(request: ExperimentRequest, names: Sequence[str]) -> list[Con
 def _require_choice(
     request: ExperimentRequest, names: Sequence[str], controllers: Sequence[Controller]
 ) -> None:
-    """Raise UsageError where a start or a variant would change nothing."""
+    """Raise UsageError for a start or a variant without effect."""
     entries = [entry for name in names for entry in entries_if_any(name)]
     laws = [text_law_of(part) for controller in controllers for part in controller.parts()]
     partners = {p.law for law in laws if law is not None for p in law.text.model.partners}
@@ -68,7 +68,7 @@ def _require_choice(
 
 
 def sources_of(request: ExperimentRequest) -> Sources:
-    """Return the rule bases and tables that stand in place of those of a controller."""
+    """Return the rule bases and tables that replace those of a controller."""
     return Sources(
         above.function("load_rules")(request.rulebase, "--rulebase") if request.rulebase else None,
         above.function("load_rules")(request.alpha, "--alpha") if request.alpha else None,
@@ -78,7 +78,7 @@ def sources_of(request: ExperimentRequest) -> Sources:
 
 
 def control_tables(paths: Sequence[str], option: str) -> tuple[LookupTable, ...]:
-    """Return the table in one file, or the tables of both joints in two.
+    """Return the table of one file, or those of both joints from two.
 
     A rule base is compiled at the levels of its file.
     """
@@ -88,7 +88,7 @@ def control_tables(paths: Sequence[str], option: str) -> tuple[LookupTable, ...]
 
 
 def performance_table(word: str) -> LookupTable:
-    """Return a performance table: of a file, or a shipped one by its author."""
+    """Return a performance table: from a file, or a shipped one by its author."""
     name = f"performance-{word}.lut"
     is_shipped = not Path(word).exists() and name in shipped_names()
     table: LookupTable = above.function("load_sampled")(str(shipped(name)) if is_shipped else word)
@@ -101,7 +101,7 @@ def performance_table(word: str) -> LookupTable:
 def with_settings(
     request: ExperimentRequest, controllers: Sequence[Controller], plant: Plant
 ) -> tuple[list[Controller], Plant]:
-    """Return controllers with their gains set, and the plant with its parameters.
+    """Return the controllers with new gains and the plant with new parameters.
 
     A gain is set in every controller that has it.
     """
@@ -115,7 +115,7 @@ def with_settings(
 
 
 def overrides(words: Sequence[str]) -> dict[str, list[float]]:
-    """Return the gains that words like ``K_P=120,80`` set."""
+    """Return the gains in words like ``K_P=120,80``."""
     values = {}
     for word in words:
         name, equals, text = word.partition("=")
@@ -132,7 +132,7 @@ def overrides(words: Sequence[str]) -> dict[str, list[float]]:
 def split_settings(
     values: Mapping[str, list[float]], controllers: Sequence[Controller], plant: Plant
 ) -> tuple[dict[str, list[float]], dict[str, float]]:
-    """Divide the values of ``--set`` between gains of controllers and parameters of the plant.
+    """Divide the values of ``--set`` into gains of controllers and parameters of the plant.
 
     Raises
     ------
@@ -160,9 +160,9 @@ def split_settings(
 
 
 def with_plant(request: _Asked, controllers: Sequence[Controller]) -> tuple[_Asked, Plant]:
-    """Return the plant with its actuators, and the experiment with its name.
+    """Return the plant with its actuators, and the request with its name.
 
-    Where none is named it is the shipped one that has the axes of the controllers.
+    The default is the shipped plant with the axes of the controllers.
     """
     if request.plant is None:
         request = request.replaced(plant=_plant_by_axes(controllers, connections(request)))
@@ -180,7 +180,7 @@ def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]
 
 
 def with_drives(request: ExperimentRequest, plant: Plant) -> tuple[Plant, Options]:
-    """Return a plant with the drives that are asked for, and the options of a run."""
+    """Return the plant with the requested drives, and the options of a run."""
     options = options_of(request, plant)
     return equipped(plant, options), options
 
@@ -188,21 +188,21 @@ def with_drives(request: ExperimentRequest, plant: Plant) -> tuple[Plant, Option
 # --- Which fields a plant understands ---
 
 ALONG = ("trajectory", "angles", "way_points", "segment", "hold")
-"""Fields for plants that follow trajectories."""
+"""Fields for plants with trajectories."""
 
 CARRIED = ("payload", "loaded", "load_in_hold")
-"""Fields for plants that carry a load, along a trajectory."""
+"""Fields for plants with a load, along a trajectory."""
 
 REFERRED = ("reference", "step", "duration")
-"""Fields of runs along references, which any plant follows."""
+"""Fields of runs along references, for any plant."""
 
 DRIVES = {"limits": "torque_limits", "supply": "supply", "inductance": "inductance"}
 COUNTING = ("conventions", "precision", "pi")
-"""Fields that a plant has to name: of its drives, by the fields of ``Options``; of counting."""
+"""Fields that a plant must declare: drives (by the fields of ``Options``) and arithmetic."""
 
 
 def given_option(request: ExperimentRequest, names: Iterable[str]) -> str:
-    """Return the first of some fields that says something, as its option is written, or nothing."""
+    """Return the first of the fields with a value, as its option is spelled, or ""."""
     option = request.given(names)
     if option is None:
         return ""
@@ -211,7 +211,7 @@ def given_option(request: ExperimentRequest, names: Iterable[str]) -> str:
 
 
 def follows(request: ExperimentRequest, plant: Plant) -> bool:
-    """Whether a plant is to follow a trajectory, and not references."""
+    """Whether a plant follows a trajectory rather than references."""
     _require_known(request, plant)
     if not plant.trajectories:
         return False
@@ -226,7 +226,7 @@ def follows(request: ExperimentRequest, plant: Plant) -> bool:
 
 
 def _require_known(request: ExperimentRequest, plant: Plant) -> None:
-    """Raise WordError for a field that a plant does not understand."""
+    """Raise WordError for a field without meaning for the plant."""
     name, options = plant.name, plant.particulars.options
     option = given_option(request, ALONG)
     if option and not plant.trajectories:
@@ -251,9 +251,9 @@ def _require_known(request: ExperimentRequest, plant: Plant) -> None:
 
 
 def set_points(request: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
-    """Return what a plant follows: a trajectory of its own with its load, or references.
+    """Return the set points: of a trajectory of the plant, with its load, or of references.
 
-    Parameters of the plant that were set are its parameters with its load, too.
+    Parameters set by the user hold for the loaded plant, too.
     """
     if not follows(request, plant):
         return motion_of(request, controller, plant)
@@ -269,7 +269,7 @@ def set_points(request: ExperimentRequest, controller: Controller, plant: Plant)
 
 
 def trajectory_of_request(request: ExperimentRequest, plant: Plant) -> Trajectory:
-    """Return the trajectory that is named; by default the first of the plant."""
+    """Return the named trajectory; by default the first of the plant."""
     arguments: dict[str, Any] = {}
     if request.segment is not None:
         arguments["segment"] = request.segment
@@ -297,7 +297,7 @@ def _point(text: str) -> tuple[float, ...]:
 
 
 def files_named(request: ExperimentRequest) -> dict[str, Path]:
-    """Return the files that the words of an experiment may name; some of them are not files."""
+    """Return the possible files among the words of an experiment; not all of them exist."""
     words = [request.rulebase, request.alpha, request.performance, *request.table]
     plant = request.plant or ""
     words += [plant.partition(".py")[0] + ".py", plant, plant.rpartition(":")[0]]

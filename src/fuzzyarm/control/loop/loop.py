@@ -1,17 +1,19 @@
-"""The closed loop: a reference, sensors, control laws, actuators and a plant; its error norms.
+"""The closed-loop kernel: references, sensors, control laws, actuators and plant; error norms.
 
-Everything that the loop shares with laws and plant stands in one array, the **board**:
+Loop, laws and plant share one array, the **board**:
 
 =============  =====================================================================
-0 … 2          the clock: control period, s; whether this is the last period of a set
-               point; whether values are stored in single precision
-references     what is wanted, see :class:`fuzzyarm.plant.plant.Interface`
-seen           the outputs as sensors have them, in the order of the plant
-wanted         room for the drives that a law leaves
+0 … 2          the clock: control period, s; 1 in the last period of a set point;
+               1 if values are stored in single precision
+references     set points, see :class:`fuzzyarm.plant.plant.Interface`
+seen           outputs as measured, in the order of the plant
+wanted         scratch for the drives of one law
+true           outputs of the plant (unused where all sensors are ideal)
+drives         drives, after actuators and loads
 =============  =====================================================================
 
-So far it is what a law is told. Behind it stand the outputs as they are (unused where all sensors
-are exact), and the drives. Laws and plant are called by address and know parts of this array only.
+The cells up to `seen` are the observation of a law. Laws and plant are called by address and
+access their own part only.
 """
 
 from __future__ import annotations
@@ -42,7 +44,7 @@ from fuzzyarm.symbolic.kernels import call, kernel, letters_of_parts
 
 
 class LoopConstants(NamedTuple):
-    """What does not change during a run; the loop takes it as an array in this order.
+    """Constants of a run; the kernel takes them as an array in this order.
 
     Attributes
     ----------
@@ -51,15 +53,15 @@ class LoopConstants(NamedTuple):
     single : bool
         Whether stored values are rounded to single precision.
     every : int
-        Control periods of a set point; the last of them is sampled.
+        Control periods of a set point; sampled in the last of them.
     interpolated : bool
-        Whether the reference moves in a straight line from one set point to the next.
+        Whether the reference is interpolated linearly between set points.
     disturbance : float
         Largest relative disturbance of each state at each step; 0 for none.
     seed : int
-        Of the disturbance, below 2³¹.
+        Seed of the disturbance, below 2³¹.
     states : int
-        States that are disturbed, from the first on.
+        Number of disturbed states, from the first on.
     """
 
     step: float
@@ -72,9 +74,9 @@ class LoopConstants(NamedTuple):
 
 
 class LoopBlock(NamedTuple):
-    """All the numbers of a run, part by part: the only argument of :func:`run_loop`.
+    """All arrays of a run: the only argument of :func:`run_loop`.
 
-    The parts have no memory in common. Their shapes, with `n` set points, `m` control periods, `R`
+    The arrays do not overlap. Their shapes, with `n` set points, `m` control periods, `R`
     references, `D` drives, `k` tracked outputs:
 
     ==============  ==================  ======================================================
@@ -82,15 +84,15 @@ class LoopBlock(NamedTuple):
     ------------------------------------------------------------------------------------------
     references      R n                 set points
     iterations      n, whole            control periods of each
-    plant_of        n, whole            which block of the plant each meets
+    plant_of        n, whole            index of its plant, for each set point
     plants          blocks, flat        parameters of the plant
     setting         7                   a :class:`LoopConstants`
-    links           4, whole            :data:`ADDRESS` of the plant and what it does itself
+    links           4, whole            :data:`ADDRESS` of the plant and its abilities
     noise           columns m, or 0     added to outputs before they are quantised
-    pushes          D m, or 0           added to drives behind their limits
+    pushes          D m, or 0           loads added to drives after their limits
     checks          2 each, whole       cells of the board: a reference (-1: none), an output
-    bounds          1 each              largest difference, or magnitude, that is no divergence
-    path            k m, or 0           what a run is to follow between held set points
+    bounds          1 each              largest error, or magnitude, without divergence
+    path            k m, or 0           reference between held set points
     the controller, read only
     ------------------------------------------------------------------------------------------
     laws            whole               see :func:`fuzzyarm.control.controllers.law.summed_drives`
@@ -99,17 +101,17 @@ class LoopBlock(NamedTuple):
     ------------------------------------------------------------------------------------------
     sensors         10 each, or 0       see :data:`SENSOR`; behind them the rings of delays
     limits          4 D                 lowest, highest, largest change in a period, last value
-    memory                              of the laws
+    memory                              state of the laws
     taps            whole               cells of the board that are recorded: tracked outputs,
                                         their references, others
     board                               see the head of this module
-    state                               states of the plant, room of its integrator
+    state                               states of the plant, scratch of its integrator
     clock           see below           for the plant; then sums of changes and of errors
     record          taps n              a row for each tap, an entry for each sampled set point
-    progress        7, whole            how far the run has come: :data:`SAMPLES` and following
+    progress        7, whole            state of the run: :data:`SAMPLES` and following
     ==============  ==================  ======================================================
 
-    Many runs share what is read only, in all threads: none of it is copied for a run.
+    All threads share the read-only arrays: no run copies them.
     """
 
     references: list[float]
@@ -137,18 +139,18 @@ class LoopBlock(NamedTuple):
 
 
 ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
-"""Of `links`: the address of the plant, the size of one block of its parameters, whether it makes
-its drives itself, and whether it derives more than its outputs."""
+"""Of `links`: address of the plant's kernel; size of one parameter block; 1 if the plant computes
+its drives from commands itself; 1 if it derives further measurements from its outputs."""
 
 SAMPLES, LOST, LOST_AT, TICK, NEXT, UNTIL, RANDOM = range(7)
-"""Of `progress`: number of samples; set point and iteration at which the run diverged (-1: it did
-not); control periods since the start; the next set point, and the one to stop before; state of the
-generator of disturbances."""
+"""Of `progress`: number of samples; set point and period of divergence (-1: none); control periods
+since the start; next set point, and the one before which to stop; state of the generator of
+disturbances."""
 
 
 @kernel
 def run_loop(block: LoopBlock) -> None:
-    """Step a sampled closed loop from the next set point to the one before which to stop.
+    """Step a sampled closed loop from the next set point up to, not including, the stop.
 
     A fixed-step loop at the control period T: the controller is a difference equation, the plant
     is integrated over T by its own kernel with all drives held. In each period `i`, in this order:
@@ -170,9 +172,9 @@ def run_loop(block: LoopBlock) -> None:
     finite: then it is a lost sample, and the law decides. A plant without states cannot tell, and
     ends.
 
-    All that a run goes on from is in `block`: a run in parts has the bits of a whole one.
+    The whole state of a run is in `block`: a run in parts has the bits of a whole one.
     """
-    # Named once: a scalar of a tuple stays in a register, and an interpreter finds it sooner.
+    # Local names: a scalar of a tuple stays in a register, and the interpreter finds it faster.
     setting = constants_of(block.setting)
     references, iterations, pushes = block.references, block.iterations, block.pushes
     plants, links, sensors, noise = block.plants, block.links, block.sensors, block.noise
@@ -180,7 +182,7 @@ def run_loop(block: LoopBlock) -> None:
     laws, numbers, memory, taps = block.laws, block.numbers, block.memory, block.taps
     board, state, clock, progress = block.board, block.state, block.clock, block.progress
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
-    # Where all sensors are exact the plant measures into what a law is told.
+    # With ideal sensors the plant writes its outputs straight into the observation.
     drives = board[frame.driven :]
     outputs = board[frame.true : frame.driven]
     if len(sensors) == 0:
@@ -221,7 +223,7 @@ def run_loop(block: LoopBlock) -> None:
             if setting.disturbance > 0.0:
                 random = disturbed(state, setting, random)
             ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
-            # Asked after every step: a lost plant reaches infinity within a few set points.
+            # Tested after every step: an unstable plant reaches infinity within a few set points.
             if not within(board, checks, bounds, state[: setting.states], drives):
                 progress[LOST], progress[LOST_AT] = point, iteration
                 break
@@ -232,22 +234,22 @@ def run_loop(block: LoopBlock) -> None:
 
 
 LOOP_ARRAYS = letters_of_parts(LoopBlock)
-"""Of floats and of integers, see :func:`fuzzyarm.symbolic.kernels.routine`."""
+"""Signature in letters, floats and integers; see :func:`fuzzyarm.symbolic.kernels.routine`."""
 
 
 def loop_bindings(
     dynamics: Dynamics | None, *, single: bool, of_text: bool
 ) -> dict[str, Callable[..., Any]]:
-    """Return what a loop is bound to.
+    """Return the functions bound to names of the kernel before compilation.
 
     Parameters
     ----------
     dynamics : Dynamics or None
-        Of the plant that is compiled into the loop; None where the loop calls it by address.
+        The plant's kernel, to be compiled into the loop; None for a call by address.
     single : bool
-        Whether stored values are rounded: then they need not be asked whether to be.
+        Whether values are stored in single precision: a constant, so the test disappears.
     of_text : bool
-        Whether one controller as text is all the laws, and is compiled into the loop, too.
+        Whether the only law is one controller as text, compiled into the loop, too.
     """
     bindings: dict[str, Callable[..., Any]] = {}
     if dynamics is not None and dynamics.kernel is not None:
@@ -261,16 +263,16 @@ def loop_bindings(
 
 
 class Frame(NamedTuple):
-    """Where on the board things begin: references, seen outputs, room for drives, outputs, drives.
+    """The layout of the board, see the head of this module.
 
     Attributes
     ----------
     references : int
-        How many they are.
+        Number of references.
     seen, told, true, driven : int
-        First cells; what stands before `told` is what a law is told.
+        First cells of these parts; the cells before `told` are a law's observation.
     drives : int
-        How many they are.
+        Number of drives.
     """
 
     references: int
@@ -283,7 +285,7 @@ class Frame(NamedTuple):
 
 @kernel
 def frame_of(count: int, size: int, cells: int) -> Frame:
-    """Divide a board of so many cells, with so many references and drives."""
+    """Divide a board of `cells` cells by the numbers of references and drives."""
     outputs = (cells - CLOCK - count - 2 * size) // 2
     seen = CLOCK + count
     told = seen + outputs
@@ -294,8 +296,7 @@ def frame_of(count: int, size: int, cells: int) -> Frame:
 def known_frame(references: int, outputs: int, drives: int) -> Callable[[int, int, int], Frame]:
     """Return a kernel that gives the frame of a plant with so many ports.
 
-    With it the compiler of a loop knows how often the short loops over ports are gone through, and
-    writes them out.
+    It makes the lengths of the loops over ports constants, so the compiler unrolls them.
     """
     frame = frame_of(references, drives, CLOCK + references + 2 * (outputs + drives))
     name = f"frame_of_{references}_{outputs}_{drives}"
@@ -322,7 +323,7 @@ def refer(
     iteration: int,
     setting: LoopConstants,
 ) -> None:
-    """Fill in the references of a set point, or what lies between it and the next."""
+    """Write the references of a period: those of the set point, or interpolated to the next."""
     at = point * frame.references
     for i in range(frame.references):
         board[CLOCK + i] = references[at + i]
@@ -337,12 +338,12 @@ def refer(
 def tap(board: list[float], taps: list[int], record: list[float], samples: int) -> None:
     """Record a sample."""
     room = len(record) // max(len(taps), 1)
-    # A row for each tap: whoever reads them goes along one of them.
+    # One row for each tap: readers go along rows.
     for i in range(len(taps)):
         record[room * i + samples] = board[taps[i]]
 
 
-# What the loop calls of a plant and of the laws; plain Python is bound to these names.
+# Calls of plant and laws; plain Python is bound to these names.
 
 
 @kernel
@@ -355,7 +356,7 @@ def ask_plant(
     p: list[float],
     clock: list[float],
 ) -> None:
-    """Have the plant do a task, see :mod:`fuzzyarm.plant.plant`."""
+    """Call the plant with a task, see :mod:`fuzzyarm.plant.plant`."""
     clock[TASK] = task
     call(links[0], x, y, u, p, clock)
 
@@ -364,7 +365,7 @@ def ask_plant(
 def plant_kernel(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Stand for the kernel of a plant, which is bound to this name."""
+    """Stand in for the kernel of a plant, to which this name is bound."""
 
 
 @kernel
@@ -377,7 +378,7 @@ def ask_plant_inside(
     p: list[float],
     clock: list[float],
 ) -> None:
-    """Do what :func:`ask_plant` does with a plant that is compiled into the loop."""
+    """As :func:`ask_plant`, for a plant compiled into the loop."""
     clock[TASK] = task
     plant_kernel(x, y, u, p, clock)
 
@@ -392,7 +393,7 @@ def actuate(
     clock: list[float],
     limits: list[float],
 ) -> None:
-    """Make of what is wanted what drives the plant: it does that itself, or the limits do."""
+    """Turn commands into actuator values; the plant or the limits do it."""
     if links[ACTUATES] != 0:
         ask_plant(ACTUATE, links, x, y, u, p, clock)
     else:
@@ -408,7 +409,7 @@ def derive(
     p: list[float],
     clock: list[float],
 ) -> None:
-    """Have the plant say what follows from outputs as they were seen, if there is anything."""
+    """Let the plant derive further measurements from measured outputs, if it has some."""
     if links[DERIVES] != 0:
         ask_plant(DERIVE, links, x, y, u, p, clock)
 
@@ -423,25 +424,25 @@ def control(
     memory: list[float],
     drives: list[float],
 ) -> None:
-    """Fill so many drives with what all laws together want, of the cells that they are told."""
+    """Sum the drives of all control laws."""
     summed_drives(board, told, size, laws, numbers, memory, drives)
 
 
 # --- Chatter ---
 #
-# Behind the clock stand, a number for each drive: its value in the last control period, and the
-# sums of the magnitudes and of the squares of its changes. That a run begins is not a change.
+# After the clock, for each drive: its value in the last control period, the sum of the magnitudes
+# and the sum of the squares of its changes. The first drive of a run is not a change.
 
 LAST, MAGNITUDES, SQUARES = range(3)
-"""In the order in which they stand."""
+"""Rows of these sums, in order."""
 
 CHANGES = 3
-"""Numbers for each drive."""
+"""Rows of these sums."""
 
 
 @kernel
 def note_changes(drives: list[float], size: int, clock: list[float], tick: int) -> None:
-    """Add up by how much the drives change from one control period to the next."""
+    """Add up the changes of the drives from one control period to the next."""
     for i in range(size):
         drive = drives[i]
         if tick > 0:
@@ -453,22 +454,22 @@ def note_changes(drives: list[float], size: int, clock: list[float], tick: int) 
 
 # --- Errors in all control periods ---
 #
-# Behind those stand, a number for each tracked output: the sums of the squares of its error, from
-# the reference as the law is told it, and from the path on which the set points lie; and the
-# number of periods whose error is not a number, which are in neither sum.
+# After the changes, for each tracked output: the sums of squared errors, from the reference of the
+# law and from the path between set points; and the number of periods with a NaN error, which
+# neither sum contains.
 
 HELD, LED, UNKNOWN = range(3)
-"""In the order in which they stand."""
+"""Rows of these sums, in order."""
 
 ERRORS = 3
-"""Numbers for each tracked output."""
+"""Rows of these sums."""
 
 
 @kernel
 def note_errors(
     board: list[float], taps: list[int], path: list[float], tick: int, errors: list[float]
 ) -> None:
-    """Add up the squares of the errors of a control period."""
+    """Add up the squared errors of a control period."""
     count = len(errors) // ERRORS
     led = len(path) > 0
     for i in range(count):
@@ -488,7 +489,7 @@ def note_errors(
 
 @kernel
 def push(drives: list[float], size: int, pushes: list[float], tick: int) -> None:
-    """Add the loads of a control period, where there are any."""
+    """Add the loads of a control period, if any."""
     if len(pushes) > 0:
         for i in range(size):
             drives[i] += pushes[tick * size + i]
@@ -496,16 +497,16 @@ def push(drives: list[float], size: int, pushes: list[float], tick: int) -> None
 
 @kernel
 def limit(drives: list[float], limits: list[float], single: bool) -> None:
-    """Hold all drives within their limits."""
+    """Limit all drives."""
     for i in range(len(drives)):
         drives[i] = limited(drives[i], limits, 4 * i, single)
 
 
 @kernel
 def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
-    """Hold a drive within its limits, and near its last value; not a number passes."""
+    """Limit a drive in range and slew; NaN passes."""
     value = stored(wanted, single)
-    # The range first, then the slew: a drive leaves its limit as fast as it may.
+    # Range before slew: a drive leaves its limit at the full slew rate.
     value = max(value, limits[at])
     value = min(value, limits[at + 1])
     value = max(value, limits[at + 3] - limits[at + 2])
@@ -516,24 +517,24 @@ def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
 
 # --- Sensors ---
 #
-# For each output ten numbers, behind them the rings of delayed values. An output that is the
-# rate of another may be formed from what the sensor of that one says.
+# Ten numbers for each output, followed by the ring buffers of delayed values. The rate of another
+# output may be formed from that output's measured value.
 
 QUANTUM, LOWEST, HIGHEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(10)
 SENSOR = 10
-"""Numbers of a sensor: resolution (0: none) and the range of its steps; delay in periods and where
-its ring begins; the output whose rate it forms (-1: none), the time constant of its filter, s, and
-what it remembers; its column of the noise (-1: none)."""
+"""Of a sensor: resolution (0: none) and the range of its steps; delay in periods and the index of
+its ring; the output whose rate it forms (-1: none), the time constant of its filter, s, the last
+value and the filtered rate; its column of the noise (-1: none)."""
 
 
 @kernel
 def sense(
     board: list[float], frame: Frame, sensors: list[float], noise: list[float], tick: int
 ) -> None:
-    """Fill in what sensors make of the outputs.
+    """Write the measured outputs: rate, noise, resolution, then delay.
 
-    `noise` is added before a value is quantised; it has a row of columns for each control period,
-    drawn beforehand, so that a seed says all.
+    `noise` has one row for each control period, drawn beforehand, so that a run depends on its seed
+    alone.
     """
     columns = 0
     for i in range(frame.told - frame.seen):
@@ -552,7 +553,7 @@ def sense(
 
 @kernel
 def quantised(sensors: list[float], at: int, value: float) -> float:
-    """Round to the next step of a sensor: multiples of it, as far as its range goes."""
+    """Round to the nearest step of a sensor, a multiple of its resolution within its range."""
     quantum = sensors[at + QUANTUM]
     if quantum > 0.0 and not math.isnan(value):
         step = math.floor(value / quantum + 0.5) * quantum
@@ -562,12 +563,14 @@ def quantised(sensors: list[float], at: int, value: float) -> float:
 
 @kernel
 def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
-    """Return what a sensor said some periods ago; at first what it said at the start."""
+    """Delay a sensor by n periods; before that it gives its first value."""
     delay = int(sensors[at + DELAY])
     if delay == 0:
         return value
     ring = int(sensors[at + RING])
     late = value
+    # The cell tick mod delay holds the value written `delay` periods ago, read before it is
+    # overwritten; the first `delay` periods give the value of period 0.
     if tick >= delay:
         late = sensors[ring + tick % delay]
     elif tick > 0:
@@ -578,12 +581,12 @@ def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
 
 @kernel
 def differentiated(sensors: list[float], at: int, value: float, step: float) -> float:
-    """Form the rate of a value by difference, filtered by a lag of first order."""
-    if math.isnan(value):  # a sample that is lost leaves no trace
+    """Form the rate of a value by a filtered difference (first-order lag, implicit Euler)."""
+    if math.isnan(value):  # a lost sample changes no state
         return value
     before = sensors[at + BEFORE]
     sensors[at + BEFORE] = value
-    if math.isnan(before):  # nothing was seen yet
+    if math.isnan(before):  # first value
         return 0.0
     slope = (value - before) / step
     sensors[at + FILTERED] += (
@@ -603,10 +606,10 @@ def within(
     state: list[float],
     drives: list[float],
 ) -> bool:
-    """Tell whether the outputs are near enough and slow enough.
+    """Whether all outputs and errors are within their bounds.
 
-    An output that is not a number is a sensor that fails, as long as all states and drives are
-    finite; of a plant without states nobody can tell.
+    A NaN output counts as a failed sensor while all states and drives are finite; a plant without
+    states cannot tell, so there it counts as divergence.
     """
     for i in range(len(bounds)):
         value = board[checks[2 * i + 1]]
@@ -622,7 +625,7 @@ def within(
 
 @kernel
 def all_finite(values: list[float]) -> bool:
-    """Tell whether none of the values is infinite or not a number."""
+    """Whether all values are finite."""
     for i in range(len(values)):  # noqa: SIM110  (a kernel has no generators)
         if values[i] - values[i] != 0.0:  # true of NaN, which inf - inf is, too
             return False
@@ -639,8 +642,8 @@ def drawn(random: int) -> int:
 @kernel
 def disturbed(state: list[float], setting: LoopConstants, random: int) -> int:
     """Multiply each state by 1 + size times a random number in [-1, 1)."""
-    # One draw for each state in turn: a seed says all, on any machine and with any number of
-    # threads. 2³⁰ is the middle of the generator's range.
+    # One draw for each state in turn: a run depends on its seed alone, on any machine and with any
+    # number of threads. 2³⁰ is the middle of the generator's range.
     scale = setting.disturbance / 1073741824.0
     for i in range(setting.states):
         random = drawn(random)
@@ -663,7 +666,7 @@ def rms(errors: Vector) -> Vector:
     """
     if not len(errors):
         return _none(errors)
-    # The last running sum is the sum that np.mean takes, in a third of the time.
+    # The last running sum equals np.mean's sum, in a third of the time.
     squares = np.add.accumulate(np.square(errors), axis=0)[-1]
     if np.isnan(squares).any():
         return by_column(errors, lambda known: math.sqrt(np.mean(np.square(known))))
@@ -671,12 +674,12 @@ def rms(errors: Vector) -> Vector:
 
 
 def final(errors: Vector) -> Vector:
-    """Return the last error of each column that is a number; without any NaN."""
+    """Return the last error of each column that is not NaN."""
     return by_column(errors, lambda known: known[-1])
 
 
 def by_column(errors: Vector, figure: Callable[[Vector], float]) -> Vector:
-    """Return a figure of the errors of each column that are numbers; NaN where none is."""
+    """Apply a function to the errors of each column without NaN; NaN if none is left."""
     columns = [column[~np.isnan(column)] for column in np.atleast_2d(errors.T)]
     figures = np.array([figure(known) if len(known) else math.nan for known in columns])
     return figures.reshape(errors.shape[1:])

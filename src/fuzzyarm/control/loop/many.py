@@ -1,11 +1,11 @@
-"""Many runs of one experiment: gains, plants, loads, noise and seeds that differ from run to run.
+"""Many runs of one experiment, with gains, plants, loads, noise and seeds that differ.
 
-What a run is depends on its number and on the values that differ, and on nothing else: neither on
-how many workers there are, nor on the blocks in which they take the runs.
+A run depends on its number and its own values alone: neither on the number of workers nor on the
+division into blocks.
 
-To vary something else from run to run: ``Bench._owner`` says to which object a name belongs, and
-``Bench.course`` or ``Bench.run`` what it changes. Add a line to ``docs/howto/sweeps.md`` and a
-single run for comparison to ``tests/loop/test_many.py``. What pickle cannot send has a recipe in
+To vary something else: ``Bench._owner`` says to which object a name belongs, and
+``Bench.course`` or ``Bench.run`` applies it. Add a line to ``docs/howto/sweeps.md`` and a single
+run for comparison to ``tests/loop/test_many.py``. What pickle cannot handle has a recipe in
 ``packed`` of :mod:`.blocks`, by text or by name, never by address.
 """
 
@@ -59,14 +59,14 @@ from fuzzyarm.symbolic.kernels import processors
 Vector = NDArray[np.float64]
 
 Changes = Mapping[str, Any]
-"""Of a run: what differs, by name; a number, or several of a gain that has one for each axis."""
+"""The changes of one run, by name: a number, or several for a gain with one for each axis."""
 
 Columns = Mapping[str, Vector]
-"""Of many runs: an array with an entry, or a row, for each; not a number where nothing differs."""
+"""The changes of many runs: one entry or row for each; NaN where a run has no change."""
 
 
 class SweepError(FuzzyarmError, ValueError):
-    """What is to differ from run to run does not fit; `name` is what."""
+    """An invalid sweep parameter; `name` is its name."""
 
     def __init__(self, message: str, *, name: str = "", hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -78,27 +78,27 @@ class SweepError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Many:
-    """What came of many runs; ``many["rms"]`` is a metric of all of them.
+    """Results of many runs; ``many["rms"]`` is a metric of all of them.
 
     Attributes
     ----------
     controller, plant, trajectory : str
         Names.
     outputs, units : tuple of str
-        What the metrics are of, and in which units: axes, or ports where one axis has several.
+        Names and units of the measured quantities: axes, or ports where one axis has several.
     changes : mapping of str to ndarray
-        What differed, shape (n,), or (n, k) for k numbers.
+        The swept values, shape (n,), or (n, k) for k numbers.
     seeds : ndarray of int64, shape (n,)
-        Of noise and disturbance.
+        Seeds of noise and disturbance.
     diverged : ndarray, shape (n,)
-        When a run diverged, s; not a number where it did not. Its metrics are those until then.
+        Time of divergence, s; NaN where there was none. The metrics are those until then.
     values : ndarray, shape (n, outputs, metrics)
-        In the order of ``fuzzyarm.control.loop.metrics.METRICS``; not a number where a metric does
-        not exist.
+        In the order of ``fuzzyarm.control.loop.metrics.METRICS``; NaN where a metric is
+        undefined.
     along : bool
         Whether a trajectory of the plant was followed.
     change_units : mapping of str to str
-        Of `changes`, where one is known.
+        Units of `changes`, where known.
     """
 
     controller: str
@@ -131,7 +131,7 @@ class Many:
 
     @property
     def where(self) -> str:
-        """What the runs were on: a trajectory by its name, references with their plant."""
+        """The task of the runs: the trajectory's name, or references with their plant."""
         return where(self.plant, self.trajectory, along=self.along)
 
     @property
@@ -141,7 +141,7 @@ class Many:
 
     @property
     def maximum(self) -> Vector:
-        """Largest errors as the conventions count them, shape (n, outputs)."""
+        """Largest errors by the conventions, shape (n, outputs)."""
         return self["max"]
 
     @property
@@ -150,7 +150,7 @@ class Many:
         return self["final"]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return everything by name, shape (n,) each: what differed, seed, divergence, metrics."""
+        """Return everything by name, shape (n,) each: swept values, seed, divergence, metrics."""
         table: dict[str, NDArray[Any]] = {}
         for name, values in self.changes.items():
             parts = values.reshape(len(self), -1).T
@@ -161,7 +161,7 @@ class Many:
         return table
 
     def frame(self) -> Any:
-        """Return it as a pandas DataFrame with a row for each run."""
+        """Return the results as a pandas DataFrame with a row for each run."""
         demand_extra("pandas", "data", "a DataFrame")
         import pandas as pd
 
@@ -169,7 +169,7 @@ class Many:
 
 
 def part_name(name: str, index: int, count: int) -> str:
-    """Return the name of one of the numbers that a name stands for."""
+    """Return the name of one component of a swept name."""
     return name if count == 1 else f"{name}[{index + 1}]"
 
 
@@ -183,7 +183,7 @@ def metric_names(outputs: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Experiment:
-    """What all runs share; see :func:`fuzzyarm.control.loop.simulate_many`. It travels as it is."""
+    """State shared by all runs, see :func:`fuzzyarm.control.loop.simulate_many`; pickled as is."""
 
     controller: Controller
     on: FollowedPlant | AnyWay
@@ -197,26 +197,26 @@ class Experiment:
 
     @property
     def way(self) -> FollowedPlant | Motion:
-        """What is followed."""
+        """The plant and trajectory, or the set points."""
         if isinstance(self.on, FollowedPlant):
             return self.on
         return way_of(self.on, referred=bool(self.references) or self.duration is not None)
 
 
 class Bench:
-    """An experiment made ready, in the process that runs it.
+    """An experiment prepared in the process that runs it.
 
     Parameters
     ----------
     experiment : Experiment
-        What all runs share.
+        The state shared by all runs.
     names : sequence of str
-        What differs from run to run.
+        The swept names.
 
     Raises
     ------
     SweepError
-        If nothing has such a name.
+        If a name is unknown.
     """
 
     def __init__(self, experiment: Experiment, names: Sequence[str]) -> None:
@@ -225,7 +225,7 @@ class Bench:
             isinstance(way, FollowedPlant) and way.trajectory is not None and carries(way.plant)
         )
         if "payload" in names and carrying:
-            # A run that does not say its load has none, unless all are said to have one.
+            # Loads are part of every run or of none: a run without one has the load 0.
             shared = {"payload": 0.0, **experiment.shared}
             experiment = replace(experiment, shared=shared)
         self.experiment = experiment
@@ -254,7 +254,7 @@ class Bench:
                 segments=experiment.segments,
                 connect=experiment.connect,
             )
-        # Which of the plants of the motion carries the load.
+        # Indices of the loaded plants of the motion.
         self.loaded = self.motion.carrying if carrying else ()
         self.loop = ClosedLoop(controller, self.motion, conventions, options, experiment.connect)
         self.owners = {
@@ -264,31 +264,31 @@ class Bench:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """What metrics are of."""
+        """The measured quantities."""
         tracked = self.motion.tracked
         label = self.loop.site.interface.label
         return judged_names([axis for axis, _ in tracked], list(map(label, tracked)))
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Their units."""
+        """The units of `outputs`."""
         return shown_units(self.loop.course)
 
     @property
     def change_units(self) -> dict[str, str]:
-        """Units of what differs, by name."""
+        """Units of the swept values, by name."""
         return {name: self._unit_of(name) for name in self.owners}
 
     @property
     def column_units(self) -> dict[str, str]:
-        """Units of what differs and of all metrics, by name; without those that have none."""
+        """Units of swept values and all metrics, by name; without dimensionless ones."""
         units = {"diverged": "s", **self.change_units}
         for output, units_by_metric in metric_units(self.loop.course).items():
             units |= {f"{output}.{name}": unit for name, unit in units_by_metric.items()}
         return {name: unit for name, unit in units.items() if unit not in ("", "1")}
 
     def _unit_of(self, name: str) -> str:
-        """Return the unit of something that differs from run to run."""
+        """Return the unit of a swept name."""
         kind, _, bare = name.partition(".")
         if self.owners[name] == "gain":
             gains = self.loop.controller.gains
@@ -303,7 +303,7 @@ class Bench:
             return "s" if kind == "delay" else port.unit if port is not None else ""
         return ""
 
-    # --- Who has a name ---
+    # --- Owners of names ---
 
     def _owner(self, name: str) -> str:
         if name in ("seed", "disturbance"):
@@ -315,7 +315,7 @@ class Bench:
             return name
         kind, dot, port = name.partition(".")
         if dot and kind in SENSOR_FIELDS:
-            self.loop.site.interface.every_port(port)  # tells what is missing
+            self.loop.site.interface.every_port(port)  # raises if unknown
             return "sensor"
         controller, plant = self.experiment.controller, self.motion.plants[0]
         owner = owner_of(name, [controller], plant)
@@ -331,7 +331,7 @@ class Bench:
     # --- Runs ---
 
     def run(self, index: int, changes: Changes) -> Run:
-        """Run once; what is not changed is as in the experiment."""
+        """Run once with changes to the experiment."""
         return self.loop.run(*self._changed(index, changes))
 
     def _changed(self, index: int, changes: Changes) -> tuple[LoopProgram | None, Course, int]:
@@ -346,7 +346,7 @@ class Bench:
         return program, self.course(changes), seed
 
     def course(self, changes: Changes) -> Course:
-        """Return the experiment with some changes of plants, sensors and disturbances."""
+        """Return the experiment with changes of plants, sensors and disturbances."""
         course = self.loop.course
         plants = self._plants(changes)
         if plants is not None:
@@ -373,7 +373,7 @@ class Bench:
             assert isinstance(self.way, FollowedPlant)
             share, bare = float(changes.get("payload", 1.0)), self.way.plant
             plants = [with_load(bare, share) if loaded else bare for loaded in self.loaded]
-        # What is given of the plant holds with its load, too.
+        # Parameters set in a run hold for the loaded plant, too.
         return tuple(with_parameters(plant, parameters) for plant in plants)
 
     def rows(
@@ -396,15 +396,15 @@ class Bench:
         return rows, time.perf_counter() - begin
 
     def one(self, index: int, values: Mapping[str, Any]) -> tuple[dict[str, Metrics], float | None]:
-        """Run once with an entry of each column; return metrics, and when it diverged.
+        """Run once with an entry of each column; return metrics and the time of divergence.
 
-        Entries that are not a number change nothing.
+        NaN entries change nothing.
         """
         changes = {name: value for name, value in values.items() if not np.isnan(value).any()}
         try:
             if self.loop.compiled and not begins_by_itself(self.loop.course.plant):
                 return self.loop.measured(*self._changed(index, changes))
-            with self.interpreted:  # what a user wrote may remember things
+            with self.interpreted:  # user code may have state
                 return self.loop.measured(*self._changed(index, changes))
         except FuzzyarmError as error:
             error.at(f"run {index}")
@@ -412,7 +412,7 @@ class Bench:
 
 
 SENSOR_FIELDS = ("noise", "resolution", "delay")
-"""What ``noise.position`` and the like change of a sensor."""
+"""Fields of a sensor that ``noise.position`` and the like change."""
 
 
 def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str, Sensor]:
@@ -427,8 +427,8 @@ def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str,
 def owner_of(name: str, controllers: Sequence[Controller], plant: Plant) -> str | None:
     """Return whether a name is a ``gain`` of a controller or a ``parameter`` of the plant.
 
-    A name that both have is the controller's; ``plant.NAME`` is the plant's. A sum takes
-    ``ADDEND:NAME``, too. None if neither has it.
+    A name of both is the controller's; ``plant.NAME`` is the plant's. A sum also has
+    ``ADDEND:NAME``. None if the name is unknown.
     """
     gains = [gain for controller in controllers for gain in controller.gains]
     if name in gains or any(gain.rpartition(":")[2] == name for gain in gains):
@@ -443,7 +443,7 @@ def owner_of(name: str, controllers: Sequence[Controller], plant: Plant) -> str 
 def unknown_setting(
     name: str, controllers: Sequence[Controller], plant: Plant, others: Iterable[str] = ()
 ) -> tuple[str, str]:
-    """Return the message and the hint of a name that is neither a gain nor a parameter."""
+    """Return message and hint for a name that is neither a gain nor a parameter."""
     gains = dict.fromkeys(gain for controller in controllers for gain in controller.gains)
     names = [*gains, *plant.parameters, *others]
     owners = ", ".join(controller.name for controller in controllers)
@@ -455,7 +455,7 @@ def unknown_setting(
 
 
 def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[str, Vector], int]:
-    """Return what differs as arrays, and the number of runs."""
+    """Return the changes as arrays, and the number of runs."""
     if isinstance(runs, Mapping):
         columns = {name: np.atleast_1d(_numbers(name, values)) for name, values in runs.items()}
         counts = {name: len(values) for name, values in columns.items()}
@@ -479,7 +479,7 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
 
 
 def _numbers(name: str, values: ArrayLike) -> Vector:
-    """Return what differs from run to run as numbers."""
+    """Return the values of a swept name as numbers."""
     try:
         return np.asarray(values, np.float64)
     except (TypeError, ValueError):
@@ -496,11 +496,11 @@ def _column(name: str, runs: Sequence[Changes]) -> Vector:
     return column[:, 0] if width == 1 else column
 
 
-# --- What came of them ---
+# --- Results ---
 
 
 def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
-    """Return what came of the first runs, of their rows."""
+    """Return the results of the first runs from their rows."""
     loop, count = bench.loop, len(rows)
     return Many(
         controller=loop.controller.name,
@@ -540,7 +540,7 @@ def stream(
 ) -> Generator[tuple[int, Rows], None, None]:
     """Yield the rows of runs in their order, a block at a time.
 
-    A row has the time of divergence, then the metrics of each output. Closing the iterator ends
+    A row has the time of divergence, then the metrics of each output. Closing the iterator stops
     the runs.
     """
     check_extremes(bench, changes)
@@ -555,7 +555,7 @@ def stream(
 
 
 def check_extremes(bench: Bench, changes: Columns) -> None:
-    """Try the smallest and the largest value of everything, so that mistakes show at once."""
+    """Try the smallest and the largest value of every name, so that mistakes show at once."""
     shared = bench.experiment.shared
     for name, values in changes.items():
         values_given = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]
@@ -589,7 +589,7 @@ def _in_threads(
 
 
 WORTH = 3.0
-"""Runs that take less than this here, s, are over before processes have begun."""
+"""Shorter sweeps, s, end before worker processes have started."""
 
 
 def _in_processes(

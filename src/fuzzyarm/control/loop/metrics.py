@@ -1,8 +1,8 @@
-"""Metrics of a run: how near, how fast, how calm, at what cost.
+"""Metrics of a run: accuracy, speed, chatter, effort.
 
-To add a metric: a field of :class:`Metrics` and its formula in ``FORMULAS``, from which
-``docs/reference/metrics.md`` is written and which a test computes. It is a name in the costs of
-``tune`` by itself.
+To add a metric: a field of :class:`Metrics` and its formula in ``FORMULAS``.
+``docs/reference/metrics.md`` is generated from it, and a test evaluates the formula. It is then
+also a cost of ``tune``.
 """
 
 from __future__ import annotations
@@ -21,42 +21,42 @@ from fuzzyarm.control.loop.loop import final, rms, signed_maximum
 Vector = NDArray[np.float64]
 
 NEAR = 1e-6
-"""Relative distance from a limit within which a drive is at it."""
+"""Relative distance to a limit at which a drive counts as saturated."""
 
 SETTLED = 0.02
-"""Share of the step within which an output has settled."""
+"""Settling band, as a share of the step."""
 
 
 @dataclass(frozen=True)
 class Metrics:
-    """Of one axis; errors in the unit that is shown, times in s, drives in their unit.
+    """Metrics of one axis; errors in the displayed unit, times in s, drives in their unit.
 
     Attributes
     ----------
     rms, max, final : float
-        Root mean square, largest with its sign, and last error at the set points, as the
-        conventions of the run have them.
+        Root mean square, largest with its sign, and last error at the set points, by the
+        conventions of the run.
     rise : float or None
-        From 10 to 90 % of a step; None where the reference is not a step, or it is not reached.
+        Time from 10 to 90 % of a step; None for other references, or if 90 % is not reached.
     overshoot : float or None
-        Beyond a step, in the unit of the error; None where the reference is not a step.
+        Peak beyond the step, in the unit of the error; None for other references.
     settling : float or None
-        Until the error stays within 2 % of a step.
+        Time until the error stays within 2 % of a step.
     ise, iae, itae : float
         Integrals over time of the square, the magnitude, and time times magnitude of the error.
     effort : float
-        Root mean square of the drives of the axis.
+        Root mean square of the axis's drives.
     variation : float
-        Sum of all changes of the drives from sample to sample, for each second: chatter.
+        Sum of all changes of the drives from sample to sample, per second: chatter.
     saturated : float
-        Share of the samples in which a drive is at a limit, of its actuator or of the controller.
+        Share of the samples with a drive at a limit of its actuator or of the controller.
     chatter : float
-        Root mean square of the change of the first drive of the axis (on the arm its torque)
-        from one control period to the next; from rest to the first drive is not a change.
+        Root mean square of the change of the axis's first drive (on the arm its torque) between
+        control periods; the step from rest to the first drive does not count.
     rms_periods : float
-        Root mean square error in all control periods, from the set point that is held in each.
+        Root mean square error over all control periods, from the held set point.
     rms_path : float
-        The same from the reference itself, of which the set points are samples.
+        The same from the reference of which the set points are samples.
     """
 
     rms: float
@@ -76,7 +76,7 @@ class Metrics:
     rms_path: float = math.nan
 
     def as_dict(self) -> dict[str, float | None]:
-        """Return it by name; what is not finite is None."""
+        """Return the metrics by name; None for non-finite ones."""
         values: dict[str, float | None] = jsonable(
             {field.name: getattr(self, field.name) for field in fields(self)}
         )
@@ -84,14 +84,14 @@ class Metrics:
 
 
 METRICS = tuple(field.name for field in fields(Metrics))
-"""What is measured of every run."""
+"""Names of all metrics."""
 
 ERRORS = ("rms", "rms_periods", "rms_path", "max", "final", "overshoot")
 """Metrics in the unit of the error."""
 
 
 def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
-    """Return the unit of a metric, empty where it has none or drives have different ones.
+    """Return the unit of a metric; empty if it has none or the drives have different ones.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
     error : str
         Unit of the error.
     drives : sequence of str
-        Units of the drives of the axis.
+        Units of the axis's drives.
     """
     own_error = "" if error == "1" else error
     drive = drives[0] if drives else ""
@@ -120,7 +120,7 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
 
 
 class PeriodFigures(NamedTuple):
-    """What the loop counts in every control period: samples do not tell it."""
+    """Figures accumulated in every control period, which samples cannot give."""
 
     chatter: float = 0.0
     rms_periods: float = math.nan
@@ -140,23 +140,23 @@ def metrics_of(
     maximum: Literal["magnitude", "positive"] = "magnitude",
     counted: PeriodFigures = _NOTHING,
 ) -> Metrics:
-    """Measure the run of an axis.
+    """Compute the metrics of one axis.
 
     Parameters
     ----------
     time, reference, errors : ndarray, shape (n,)
-        Of the samples; reference and errors in one unit. An error of NaN is a lost sample, which
-        no figure of errors counts.
+        At the samples; reference and errors in one unit. NaN errors are lost samples, ignored by
+        all figures.
     drives : ndarray, shape (n, k)
-        Those of the axis.
+        Drives of the axis.
     limits : list of pair of float
         Lowest and highest value of each drive.
     period : float
-        Time from sample to sample, s.
+        Time between samples, s.
     maximum : {"magnitude", "positive"}, optional
         See :func:`fuzzyarm.control.loop.loop.signed_maximum`.
     counted : PeriodFigures, optional
-        What the loop has counted.
+        Figures from the loop.
     """
     if not len(errors):
         none = math.nan
@@ -172,7 +172,7 @@ def metrics_of(
     at_limit = np.zeros(len(errors), bool)
     limited = any(low > -math.inf or high < math.inf for low, high in limits)
     for column, (low, high) in enumerate(limits):
-        # What a run in single precision stores may lie a last bit inside.
+        # In single precision a saturated drive may be one last bit inside its limit.
         if low > -math.inf:
             at_limit |= drives[:, column] <= low + NEAR * abs(low)
         if high < math.inf:
@@ -200,7 +200,7 @@ def _step_response(
 ) -> tuple[float | None, float | None, float | None]:
     """Return rise time, overshoot and settling time, where the reference is one step."""
     jumps = np.flatnonzero(reference[1:] != reference[:-1])
-    # A step at the first sample has no jump: the output there is where it starts from.
+    # A step before the first sample shows no jump: the first output is the start.
     begin = 0 if not len(jumps) else int(jumps[0]) + 1
     if len(jumps) > 1 or reference[-1] != reference[begin]:
         return None, None, None
@@ -213,7 +213,7 @@ def _step_response(
     size = target - start
     if size == 0.0:
         return None, None, None
-    # 0 at the start, 1 at the target, for steps up and down.
+    # Normalise: 0 at the start, 1 at the target, for steps up and down.
     known = known[known >= begin]
     way = (output[known] - start) / size
     after = time[known] - time[begin]
@@ -227,7 +227,7 @@ def _step_response(
     return rise, overshoot, settling
 
 
-# --- How each is computed, for people ---
+# --- Formulas, for the documentation ---
 
 ERROR, SECONDS, DRIVE = "of the error", "s", "of the drives"
 
@@ -248,7 +248,7 @@ FORMULAS: dict[str, tuple[str, str]] = {
     "rms_periods": (ERROR, "sqrt(mean(e**2)), e in every control period"),
     "rms_path": (ERROR, "sqrt(mean(e**2)), e in every control period, from the reference itself"),
 }
-"""Of each metric the unit and the formula; ``docs/reference/metrics.md`` has the names.
+"""Unit and formula of each metric; ``docs/reference/metrics.md`` has their names.
 
 ``tests/docs/test_metrics_page.py`` computes them.
 """

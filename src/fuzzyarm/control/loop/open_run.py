@@ -1,7 +1,7 @@
-"""A run in progress: advanced in parts, with loads and gains changed on the way.
+"""A run in progress: advanced in parts, with loads and gains changed in between.
 
-All that a run is stands in the arrays of the loop, so that a run in parts has the bits of a
-whole one, and what is changed between two parts counts from there on.
+The whole state of a run is in the arrays of the loop, so a run in parts has the bits of a whole
+one, and a change holds from the next part on.
 """
 
 from __future__ import annotations
@@ -22,31 +22,31 @@ from fuzzyarm.plant.plant import Address
 
 
 class StructureError(FuzzyarmError, ValueError):
-    """A controller that cannot go on where another one is: they have different structures."""
+    """A controller of another structure than the running one, whose state it cannot take over."""
 
 
 class OpenRun:
-    """A run, from its start on.
+    """A run in progress.
 
     Parameters
     ----------
     site : Site
-        Where the controller runs.
+        The ports and the layout of the board.
     program : LoopProgram
-        Of the controller.
+        The controller.
     course : Course
         The experiment.
     record : RunRecord
-        What it writes, of this program and course; its seed is that of the run.
+        Its arrays, for this program and course; its seed is that of the run.
     loaded : bool, optional
-        Whether :meth:`push` is to be used, which needs a number for each drive and period.
+        Whether :meth:`push` is allowed, which needs an array of loads for all periods.
 
     Attributes
     ----------
     program : LoopProgram
-        That runs now.
+        The controller now running.
     record : RunRecord
-        What it has written so far.
+        The results so far.
     seconds : float
         Wall time of the loop.
     """
@@ -72,16 +72,16 @@ class OpenRun:
 
     @property
     def next(self) -> int:
-        """Set points that are done."""
+        """Number of completed set points."""
         return self.record.next
 
     @property
     def over(self) -> bool:
-        """Whether all set points are done, or the run has been stopped before."""
+        """Whether all set points are done, or the run has diverged."""
         return self.record.lost is not None or self.next >= self.count
 
     def advance(self, until: int | None = None) -> None:
-        """Go on before a set point; by default to the end."""
+        """Advance up to, not including, a set point; by default to the end."""
         if self.over:
             return
         end = self.count if until is None else min(until, self.count)
@@ -95,12 +95,12 @@ class OpenRun:
     # --- Changes during a run ---
 
     def push(self, loads: Mapping[Address, float]) -> None:
-        """Add to drives behind their limits, from now on; beside the loads of the options.
+        """Add to drives after their limits from now on, on top of the loads of the options.
 
         Parameters
         ----------
         loads : mapping of (str, str) to float
-            By axis and port of an input, in its unit; the others are let go.
+            By axis and port of an input, in its unit; 0 for the others.
         """
         if self._loads is None:
             raise ValueError("this run was not made to be pushed")
@@ -117,14 +117,14 @@ class OpenRun:
             rows[first:last, column] += value
 
     def take_over(self, controller: Controller) -> None:
-        """Go on with another controller of the same structure; what is remembered stays.
+        """Replace the controller by one of the same structure, keeping its state.
 
-        This changes gains, terms and tables during a run.
+        So gains, terms and tables can be changed during a run.
         """
         program = LoopProgram(controller_on(controller, self.site), self.program.arithmetic)
         if not program.compilable or program.structure() != self.program.structure():
             raise StructureError(f"{controller.name} has another structure")
-        # Its cells lie elsewhere where a rule base has another layout; their order is the same.
+        # State cells have other addresses if a rule base has another layout, but the same order.
         memory = program.memory.copy()
         memory[program.kept()] = np.asarray(self.record.memory)[self.program.kept()]
         self.record.memory = flat(memory, as_array=self.course.as_array)

@@ -1,4 +1,4 @@
-"""A controller as the loop takes it, what the loop writes, and loops with plain Python in them."""
+"""A controller as arrays of the loop kernel, the arrays of a run, and loops with plain Python."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ from fuzzyarm.plant.setting import (
 from fuzzyarm.plant.setting import Reference as ArmReference
 from fuzzyarm.symbolic.kernels import bound_routine, is_built, routine, with_names
 
-# --- A controller as the loop takes it ---
+# --- A controller as arrays of the loop kernel ---
 
 
 Loop = Callable[[LoopBlock], None]
@@ -62,8 +62,8 @@ Loop = Callable[[LoopBlock], None]
 def loop_of_laws(program: LoopProgram, course: Course) -> Loop:
     """Return the loop around laws and plant, as machine code or as plain Python.
 
-    Of several that do the same it is the one into which most is compiled: plant and controller, or
-    neither, which are called by address then.
+    Of the equivalent variants, take the one with most compiled in: plant and controller, or
+    neither, both called by address.
     """
     single = course.conventions.single
     if program.compiled:
@@ -87,14 +87,14 @@ def _held(single: bool) -> dict[str, Callable[..., Any]]:
 
 
 class LoopProgram:
-    """A controller as the loop takes it: laws, constants and memory.
+    """A controller as arrays of the loop kernel: laws, constants and state.
 
     Attributes
     ----------
     numbers, memory : ndarray
         See :class:`fuzzyarm.control.loop.loop.LoopBlock`.
     compilable : bool
-        Whether every addend is a compiled law.
+        Whether all addends are compiled laws.
     """
 
     def __init__(self, controller: Controller, arithmetic: RunArithmetic) -> None:
@@ -113,16 +113,16 @@ class LoopProgram:
 
     @property
     def compiled(self) -> bool:
-        """Whether it runs as machine code: wanted, and possible."""
+        """Whether it runs as machine code: requested and possible."""
         return self.arithmetic.compiled and self.compilable
 
     @property
     def is_text(self) -> bool:
-        """Whether one controller as text is all of it."""
+        """Whether it consists of one controller as text."""
         return len(self._laws) == 1 and isinstance(self._laws[0], on_plant.TextLaw)
 
     def parts(self, *, as_array: bool | None = None) -> dict[str, Any]:
-        """Return laws and constants by their names in a :class:`LoopBlock`; all runs share them."""
+        """Return laws and constants by their names in a :class:`LoopBlock`, shared by all runs."""
         as_array = self.compiled if as_array is None else as_array
         if as_array not in self._parts:
             laws = law_integers(self._laws, self._blocks, self.arithmetic)
@@ -133,7 +133,7 @@ class LoopProgram:
         return self._parts[as_array]
 
     def memory_of(self, law: Law, memory: Any) -> Any:
-        """Return the stretch of a memory that belongs to a law."""
+        """Return the slice of the state that belongs to a law."""
         begin = 0
         for part, block in zip(self._laws, self._blocks, strict=True):
             end = begin + len(block.memory)
@@ -143,10 +143,11 @@ class LoopProgram:
         raise ValueError("not a law of this program")
 
     def structure(self) -> tuple[Any, ...]:
-        """Return what is the same where a program can go on with what another one remembers.
+        """Return a key: programs with equal keys can exchange state.
 
-        Of a text its timing, its instructions and how much they remember; numbers, terms, rules
-        and entries of tables may differ. Of any other law all.
+        For a text it holds timing, instructions and number of states; numbers, terms, rules and
+        entries
+        of tables may differ. For any other law it holds everything.
         """
         parts: list[Any] = []
         for law, block in zip(self._laws, self._blocks, strict=True):
@@ -160,7 +161,7 @@ class LoopProgram:
         return self.compilable, *parts
 
     def kept(self) -> NDArray[np.int64]:
-        """Return the indices of the memory that a control period leaves for the next."""
+        """Return the indices of the state cells that carry over to the next control period."""
         cells: list[int] = []
         begin = 0
         for law, block in zip(self._laws, self._blocks, strict=True):
@@ -172,7 +173,7 @@ class LoopProgram:
         return np.array(cells, np.int64)
 
     def remembered(self, memory: Any) -> list[float]:
-        """Return what the laws remember, of the memory after a run."""
+        """Return the state of the laws that have one."""
         values: list[float] = []
         for law in self._laws:
             if law.remembers:
@@ -180,7 +181,7 @@ class LoopProgram:
         return values
 
     def skipped(self, memory: Any) -> dict[str, int]:
-        """Return how many periods axes skipped whose values were not numbers, where they did."""
+        """Return the number of periods skipped because of NaN inputs, by axis, where not 0."""
         counts: dict[str, int] = {}
         for law in self._laws:
             if isinstance(law, on_plant.TextLaw):
@@ -191,22 +192,22 @@ class LoopProgram:
 
 
 class RunRecord:
-    """What the loop writes, and what it goes on from: all that a run is at some time.
+    """The state of a run: the arrays that the loop writes.
 
     Parameters
     ----------
     course : Course
         The experiment.
     memory : array_like
-        Of the laws.
+        Initial state of the laws.
     taps : sequence of int
-        Cells of the board that are recorded.
+        Recorded cells of the board.
     seed : int, optional
-        Of the start.
+        Seed of the initial state.
     between : bool, optional
-        Whether errors of control periods that are not sampled are added up, see :meth:`squares`.
+        Whether errors are summed over all control periods, see :meth:`squares`.
     room : ndarray, optional
-        Where the taps are recorded, at least a number for each and each set point; by default new.
+        Buffer for the recorded cells, at least one number for each and each set point.
     """
 
     def __init__(
@@ -237,9 +238,9 @@ class RunRecord:
         self.progress = new([0, -1, -1, 0, 0, count, 0], np.int64)
 
     def block(self, program: LoopProgram, experiment: Mapping[str, Any] | None = None) -> LoopBlock:
-        """Return what the loop takes: the parts of an experiment, of a program, and these.
+        """Return the argument of the loop: the parts of an experiment, of a program, and these.
 
-        `experiment` is what :meth:`Course.parts` returned at the start of a run that goes on.
+        `experiment` is the result of :meth:`Course.parts` at the start, for a run that continues.
         """
         if experiment is None:
             experiment = self.course.parts(self.seed)
@@ -257,33 +258,33 @@ class RunRecord:
 
     @property
     def rows(self) -> NDArray[np.float64]:
-        """What was recorded so far, shape (samples, taps): a view."""
+        """The samples so far, shape (samples, taps): a view."""
         every = np.asarray(self.record).reshape(self.columns, len(self.course.motion.time))
         return np.asarray(every[:, : int(self.progress[SAMPLES])].T)
 
     @property
     def taken(self) -> NDArray[np.int64]:
-        """Indices of the set points that were sampled."""
+        """Indices of the sampled set points."""
         return self.course.whole[: int(self.progress[SAMPLES])]
 
     @property
     def next(self) -> int:
-        """Set points that are done."""
+        """Number of completed set points."""
         return int(self.progress[NEXT])
 
     def go_on(self, until: int) -> None:
-        """Have the next call of the loop stop before a set point."""
+        """Set the set point before which the next call of the loop stops."""
         self.progress[UNTIL] = until
 
     def changes(self, kind: int) -> NDArray[np.float64]:
-        """Return for each drive the mean of what the loop added up of its changes."""
+        """Return for each drive the mean over all periods of a sum of its changes."""
         sums = np.array(self.clock[CLOCK_SIZE : self._errors]).reshape(CHANGES, -1)[kind]
         return np.asarray(sums / max(self.ticks - 1, 1))
 
     def squares(self, kind: int) -> NDArray[np.float64]:
-        """Return for each tracked output the mean square of its errors in all control periods.
+        """Return for each tracked output the mean squared error over all control periods.
 
-        A period whose error is not a number does not count.
+        Periods with a NaN error do not count.
         """
         sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)
         counted = self.ticks - sums[UNKNOWN]
@@ -291,12 +292,12 @@ class RunRecord:
 
     @property
     def _errors(self) -> int:
-        """Cell of the clock from which on the sums of errors stand."""
+        """Index of the sums of errors in the clock."""
         return CLOCK_SIZE + CHANGES * len(self.course.site.interface.inputs)
 
     @property
     def ticks(self) -> int:
-        """Control periods that are done."""
+        """Number of completed control periods."""
         return int(self.progress[TICK])
 
     @property
@@ -306,7 +307,7 @@ class RunRecord:
         return None if point < 0 else point
 
     def diverged(self) -> float | None:
-        """Return when the run was stopped because it had diverged, s."""
+        """Return the time at which the run was stopped for divergence, s."""
         return None if self.lost is None else self.ticks * self.course.motion.period
 
 
@@ -320,36 +321,36 @@ def error_taps(course: Course) -> list[int]:
 
 
 def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the errors of the first columns of :func:`error_taps`, as they are shown."""
+    """Return the errors of the first columns of :func:`error_taps`, in displayed units."""
     count = len(course.motion.tracked)
-    # A row for each tap: across it NumPy would go in steps of two numbers.
+    # One row for each tap: along columns NumPy would stride.
     taps = np.ascontiguousarray(samples.T)
     return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
 
 
 def shown_means(course: Course, record: RunRecord, kind: int) -> NDArray[np.float64]:
-    """Return the RMS errors of all control periods, as errors are shown; see :class:`RunRecord`."""
+    """Return RMS errors over all control periods, in displayed units; see :class:`RunRecord`."""
     return np.asarray(np.sqrt(record.squares(kind)) * scales(course))
 
 
 def scales(course: Course) -> NDArray[np.float64]:
-    """Return what makes of each tracked output what is shown: degrees of radians."""
+    """Return the display scale of each tracked output: degrees for radians."""
     outputs = course.site.interface.outputs
     turn = 180.0 / course.conventions.pi
     return np.array([turn if outputs[p].unit == "rad" else 1.0 for p in course.motion.tracked])
 
 
 def shown_units(course: Course) -> tuple[str, ...]:
-    """Return the units in which the tracked outputs are shown."""
+    """Return the displayed units of the tracked outputs."""
     units = [course.site.interface.outputs[port].unit for port in course.motion.tracked]
     return tuple("degrees" if unit == "rad" else unit for unit in units)
 
 
-# --- Loops in which something is plain Python ---
+# --- Loops with plain Python in them ---
 
 
 def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Loop:
-    """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
+    """Return the loop for a program; plain Python functions are bound to the record's arrays."""
     single = course.conventions.single
     if program.compilable and is_compiled(course.plant):
         return loop_of_laws(program, course)
@@ -364,14 +365,14 @@ def loop_for(program: LoopProgram, course: Course, record: RunRecord) -> Loop:
 
 
 Asked = Callable[[Any], Iterable[tuple[int, float]]]
-"""From what a controller is told to its drives: which input, and what is added there."""
+"""From an observation to increments of drives: index of the input, value."""
 
 
 def plain_control(program: LoopProgram, course: Course) -> Callable[..., None]:
-    """Return what asks a controller in plain Python, each addend in its own way."""
+    """Return the `control` function of a controller in plain Python, addend by addend."""
     parts = list(program.controller.parts())
     if not any(part.takes_ports for part in parts):
-        parts = [program.controller]  # which adds the torques up itself
+        parts = [program.controller]  # it adds the torques itself
     controls = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
@@ -397,7 +398,7 @@ def _asked(part: Controller, arithmetic: RunArithmetic, course: Course) -> Asked
 
 def _asked_for_torques(part: Controller) -> Asked:
     def ask(t: Any) -> Iterable[tuple[int, float]]:
-        # The cells of `tell` in fuzzyarm.control.controllers.law.
+        # The layout of `write_observation` in fuzzyarm.control.controllers.law.
         reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
         state = State((t[9], t[10]), (t[11], t[12]))
         clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)
@@ -411,7 +412,7 @@ def _asked_for_torques(part: Controller) -> Asked:
 def _asked_of_text(
     part: Controller, law: on_plant.TextLaw, arithmetic: RunArithmetic, course: Course
 ) -> Asked:
-    """Return what runs a controller as text beside one in Python."""
+    """Return the call of a controller as text beside one in Python."""
     gains = {
         gain.name: part.gains[gain.name].value
         for gain in law.gains
@@ -439,7 +440,7 @@ def _asked_of_text(
 
 
 def _asked_by_ports(part: Controller, course: Course) -> Asked:
-    """Return what asks a controller in Python by the names of the ports."""
+    """Return the call of a controller in Python with values by port name."""
     site = course.site
     label = site.interface.label
     references = _cells_of(site, site.interface.references, CLOCK)
@@ -477,7 +478,7 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
 
 
 class _NamedValues(dict[str, float]):
-    """Values by name; one that is not there is said with those that are."""
+    """Values by name; the error for a missing name lists the others."""
 
     def __missing__(self, name: str) -> NoReturn:
         raise KeyError(f"no '{name}' among {', '.join(self) or 'nothing'}")
@@ -497,7 +498,7 @@ def _number(part: Controller, name: str, value: Any) -> float:
 
 @contextmanager
 def _named(part: Controller) -> Iterator[None]:
-    """Say whose fault it is: the same loop asks the plant."""
+    """Attribute errors to the controller: the same loop calls the plant."""
     try:
         yield
     except FuzzyarmError:
@@ -508,7 +509,7 @@ def _named(part: Controller) -> Iterator[None]:
 
 
 def compiled_law(program: LoopProgram, course: Course, record: RunRecord) -> Callable[..., None]:
-    """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
+    """Return a call of compiled laws for a loop in plain Python, on the arrays of a record."""
     parts = program.parts(as_array=True)
     board = np.asarray(record.board)
     size = len(course.site.interface.inputs)
@@ -525,7 +526,7 @@ def compiled_law(program: LoopProgram, course: Course, record: RunRecord) -> Cal
 
 
 def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
-    """Return what asks a plant in plain Python."""
+    """Return the calls of a plant in plain Python."""
     plant, states = course.plant, len(course.plant.states)
     moved, measured = plain_motion(plant, states), plain_outputs(plant, states)
 

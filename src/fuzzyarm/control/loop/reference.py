@@ -1,6 +1,6 @@
-"""References over time: step, ramp, sine, quintic move, a file; each with its derivatives.
+"""References over time: step, ramp, sine, quintic move, file; with their derivatives.
 
-Python takes them as the command line does, ``"step:1"``, and times as ``"300ms"``.
+Python accepts the words of the command line, ``"step:1"``, and times such as ``"300ms"``.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ Derivatives = tuple[Vector, Vector, Vector]
 
 
 class SignalError(PlantError, UsageError):
-    """Words for a reference or a time that say nothing, or a number in them out of range."""
+    """Invalid words for a reference or a time, or a number in them out of range."""
 
 
 @dataclass(frozen=True)
 class Signal:
-    """What a port should do over time.
+    """A reference over time.
 
     Parameters
     ----------
     kind : str
         ``step``, ``ramp``, ``sine``, ``quintic`` or ``file``.
     numbers : tuple of float
-        Of the kind, see :data:`KINDS`.
+        Parameters of the kind, see :data:`KINDS`.
     path : str, optional
-        Of a file.
+        File of times and values.
 
     Raises
     ------
@@ -81,7 +81,7 @@ class Signal:
 
 
 def read_signal(text: str) -> Signal:
-    """Read a reference as a user writes it: ``step:1``, ``sine:0.5,2`` or ``FILE.csv``.
+    """Read a reference in the notation of users: ``step:1``, ``sine:0.5,2`` or ``FILE.csv``.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def read_signal(text: str) -> Signal:
     Raises
     ------
     PlantError
-        If it is none.
+        If it is not a reference.
     """
     if text.endswith(".csv"):
         return Signal("file", path=text)
@@ -123,21 +123,21 @@ def _numbers(kind: str, words: Sequence[str]) -> Iterator[float]:
 
 
 AnySignal = Signal | str | float
-"""A signal, the words of the command line that stand for one, or where a step goes to."""
+"""A signal, its words on the command line, or the height of a step."""
 
 AnyTime = float | str
 """A time in s, or with its unit: ``"300ms"``."""
 
 
 def as_signals(references: Mapping[str, AnySignal] | None) -> dict[str, Signal] | None:
-    """Return signals by port, whatever they were given as; errors as :func:`read_signal`."""
+    """Convert references to signals, by port; errors as :func:`read_signal`."""
     if references is None:
         return None
     return {name: as_signal(signal, name) for name, signal in references.items()}
 
 
 def as_signal(signal: AnySignal, name: str = "a reference") -> Signal:
-    """Return a signal, whatever it was given as; errors as :func:`read_signal`."""
+    """Convert to a signal; errors as :func:`read_signal`."""
     if isinstance(signal, Signal):
         return signal
     if isinstance(signal, str):
@@ -146,14 +146,14 @@ def as_signal(signal: AnySignal, name: str = "a reference") -> Signal:
 
 
 def as_seconds(time: AnyTime, what: str) -> float:
-    """Return a time in s; errors as :func:`read_time`, with `what` takes it."""
+    """Convert a time to s; errors as :func:`read_time`, in the name of `what`."""
     if isinstance(time, str):
         return read_time(time, what)
     return as_number(time, what, "a time in s, or text with its unit")
 
 
 def as_number(value: float, what: str, expected: str = "a number") -> float:
-    """Return a number; of anything else raise PlantError, which says what takes it."""
+    """Convert to float; PlantError in the name of `what` for anything else."""
     try:
         return float(value)
     except (TypeError, ValueError):
@@ -198,7 +198,7 @@ def _sine(t: Vector, amplitude: float, frequency: float, offset: float = 0.0) ->
 
 
 def _quintic(t: Vector, to: float, duration: float, start: float = 0.0) -> Derivatives:
-    # From rest to rest with no jump of the acceleration: 10 s³ - 15 s⁴ + 6 s⁵ of the way.
+    # Minimum-jerk polynomial, from rest to rest: 10 s³ - 15 s⁴ + 6 s⁵ of the way.
     s = np.clip(t / duration, 0.0, 1.0)
     way = to - start
     value = start + way * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -209,7 +209,7 @@ def _quintic(t: Vector, to: float, duration: float, start: float = 0.0) -> Deriv
 
 @dataclass(frozen=True)
 class ReferenceKind:
-    """A kind of reference: its numbers, how many of them are needed, its form."""
+    """A kind of reference: its parameters, how many are mandatory, its formula."""
 
     words: tuple[str, ...]
     least: int
@@ -227,7 +227,7 @@ KINDS = {
 
 
 def _from_file(path: str, time: Vector) -> Derivatives:
-    """Read ``time,value`` lines; between them the reference is a straight line."""
+    """Read ``time,value`` lines, with linear interpolation."""
     rows: list[tuple[float, float]] = []
     note_source(path)
     text = Path(path).read_text(encoding="utf-8", errors="replace")

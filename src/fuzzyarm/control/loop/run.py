@@ -1,4 +1,4 @@
-"""Close the loop: controller, references and plant give errors over time."""
+"""Run a closed loop: controller, references and plant give errors over time."""
 
 from __future__ import annotations
 
@@ -67,20 +67,20 @@ from fuzzyarm.plant.setting import (
     Conventions,
 )
 
-# --- What came of a run ---
+# --- Results of a run ---
 
 Vector = NDArray[np.float64]
 
 
 def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
-    """Return what metrics of tracked outputs are called: the axis, where it has one of them."""
+    """Name the tracked outputs in metrics: by axis where it has one of them, else by label."""
     return tuple(
         axis if axes.count(axis) == 1 else label for axis, label in zip(axes, labels, strict=True)
     )
 
 
 def metric_units(course: Course) -> dict[str, dict[str, str]]:
-    """Return the units of all metrics, by the names of :func:`judged_names` and of the metrics."""
+    """Return the units of all metrics, by output and metric."""
     interface, tracked = course.site.interface, course.motion.tracked
     names = judged_names([axis for axis, _ in tracked], list(map(interface.label, tracked)))
     units = {}
@@ -91,7 +91,7 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
 
 
 class MetricSources(NamedTuple):
-    """What metrics are made of, of a run; see :class:`Run`, which has it all, for the fields."""
+    """The data of a run from which metrics are computed; fields as in :class:`Run`."""
 
     conventions: Conventions
     axes: tuple[str, ...]
@@ -136,69 +136,68 @@ def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Run(Plotted):
-    """What came of it; angles are shown in degrees, all else in the units of the plant.
+    """The result of a run; angles in degrees, everything else in the units of the plant.
 
     Attributes
     ----------
     controller, trajectory, plant : str
-        Names.
+        Their names.
     conventions : Conventions
-        As run.
+        Conventions of the run.
     time : ndarray, shape (n,)
-        Of the samples, s: when outputs and drives were as they are there.
+        Sampling times of outputs and drives, s.
     reference, error_matrix : ndarray, shape (n, k)
-        Of each tracked output: what was wanted, and that minus what was.
+        For each tracked output: the reference, and reference minus output.
     axes, labels, units : tuple of str
         Of the tracked outputs.
     wanted, outputs, drives : mapping of str to ndarray, shape (n,)
-        By port, in the units of the plant: references of the tracked outputs; outputs as they
-        are, whatever sensors say; drives as the actuators give them, loads not among them.
+        By port, in the units of the plant: references of the tracked outputs; true outputs,
+        without sensor errors; drives after the actuators, without loads.
     limits : mapping of str to (float, float)
-        Of each drive: those of its actuator, and of the controller where they are narrower.
+        For each drive: those of its actuator, or narrower ones of the controller.
     drive_units : mapping of str to str
         Of each drive.
     loaded : tuple of bool
-        Of each sample, whether the plant carries another load than at the start.
+        For each sample, whether the load differs from that at the start.
     diverged : float or None
-        When the run was stopped because it had diverged, s.
+        Time at which the run was stopped for divergence, s.
     seconds : float
         Wall time of the loop.
     compiled : bool
         Whether it ran as machine code.
     memory : list of float
-        What the laws remember at the end.
+        Final state of the laws.
     period : float
-        From sample to sample, s.
+        Time between samples, s.
     seed : int
         Of noise and disturbance.
     ended : float or None
-        When the plant ended the run by itself, s.
+        Time at which the plant itself ended the run, s.
     chatter : mapping of str to float
-        Root mean square of the change of each drive from one control period to the next; from
-        rest to the first drive is not a change.
+        Root mean square of the change of each drive between control periods; the step from rest to
+        the first drive does not count.
     every : int
         Control periods of a set point.
     set_point_time : ndarray, shape (n,)
-        Of the set points of the samples, s. A sample is taken in the last control period of its
-        set point; the times of a trajectory begin in each segment anew.
+        Nominal time of the set points of the samples, s. A sample is taken in the last control
+        period of its set point; the times of a trajectory restart in each segment.
     rms_periods : ndarray, shape (k,)
-        As `rms`, of the errors in all control periods, from the set point that is held in each.
+        As `rms`, over all control periods, from the held set point.
     rms_path : ndarray, shape (k,)
-        The same from the reference itself, of which the set points are samples.
+        The same from the reference of which the set points are samples.
     output_units : mapping of str to str
         Of `outputs` and `wanted`.
     driven : tuple of str
-        Which of `drives` the controller moves, alone or through motors of the plant; a metric of
-        drives is of these. All where it is empty.
+        The `drives` of the controller, direct or through motors of the plant; metrics of drives
+        refer to these. Empty means all.
     cause : str
-        Of a run that diverged: what was beyond its bound, or not a number.
+        Of a diverged run: the quantity beyond its bound, or NaN.
     notes : tuple of str
-        What was taken otherwise than it was asked for, in sentences.
+        Notes on adjusted settings, in sentences.
     along : bool
         Whether it followed a trajectory of the plant.
     skipped : mapping of str to int
-        Of each axis of the controller that skipped some: the control periods in which a value
-        that it reads was not a number.
+        For each axis with skipped periods, their number: a value that the axis reads was NaN.
     periods : int
         Number of control periods.
     """
@@ -270,17 +269,17 @@ class Run(Plotted):
 
     @property
     def maximum(self) -> Vector:
-        """Largest error of each tracked output, as the conventions count it."""
+        """Largest error of each tracked output, by the conventions."""
         return signed_maximum(self.error_matrix, self.conventions.maximum)
 
     @property
     def where(self) -> str:
-        """What it ran on: a trajectory by its name, references with their plant."""
+        """The task: the trajectory's name, or references with their plant."""
         return where(self.plant, self.trajectory, along=self.along)
 
     @property
     def lost(self) -> dict[str, int]:
-        """Samples without an error, of each tracked output that has some; no metric counts them."""
+        """Number of NaN errors of each tracked output that has some; metrics ignore them."""
         counts = zip(self.labels, np.isnan(self.error_matrix).sum(axis=0).tolist(), strict=True)
         return {label: count for label, count in counts if count}
 
@@ -299,13 +298,13 @@ class Run(Plotted):
 
     @property
     def torques(self) -> Vector:
-        """Torques, of the axes of a plant that has some, shape (n, k), N m."""
+        """Joint torques of an arm, shape (n, k), N m."""
         torques = {name for name in self.drives if name.rpartition(".")[2] == "torque"}
         return np.column_stack([self.drives[name] for name in self.drives if name in torques])
 
     @property
     def metrics(self) -> dict[str, Metrics]:
-        """Metrics of each axis; of each output where one axis has several that are tracked."""
+        """Metrics of each axis; of each output where an axis has several tracked ones."""
         return metrics_by_output(self)
 
     def frame(self) -> Any:
@@ -322,7 +321,7 @@ class Run(Plotted):
 
 
 def where(plant: str, trajectory: str, *, along: bool) -> str:
-    """Return in words on what was run; see :attr:`Run.where`."""
+    """Return the task in words; see :attr:`Run.where`."""
     return trajectory if along else f"{plant}, {trajectory}"
 
 
@@ -334,7 +333,7 @@ class Judged(NamedTuple):
     rms, chatter : mapping of str to float
         By the names of :func:`judged_names`.
     diverged : float or None
-        When the run was stopped because it had diverged, s.
+        Time at which the run was stopped for divergence, s.
     """
 
     rms: Mapping[str, float]
@@ -349,7 +348,7 @@ AnyController = Controller | ControllerText | str | os.PathLike[str]
 
 
 def as_controller(controller: AnyController) -> Controller:
-    """Return a controller, of its name, file or text where that is what is given."""
+    """Convert a name, a file or a text to a controller."""
     if isinstance(controller, Controller):
         return controller
     if isinstance(controller, str | os.PathLike):
@@ -384,14 +383,14 @@ def plant_motion(
 ) -> Motion:
     """Return the set points of a plant, at the period of a controller as text.
 
-    Without references the first output that the controller asks a reference of steps to 1.
+    By default the reference of the first output that the controller follows steps to 1.
     """
     require_sound(plant)
     site = site_of(plant, connect)
     chosen = controller_on(controller, site)
     signals = as_signals(references) or _stepped(controller, site, 1.0)
     timing = timing_on(chosen, site)
-    # As it is written, where it is: Timing has the period of a set point.
+    # The period as written: Timing has that of a set point.
     clock = next(filter(None, map(timed, chosen.parts())), timing)
     if duration is None:
         duration = plant.duration or 1000 * clock.period * clock.every
@@ -405,7 +404,7 @@ def stepped(
     reference: Mapping[str, AnySignal] | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> dict[str, Signal]:
-    """Return the reference that steps: of the output that a controller follows."""
+    """Return a step of the output that a controller follows."""
     if reference:
         raise UsageError("a step and references say the same thing", hint="give one of them")
     require_sound(plant)
@@ -418,7 +417,7 @@ def _stepped(controller: Controller, site: Site, step: float) -> dict[str, Signa
 
 
 def followed_by(controller: Controller, site: Site) -> Address:
-    """Return the output that a controller follows: as its text asks, or the first of the plant."""
+    """Return the output that a controller follows: by its text, or the first of the plant."""
     for part in controller.parts():
         law = text_law_of(part)
         if law is not None:
@@ -436,7 +435,7 @@ def text_of(controller: Controller, site: Site) -> ControllerText:
 
 
 def first_error(text: ControllerText, site: Site) -> Address:
-    """Return the first output that a controller asks a reference of, or the first of the plant."""
+    """Return the first output in an error of the text, or the first of the plant."""
     from fuzzyarm.control.controllers.text import ports_of
 
     for port_name in ports_of(text.model, "reference"):
@@ -458,7 +457,7 @@ def run_along(
 
 
 def _coarse(course: Course) -> tuple[str, ...]:
-    """Return what may have made a run diverge that the controller cannot help."""
+    """Return notes on coarse settings that may cause divergence whatever the controller."""
     if course.plant.derivative is None or math.isfinite(course.plant.longest_step):
         return ()
     return (
@@ -471,8 +470,8 @@ _rooms = threading.local()
 
 
 def _room(size: int) -> Vector:
-    """Return an array of so many numbers, of each thread the same one: for what nobody keeps."""
-    # New memory of that size comes from the system, page by page, for every run.
+    """Return a scratch array of each thread."""
+    # Fresh memory of this size comes from the system, page by page, in every run.
     array: Vector | None = getattr(_rooms, "array", None)
     if array is None or len(array) < size:
         array = _rooms.array = np.zeros(size)
@@ -480,7 +479,7 @@ def _room(size: int) -> Vector:
 
 
 class ClosedLoop:
-    """A controller, set points and a plant, made ready for one run or many.
+    """A controller, set points and a plant, prepared for one run or many.
 
     Parameters
     ----------
@@ -490,9 +489,9 @@ class ClosedLoop:
     Attributes
     ----------
     controller : Controller
-        For this plant.
+        Bound to this plant.
     program : LoopProgram
-        Of the controller.
+        Its program.
     course : Course
         The experiment.
     compiled : bool
@@ -526,7 +525,7 @@ class ClosedLoop:
             as_array=self.compiled,
             connect=connect,
         )
-        if self.compiled:  # so that a run begins at once
+        if self.compiled:  # compile now, not in the first run
             loop_of_laws(self.program, self.course)
             self.program.parts()
         errors = error_taps(self.course)
@@ -550,9 +549,9 @@ class ClosedLoop:
         Parameters
         ----------
         program, course : optional
-            In place of its own: with other gains, plants or sensors.
+            Replace its own: with other gains, plants or sensors.
         seed : int, optional
-            In place of that of the options.
+            Replaces that of the options.
         """
         open_run = self.open(program, course, seed)
         open_run.advance()
@@ -564,7 +563,7 @@ class ClosedLoop:
         course: Course | None = None,
         seed: int | None = None,
     ) -> Judged:
-        """Run once, and return no more than errors and chatter: for searches, in less time."""
+        """Run once for errors and chatter alone: faster, for searches."""
         program, course = program or self.program, course or self.course
         taps = self.taps[: 2 * len(course.motion.tracked)]
         record = RunRecord(course, program.memory, taps, seed, between=False)
@@ -590,7 +589,7 @@ class ClosedLoop:
 
     @property
     def _driven(self) -> tuple[str, ...]:
-        """What the controller moves: not what a disturbance alone does."""
+        """Drives of the controller, without those that only a disturbance moves."""
         interface, driven = self.site.interface, self.course.driven
         coupled = self.course.plant.dynamics is not None  # torques follow from voltages
         moved = [port for port in interface.inputs if coupled or port in driven]
@@ -615,7 +614,7 @@ class ClosedLoop:
         course: Course | None = None,
         seed: int | None = None,
     ) -> tuple[dict[str, Metrics], float | None]:
-        """Run once, and return metrics and when it diverged: for many runs, in less time."""
+        """Run once for metrics and the time of divergence: faster, for many runs."""
         program, course = program or self.program, course or self.course
         room = _room(len(self._measured_taps) * len(course.motion.time))
         record = RunRecord(course, program.memory, self._measured_taps, seed, room=room)
@@ -626,7 +625,7 @@ class ClosedLoop:
         return metrics, None if course.plant.ended else record.diverged()
 
     def _metric_sources(self, run: OpenRun, taps: Vector) -> MetricSources:
-        """Return what metrics are made of, of a row for each tap: errors first, drives last."""
+        """Return the data for metrics, from one row for each tap: errors first, drives last."""
         record, course = run.record, run.course
         followed, label = course.motion, self.site.interface.label
         count, inputs = len(followed.tracked), self.site.interface.inputs
@@ -648,14 +647,14 @@ class ClosedLoop:
         )
 
     def answer(self, run: OpenRun) -> Run:
-        """Return what has come of a run so far."""
+        """Return the result of a run so far."""
         program, record, course = run.program, run.record, run.course
         followed, interface = course.motion, self.site.interface
         inputs, label = interface.inputs, interface.label
         samples = record.taken
-        # A row for each tap, for all that follows goes along one of them.
+        # One row for each tap: everything below goes along rows.
         taps = np.ascontiguousarray(record.rows.T)
-        # A plant that ends a run by itself has not diverged.
+        # A run ended by the plant itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
         references, outputs, _ = self._by_port(course, taps)
         return Run(
@@ -685,7 +684,7 @@ class ClosedLoop:
         )
 
     def _cause(self, record: RunRecord) -> str:
-        """Say what stopped a run that diverged, of the values when it did."""
+        """Return the cause of divergence, from the final values."""
         interface, board = self.site.interface, np.asarray(record.board, float)
         label = interface.label
         for port in interface.inputs:
@@ -703,7 +702,7 @@ class ClosedLoop:
         return "an output beyond its bound or not a number"
 
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
-        """Return what is taken otherwise than it was asked for, in sentences."""
+        """Return notes on adjusted settings."""
         course, site = course or self.course, self.site
         notes = [*duration_notes(course.motion)]
         notes += delay_notes(course.options, course.motion.period)
@@ -724,11 +723,11 @@ class ClosedLoop:
 
     @cached_property
     def _own_limits(self) -> dict[str, tuple[float, float]]:
-        """Those of its own program, for all runs that change no gain."""
+        """Limits under its own program, for all runs with the same gains."""
         return self._limits(self.program)
 
     def _limits(self, program: LoopProgram) -> dict[str, tuple[float, float]]:
-        """Return the limits of each drive: the actuator's, or the text's where narrower."""
+        """Return the limits of each drive: the actuator's, or narrower ones of the text."""
         limits = {}
         limits_of_drives = drive_limits(program.controller, self.site)
         for port, actuator in self.site.interface.inputs.items():
@@ -742,7 +741,7 @@ class ClosedLoop:
     def _by_port(
         self, course: Course, taps: Vector
     ) -> tuple[dict[str, Vector], dict[str, Vector], dict[str, Vector]]:
-        """Return references of tracked outputs, outputs and drives, of a row for each tap."""
+        """Return references of tracked outputs, outputs and drives, from one row for each tap."""
         interface, tracked = self.site.interface, course.motion.tracked
         rows = iter(taps[len(tracked) :])
         by_port = [
@@ -752,7 +751,7 @@ class ClosedLoop:
         return by_port[0], by_port[1], by_port[2]
 
     def so_far(self, run: OpenRun) -> SoFar:
-        """Return the samples of a run that goes on, as views on what the loop has written."""
+        """Return the samples of a run in progress, as views of the loop's arrays."""
         course, record = run.course, run.record
         several = len(course.motion.plants) > 1
         blocks = course.motion.block[record.taken] if several else ()
@@ -765,7 +764,7 @@ class ClosedLoop:
 
 @dataclass(frozen=True)
 class SoFar:
-    """What has been sampled of a run so far; see :class:`Run` for the attributes."""
+    """The samples of a run so far; see :class:`Run` for the attributes."""
 
     plant: str
     wanted: Mapping[str, Vector]
@@ -775,7 +774,7 @@ class SoFar:
 
 
 def require_timing(controller: Controller, followed: Motion) -> None:
-    """Raise SourceError if set points were made for another period than a text asks for."""
+    """Raise SourceError if the period of the set points is not the text's."""
     timing = own_timing(controller)
     if timing is None:
         return

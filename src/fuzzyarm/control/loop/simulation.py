@@ -1,4 +1,4 @@
-"""The calls from Python: one run, many runs; by keywords, or by a request."""
+"""Python calls for one run and for many, by keywords or by a request."""
 
 from __future__ import annotations
 
@@ -66,26 +66,26 @@ class RunKeywords(TypedDict, total=False):
     Attributes
     ----------
     trajectory : Trajectory or str
-        What the plant is to follow, or the name of one of its trajectories.
+        A trajectory of the plant, or its name.
     payload : bool or float
-        Whether the plant carries its load where the trajectory says, or which share of it.
+        Whether the plant carries its load where the trajectory has one, or the share of it.
     schedule : sequence of mapping
-        What of the parameters of the plant differs in each segment, instead of its load.
+        Plant parameters of each segment, in place of its load.
     conventions : Conventions
         Precision, π, timing.
     options : Options
         Sensors, disturbances, limits, integrator.
     reference : mapping of str to Signal, str or float
-        Of a plant, by port: a signal, its words, as in ``"step:1"`` or ``"sine:0.5,2"``, or a
-        number, to which it steps. A step to 1 of the first output by default.
+        Signals of a plant by port: a signal, its words, as in ``"step:1"`` or ``"sine:0.5,2"``,
+        or the height of a step. By default the first output steps to 1.
     step : float
-        Of a plant: step of the first reference, in place of `reference`.
+        Height of the step of the first reference, in place of `reference`.
     duration : float or str
-        Of a run on a plant: s, or with its unit, as in ``"300ms"``; by default the plant's own.
+        Duration of a run, s, or with its unit, as in ``"300ms"``; by default the plant's own.
     connect : mapping of str to str
-        From names of the controller to ports of the plant, where they differ.
+        From names of the controller to ports of the plant, if they differ.
     gains : mapping of str to float or sequence of float
-        Gains of the controller in place of its own: a number, or one for each axis.
+        Gains that replace the controller's: a number, or one for each axis.
     """
 
     trajectory: Trajectory | str | None
@@ -110,13 +110,13 @@ def simulate(
     Parameters
     ----------
     controller : Controller, ControllerText, str, path-like or SimulateRequest
-        One that the plant has the ports of; laws of the study ask for those of the arm. Sums of
+        Its ports must be those of the plant; laws of the study need those of the arm. Sums of
         compiled ones run as machine code. A string is a name of the catalogue or a file. A request
-        alone says all that ``fuzzyarm simulate`` does.
+        alone holds every setting of ``fuzzyarm simulate``.
     plant : Plant, Trajectory, Motion, str or path-like, optional
-        Where it runs; a trajectory of the arm; or set points that were made before. A string is the
-        name or file of a plant, which follows its first trajectory, where it has some and nothing
-        else is said. By default the shipped plant that has the axes of the controller.
+        The plant; a trajectory of the arm; or set points made before. A string is the name or file
+        of a plant, which by default follows its first trajectory, if it has some. By default the
+        shipped plant with the axes of the controller.
     **keywords
         ``trajectory``, ``payload``, ``schedule``, ``conventions``, ``options``, ``reference``,
         ``step``, ``duration``, ``connect``, ``gains``; see :class:`RunKeywords`.
@@ -124,18 +124,18 @@ def simulate(
     Returns
     -------
     Run
-        Diverged or not.
+        The result, diverged or not.
 
     Raises
     ------
     ArmError
         If an angle, a time or a schedule does not fit the trajectory.
     PlantError
-        If the plant does not have a port, or cannot be run.
+        If the plant lacks a port, or cannot be run.
     SourceError
-        If the plant does not have what the controller measures or drives.
+        If the plant lacks a port that the controller measures or drives.
     WordError
-        If words for a reference or a time say nothing.
+        If the words for a reference or a time are invalid.
 
     Examples
     --------
@@ -172,7 +172,7 @@ def simulate(
 def _followed(
     chosen: Controller, plant: AnyWay | None, keywords: RunKeywords | ManyKeywords
 ) -> tuple[FollowedPlant | Motion, Mapping[str, AnySignal] | None]:
-    """Return what is followed, and the references of a plant that follows some."""
+    """Return the followed plant or motion, and references if it follows some."""
     connect = keywords.get("connect")
     reference, step = keywords.get("reference"), keywords.get("step")
     referred = bool(reference) or step is not None or keywords.get("duration") is not None
@@ -184,7 +184,7 @@ def _followed(
 
 
 def run_of(request: SimulateRequest) -> Run:
-    """Return the run that a request with one controller asks for."""
+    """Return the run of a request with one controller."""
     if len(request.controller) != 1:
         raise RequestError("controller", f"must have 1 value here, not {len(request.controller)}")
     controllers = controllers_of(request, request.controller)
@@ -202,7 +202,7 @@ def run_on(request: SimulateRequest, controller: Controller, plant: Plant) -> Ru
 def experiment_on(
     request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> tuple[Motion, Options]:
-    """Return the set points and the options of a run; what the plant does not know is refused."""
+    """Return set points and options of a run; settings unknown to the plant raise."""
     # Called for its errors: options that the plant does not have.
     follows(request, plant)
     plant, options = with_drives(request, plant)
@@ -220,21 +220,20 @@ class ManyKeywords(TypedDict, total=False):
     executor : Executor
         Any of :mod:`concurrent.futures`, as of loky, Dask (``client.get_executor()``) or mpi4py.
     workers : int
-        How many run at a time: by default one for each processor of this machine, or as many as
-        `executor` says that it has.
+        Number of runs at a time: by default one for each processor, or the number of workers of
+        `executor`.
     trajectory : Trajectory or str
         See :class:`RunKeywords`.
     payload : bool or float
-        The load of runs that do not say another.
+        The load of runs without one of their own.
     segments : sequence of int
-        In which the plant carries its load, counted from 1; by default as the trajectory says.
+        Segments with the load, counted from 1; by default those of the trajectory.
     shared : dict
-        Changes of all runs.
+        Changes common to all runs.
     conventions, options, reference, step, duration, connect
-        See :class:`RunKeywords`. Run i has the seed of `options` plus i where it does not say
-        another.
+        See :class:`RunKeywords`. Run i has the seed of `options` plus i unless it has its own.
     watch : callable
-        Called with the number of runs just finished.
+        Called with the number of completed runs.
     """
 
     executor: Executor | None
@@ -260,20 +259,20 @@ def simulate_many(
 ) -> Many:
     """Run a controller many times.
 
-    Compiled loops run in threads of this process, which share the machine code and the set
-    points. Where controller or plant is plain Python, processes run it: loky's where that is
-    installed. Results have the same bits with any executor and any number of workers.
+    Compiled loops run in threads of this process, which share machine code and set points. With
+    plain Python in controller or plant, processes run it: loky's if installed. Results have the
+    same bits with any executor and any number of workers.
 
     Parameters
     ----------
     controller, plant
-        See :func:`simulate`. A `SweepRequest` alone says all that ``fuzzyarm sweep`` does.
+        See :func:`simulate`. A `SweepRequest` alone holds every setting of ``fuzzyarm sweep``.
     runs : sequence of dict, or mapping of str to array_like
-        Of each run what differs, by name: gains of the controller (one number, or one for each
-        axis), parameters of the plant (``plant.NAME`` where the controller has the name, too),
+        The changes of each run, by name: gains of the controller (one number, or one for each
+        axis), parameters of the plant (``plant.NAME`` if the controller has the name, too),
         ``noise.PORT``, ``delay.PORT`` and ``resolution.PORT`` of sensors, ``disturbance``,
-        ``seed``; along a trajectory of a plant that carries a load ``payload``: a share of it, 0
-        for none. A mapping has arrays with an entry for each run.
+        ``seed``; along a trajectory of a plant with a load ``payload``: its share, 0 for none. A
+        mapping has arrays with an entry for each run.
     **keywords
         ``executor``, ``workers``, ``trajectory``, ``payload``, ``segments``, ``shared``,
         ``conventions``, ``options``, ``reference``, ``step``, ``duration``, ``connect``,
@@ -284,7 +283,7 @@ def simulate_many(
     SweepError
         If a name is unknown, or there are no runs.
     TravelError
-        If something has to go to another process and cannot.
+        If an object has to go to another process and cannot be pickled.
 
     Examples
     --------
@@ -317,12 +316,12 @@ def simulate_many(
 def experiment_of(
     controller: AnyController, plant: AnyWay | None = None, **keywords: Unpack[ManyKeywords]
 ) -> Experiment:
-    """Return what all runs share, in the words of :func:`simulate_many`."""
+    """Return the state shared by all runs, from the keywords of :func:`simulate_many`."""
     law = as_controller(controller)
     payload, segments = keywords.get("payload", False), keywords.get("segments")
     shared = dict(keywords.get("shared") or {})
     if payload or segments is not None:
-        # Loaded segments imply a load: the whole one, unless it is given.
+        # Loaded segments imply a load: the full one by default.
         shared.setdefault("payload", float(payload or 1.0))
     way, reference = _followed(law, plant, keywords)
     return Experiment(

@@ -1,7 +1,6 @@
-"""Sweeps: ranges that span a grid or are drawn from, and the file that holds what came of them.
+"""Sweeps: ranges as grids or for random draws, and the file of their results.
 
-The file of a sweep is a journal (`fuzzyarm.requests.journal`) with a line for each run, in
-order.
+The file of a sweep is a journal (`fuzzyarm.requests.journal`) with a line for each run, in order.
 """
 
 from __future__ import annotations
@@ -24,23 +23,23 @@ from fuzzyarm.requests.journal import WorkJournal
 
 
 class RangeError(SweepError, UsageError):
-    """A word that is not a range, or one of too many values."""
+    """An invalid range, or one with too many values."""
 
 
 @dataclass(frozen=True)
 class Range:
-    """Values of a name that differs from run to run.
+    """Values of a swept name.
 
     Parameters
     ----------
     name : str
         See :func:`fuzzyarm.control.loop.simulate_many`.
     low, high : float
-        Both ends belong to it.
+        Both ends are included.
     count : int, optional
-        Values on a grid; 0 where they are drawn.
+        Number of values on a grid; 0 for random draws.
     log : bool, optional
-        Whether they are spaced, or drawn, evenly in the logarithm.
+        Whether values are spaced, or drawn, evenly in the logarithm.
     """
 
     name: str
@@ -58,13 +57,13 @@ class Range:
             raise RangeError(message, name=self.name, hint="both ends are positive")
 
     def at(self, share: Vector) -> Vector:
-        """Return the values at shares of the way, 0 to 1; exact at both ends."""
+        """Return the values at fractions 0 to 1 of the range; exact at both ends."""
         if self.log:
             low, high = math.log(self.low), math.log(self.high)
             values = np.exp(low + (high - low) * share)
         else:
             values = self.low + (self.high - self.low) * share
-        # An exponential of a logarithm may miss the end by its last bit.
+        # exp(log(end)) may miss the end by its last bit.
         values = np.where(share >= 1.0, self.high, np.where(share <= 0.0, self.low, values))
         return np.clip(values, self.low, self.high)
 
@@ -114,7 +113,7 @@ def grid(ranges: Sequence[Range]) -> dict[str, Vector]:
 
 
 def drawn(ranges: Sequence[Range], count: int, seed: int) -> dict[str, Vector]:
-    """Return runs drawn from ranges, evenly, as columns; more runs begin with the same ones."""
+    """Return uniform random runs as columns; a larger count begins with the same runs."""
     require_different(ranges)
     for interval in ranges:
         if interval.count:
@@ -126,7 +125,7 @@ def drawn(ranges: Sequence[Range], count: int, seed: int) -> dict[str, Vector]:
 
 
 def require_different(ranges: Sequence[Range]) -> None:
-    """Raise SweepError if a name comes twice."""
+    """Raise SweepError for a duplicate name."""
     names = [interval.name for interval in ranges]
     for name in names:
         if names.count(name) > 1:
@@ -134,7 +133,7 @@ def require_different(ranges: Sequence[Range]) -> None:
 
 
 def whole(columns: Mapping[str, Vector]) -> dict[str, Vector]:
-    """Return columns with whole seeds."""
+    """Return the columns with integer seeds."""
     return {
         name: np.floor(values) if name == "seed" else values for name, values in columns.items()
     }
@@ -149,16 +148,15 @@ class SweepFile:
     Parameters
     ----------
     path : path-like
-        Of a CSV file.
+        Path of a CSV file.
     question : mapping
-        What was asked: all that the results depend on, as JSON takes it.
+        All settings that determine the results, as JSON values.
     columns : mapping of str to ndarray
-        What every line begins with, shape (runs,) each: what differs, and the seed.
+        First columns of every line, shape (runs,) each: swept values and the seed.
     outputs : sequence of str
-        What the metrics are of.
+        Names of the measured quantities.
     units : mapping of str to str, optional
-        Of columns, by their names; they stand beside the question, for a column is found by its
-        name.
+        Units of columns by name, stored beside the question: a column is found by its name.
     """
 
     def __init__(
@@ -177,15 +175,15 @@ class SweepFile:
         self.path = self.journal.path
 
     def begin(self) -> None:
-        """Write the head; what was there is gone."""
+        """Write the head, replacing any old file."""
         self.journal.begin(self.count)
 
     def close(self) -> None:
-        """Let other work write the file."""
+        """Release the file for other processes."""
         self.journal.close()
 
     def resume(self) -> Vector:
-        """Return the rows of the file: divergence and metrics; a line that is torn is cut off."""
+        """Return the rows in the file: divergence and metrics; an incomplete line is cut off."""
         front = len(self.columns) + 1
 
         def values(run: int, cells: Sequence[str]) -> list[float]:
@@ -197,7 +195,7 @@ class SweepFile:
         return np.array(rows, dtype=float).reshape(len(rows), len(self.journal.columns) - front)
 
     def append(self, first: int, rows: Iterable[Vector]) -> None:
-        """Write the rows of some runs, the first of which is the next that is missing."""
+        """Append the rows of the next runs, starting with run `first`."""
         self.journal.append(
             [*self._front(run), *("" if math.isnan(value) else repr(float(value)) for value in row)]
             for run, row in enumerate(rows, first)

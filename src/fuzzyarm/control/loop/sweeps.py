@@ -1,4 +1,4 @@
-"""A sweep from its request to its runs: what differs, the journal, the workers."""
+"""A sweep from its request to its runs: swept values, journal, workers."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ from fuzzyarm.requests.runs import SweepRequest, Workers
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a sweep is to do: the bench, what differs, and all that the runs depend on."""
+    """A prepared sweep: the bench, the swept values, and all that determines the results."""
 
     bench: Bench
     ranges: tuple[Range, ...]
@@ -65,7 +65,7 @@ class Sweep:
 
 
 def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Sweep:
-    """Return what a request asks for; `controller` stands in place of the one that it names."""
+    """Return the sweep of a request; `controller` replaces the one it names."""
     require_sensible(request)
     if controller is None:
         (controller,) = controllers_of(request, [request.controller])
@@ -102,7 +102,7 @@ def sweep_of(request: SweepRequest, controller: Controller | None = None) -> Swe
 
 
 def require_sensible(request: SweepRequest) -> None:
-    """Tell mistakes before anything is loaded."""
+    """Raise for mistakes that show before anything is loaded."""
     if request.metric not in METRICS:
         raise unknown_choice("metric", request.metric, METRICS)
     if request.resume and not request.out:
@@ -110,7 +110,7 @@ def require_sensible(request: SweepRequest) -> None:
 
 
 def map_axes(request: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
-    """Return the one or two ranges over which a picture is drawn."""
+    """Return the one or two ranges of a picture."""
     ranges = {interval.name: interval for interval in sweep.ranges}
     names = [name.strip() for name in request.map.split(",")] if request.map else list(ranges)
     if request.random is not None:
@@ -153,7 +153,7 @@ def _files_of_controller(bench: Bench) -> dict[str, Path]:
 
 
 class Answer(NamedTuple):
-    """The rows of the runs that were made, all or the first ones, and what failed."""
+    """The rows of completed runs, all or the first ones, and the failures."""
 
     rows: Vector
     faults: list[str]
@@ -167,20 +167,20 @@ def answered(
     executor: Executor | None,
     moved: Callable[[int], None] = lambda _done: None,
 ) -> Answer:
-    """Run what is missing. Ctrl-C ends it, and so does a run that fails, with those before it.
+    """Run the missing runs. Ctrl-C or a failing run stops it, keeping the runs before.
 
     Parameters
     ----------
     sweep : Sweep
-        What is to be done.
+        The sweep.
     file : SweepFile or None
-        Where each run is written.
+        Its journal.
     request : SweepRequest
-        Whether to go on with the file, and how many workers there are.
+        Supplies resumption and number of workers.
     executor : Executor or None
         See :func:`fuzzyarm.control.loop.simulate_many`.
     moved : callable, optional
-        Told how many runs are done.
+        Called with the number of completed runs.
     """
     check_extremes(sweep.bench, sweep.changes)
     rows = np.empty((sweep.count, 1 + len(sweep.bench.outputs) * len(METRICS)))
@@ -193,7 +193,7 @@ def answered(
         with closing(runs) as parts:
             for first, part in parts:
                 rows[first : first + len(part)] = part
-                # Once a write has failed the file would have a gap.
+                # After a failed write the file would have a gap.
                 if file is not None and not faults:
                     faults += _appended(file, first, part)
                 count = first + len(part)
@@ -201,7 +201,7 @@ def answered(
     except KeyboardInterrupt:
         interrupted = True
     except (FuzzyarmError, MemoryError) as error:
-        # Nothing was computed, so there is nothing to save.
+        # Nothing computed: nothing to keep.
         if not count:
             raise
         faults.append(sentence_of(error))
@@ -212,7 +212,7 @@ def answered(
 
 
 def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
-    """Begin the file, or go on with it: fill the rows that it has, and return how many."""
+    """Begin the file, or resume it: fill in its rows, and return their number."""
     if file is None:
         return 0
     if not (resume and file.path.exists()):
@@ -224,7 +224,7 @@ def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
 
 
 def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
-    """Write rows; where that fails, the runs go on for the report, and the file ends there."""
+    """Append rows; after a failed write the runs go on for the report, but the file ends."""
     try:
         file.append(first, part)
     except OSError as error:
@@ -235,7 +235,7 @@ def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
 
 @contextmanager
 def cluster(workers: Workers) -> Iterator[tuple[Executor | None, int | None]]:
-    """Connect to a Dask cluster, where one is given; give it and the number of workers."""
+    """Connect to a Dask cluster, if given; yield it and the number of workers."""
     if not workers.dask:
         yield None, workers.workers
         return
@@ -247,7 +247,7 @@ def cluster(workers: Workers) -> Iterator[tuple[Executor | None, int | None]]:
 
 
 def swept(request: SweepRequest) -> Many:
-    """Return the runs of a request; with a file they are written there, too."""
+    """Return the runs of a request; a file records them, too."""
     sweep = sweep_of(request)
     file = sweep.file(request.out) if request.out else None
     with cluster(request) as (executor, workers):
@@ -260,4 +260,4 @@ def swept(request: SweepRequest) -> Many:
 
 
 class SweepFaultError(FuzzyarmError, RuntimeError):
-    """A sweep has ended before its time, or its file was not written."""
+    """A sweep that ended early, or whose file was not written."""

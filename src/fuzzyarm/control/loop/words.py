@@ -1,7 +1,7 @@
-"""What the words of an experiment mean: plant, references, sensors, actuators, disturbances.
+"""The words of an experiment: plant, references, sensors, actuators, disturbances.
 
-The command line, the designer and Python take the same `ExperimentRequest`, with words such as
-``position=step:1`` or ``voltage=-5..5``, and hear the same of those that mean nothing.
+Command line, designer and Python share the `ExperimentRequest`, with words such as
+``position=step:1`` or ``voltage=-5..5``, and the same errors for invalid ones.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ _Value = TypeVar("_Value")
 
 
 def driven(request: ExperimentRequest, plant: Plant) -> Plant:
-    """Return a plant with the actuators that are asked for."""
+    """Return the plant with the requested actuators."""
     actuators = read_pairs(request.actuator, "--actuator", _actuator)
     return with_actuators(plant, actuators) if actuators else plant
 
 
 def named_plant(request: ExperimentRequest) -> Plant:
-    """Return the plant that is named, with its actuators; a Python file is executed."""
+    """Return the named plant with its actuators; a Python file is executed."""
     return driven(request, find_plant(request.plant or ""))
 
 
 def connections(request: ExperimentRequest) -> dict[str, str]:
-    """Return which names of the controller mean which ports of the plant."""
+    """Return the mapping from names of the controller to ports of the plant."""
     return read_pairs(request.connect, "--connect", str)
 
 
@@ -49,12 +49,12 @@ def signals(request: ExperimentRequest) -> dict[str, Signal]:
 
 
 def seconds(request: ExperimentRequest) -> float | None:
-    """Return how long references are followed, s; None where nothing is said."""
+    """Return the duration along references, s; None if unset."""
     return read_time(request.duration, "--for") if request.duration is not None else None
 
 
 def options_of(request: ExperimentRequest, plant: Plant) -> Options:
-    """Return sensors, disturbances and the rest of how to run."""
+    """Return sensors, disturbances and the other run options."""
     arguments: dict[str, Any] = {}
     if request.limits is not None:
         arguments["torque_limits"] = request.limits
@@ -72,7 +72,7 @@ def options_of(request: ExperimentRequest, plant: Plant) -> Options:
 
 
 def motion_of(request: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
-    """Return the set points of a plant that follows references."""
+    """Return the set points of a plant along references."""
     references, connect = references_of(request, controller, plant), connections(request)
     return plant_motion(controller, plant, references, seconds(request), connect)
 
@@ -80,7 +80,7 @@ def motion_of(request: ExperimentRequest, controller: Controller, plant: Plant) 
 def references_of(
     request: ExperimentRequest, controller: Controller, plant: Plant
 ) -> dict[str, Signal] | None:
-    """Return the references by port; of ``step`` that of the output which is followed."""
+    """Return the references by port; ``step`` is for the output that the controller follows."""
     references = signals(request) or None
     if request.step is None:
         return references
@@ -90,11 +90,11 @@ def references_of(
 
 
 def conditions(request: ExperimentRequest) -> str:
-    """Return in words the settings of a loop and what surrounds it: noise, delays, disturbances."""
+    """Return the settings of a loop and its surroundings in words: noise, delays, disturbances."""
     words = []
     for field in fields_of(type(request)):
         value = getattr(request, field.name)
-        # Without noise no seed matters; with it even the default one does.
+        # The seed matters only with noise; then even its default does.
         is_said = value != field.default or (field.name == "seed" and request.noise)
         if not is_said or (field.spec.group != AROUND and field.name != "set"):
             continue
@@ -108,7 +108,7 @@ def _listed(value: object) -> str:
 
 
 def conventions_of(request: ExperimentRequest) -> Conventions:
-    """Return how to count: the same for every controller."""
+    """Return the numerical conventions: the same for every controller."""
     conventions = STUDY if request.conventions == "study" else PLAIN
     changed: dict[str, Any] = {"load_in_hold": request.load_in_hold}
     if request.precision:
@@ -121,9 +121,9 @@ def conventions_of(request: ExperimentRequest) -> Conventions:
 
 @contextmanager
 def times_and_angles() -> Iterator[None]:
-    """Turn a time or an angle of the command line that is out of range into `UsageError`.
+    """Turn a time or an angle out of range into `UsageError`.
 
-    What a trajectory does not have, as a hold, depends on the plant: such an error stays.
+    Errors that depend on the plant, as a missing hold, pass.
     """
     try:
         yield
@@ -137,7 +137,7 @@ def times_and_angles() -> Iterator[None]:
 
 
 def sensors_of(request: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
-    """Return the sensors that are not exact, by port; WordError if a word is not understood."""
+    """Return the non-ideal sensors by port; WordError for an invalid word."""
     sensors: dict[str, Sensor] = {}
 
     def change(values: Mapping[str, float], field: str) -> None:
@@ -172,7 +172,7 @@ def read_pairs(
 
 
 def read_number(option: str) -> Callable[[str], float]:
-    """Return what reads a number for an option."""
+    """Return a reader of numbers for an option."""
 
     def read(text: str) -> float:
         try:
@@ -206,11 +206,11 @@ def _actuator(text: str) -> Port:
 
 
 MOST_BITS = 32
-"""Of a converter: no sensor has finer steps, and a number of double precision has 53."""
+"""Bits of a converter: no sensor has finer steps, and a double has 53."""
 
 
 def _resolution(text: str, name: str, plant: Plant) -> float:
-    """Return a step; so many bits are spread over the range of the sensor."""
+    """Return a resolution; a number of bits divides the range of the sensor."""
     match = re.fullmatch(r"(\d{1,2})\s*bits?", text)
     if match is None:
         return float(read_number("--quantise")(text))
