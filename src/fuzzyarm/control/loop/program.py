@@ -145,9 +145,8 @@ class LoopProgram:
     def structure(self) -> tuple[Any, ...]:
         """Return a key: programs with equal keys can exchange state.
 
-        For a text it holds timing, instructions and number of states; numbers, terms, rules and
-        entries
-        of tables may differ. For any other law it holds everything.
+        For a text it holds timing, instructions and number of states; numbers, terms,
+        rules and entries of tables may differ. For any other law it holds everything.
         """
         parts: list[Any] = []
         for law, block in zip(self._laws, self._blocks, strict=True):
