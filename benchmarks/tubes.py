@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import fuzzyarm
 from fuzzyarm.plant.own import find_plant
-from fuzzyarm.proof.loop.problem import loop_problem
+from fuzzyarm.proof.claim.problem import loop_problem
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
 
 EXAMPLES = Path(__file__).parents[1] / "examples" / "closed_loop"

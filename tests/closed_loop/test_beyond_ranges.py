@@ -9,10 +9,10 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm.plant import Plant, Port
+from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
 from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.planes import RulePlanes, Zonotope
-from fuzzyarm.proof.loop.problem import LoopProofError, loop_problem
 from fuzzyarm.proof.loop.rule_pieces import RulePieces
 from fuzzyarm.proof.loop.slopes import Slope, SlopeNumbers
 from fuzzyarm.proof.loop.spans import RationalInterval

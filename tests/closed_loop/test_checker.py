@@ -12,13 +12,13 @@ import pytest
 from budget import cases
 
 import fuzzyarm
+from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import check_certificate, read_claim
 from fuzzyarm.proof.loop.checked_lines import LinearSignal, LinearSignals, number_line
 from fuzzyarm.proof.loop.checked_loop import checked_loop
 from fuzzyarm.proof.loop.checked_motion import flow_over
-from fuzzyarm.proof.loop.claims import problem_of
 from fuzzyarm.proof.loop.evidence import Evidence
-from fuzzyarm.proof.loop.problem import LoopProofError
 from fuzzyarm.proof.loop.rule_pieces import RulePieces
 from fuzzyarm.proof.loop.slopes import Slope, slopes_of
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly

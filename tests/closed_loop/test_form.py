@@ -10,11 +10,11 @@ from budget import cases
 from scipy.optimize import linprog
 
 import fuzzyarm
+from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import check_certificate, read_claim
 from fuzzyarm.proof.loop.affine import AffineAlgebra, NotAffineError
 from fuzzyarm.proof.loop.checked_loop import checked_loop
 from fuzzyarm.proof.loop.checker import refutation
-from fuzzyarm.proof.loop.claims import problem_of
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.symbolic.nodes import apply, constant

@@ -19,6 +19,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.language.model.controller import Amount
 from fuzzyarm.plant import Parameter, Plant, Port, find_plant
 from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import (
     CertificateError,
     LoopProofError,
@@ -31,7 +32,6 @@ from fuzzyarm.proof.loop import (
 from fuzzyarm.proof.loop.certificate import _seal, sealed
 from fuzzyarm.proof.loop.checked_loop import checked_loop
 from fuzzyarm.proof.loop.checker import is_positive_definite, refutation
-from fuzzyarm.proof.loop.claims import problem_of
 from fuzzyarm.proof.loop.form import Form
 from fuzzyarm.proof.loop.linear import candidate
 from fuzzyarm.proof.loop.pictures import region_planes

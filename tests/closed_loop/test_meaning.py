@@ -19,6 +19,10 @@ from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import PlantError, Port, with_parameters
+from fuzzyarm.proof.claim.identity import loop_digests
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError
+from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, require_sense
+from fuzzyarm.proof.claim.time import claimed_periods
 from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
@@ -28,10 +32,6 @@ from fuzzyarm.proof.loop import (
     read_claim,
     write_certificate,
 )
-from fuzzyarm.proof.loop.claimed_time import claimed_periods
-from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, require_sense
-from fuzzyarm.proof.loop.identity import loop_digests
-from fuzzyarm.proof.loop.problem import ClaimError, LoopProofError
 
 PLANT = """
 from fuzzyarm.plant import Plant, Port

@@ -25,7 +25,7 @@ from fuzzyarm.proof.loop.checker import is_positive_definite
 from fuzzyarm.proof.loop.form import Form
 from fuzzyarm.proof.loop.instability import growth
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 HEAD = "from fuzzyarm.plant import Plant, Port\n"
 LAG = """

@@ -14,18 +14,18 @@ import fuzzyarm
 from fuzzyarm.control.loop import Options, Sensor, simulate
 from fuzzyarm.plant import find_plant
 from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.claim.problem import LoopProblem
+from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import LoopProofError, prove_loop, read_claim
 from fuzzyarm.proof.loop.checked_loop import checked_loop
-from fuzzyarm.proof.loop.claims import problem_of
 from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.form_maker import FormMaker
-from fuzzyarm.proof.loop.problem import LoopProblem
 from fuzzyarm.proof.loop.runs import sampled_runs
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, in_the_way
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.zonotope import Forms, stacked
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.stop import Stop
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "closed_loop"
 PENDULUM = EXAMPLES / "single_pendulum.py"

@@ -15,9 +15,9 @@ from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Follower
-from fuzzyarm.proof.loop.problem import LoopProofError, loop_problem
 from fuzzyarm.proof.loop.readings import UnenclosedError
 from fuzzyarm.proof.loop.tube import Demand, tube
 

@@ -9,6 +9,7 @@ import pytest
 from budget import cases
 
 import fuzzyarm
+from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
@@ -18,7 +19,6 @@ from fuzzyarm.proof.loop import (
     write_certificate,
 )
 from fuzzyarm.proof.loop.certificate import sealed
-from fuzzyarm.proof.loop.claims import problem_of
 from fuzzyarm.proof.loop.runs import sampled_runs
 from fuzzyarm.proof.loop.tube_checker import TubeLoop, TubeSet, _is_all, leads_into
 

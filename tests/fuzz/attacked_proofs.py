@@ -34,8 +34,8 @@ from fuzzyarm.language import parse, write  # noqa: E402
 from fuzzyarm.language.model.rulebase import RuleBase  # noqa: E402
 from fuzzyarm.language.model.shapes import corner_points  # noqa: E402
 from fuzzyarm.proof.map import Prover, UnprovableError, Verdict, prove  # noqa: E402
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError  # noqa: E402
 from fuzzyarm.proof.map.boxes import Boxes  # noqa: E402
+from fuzzyarm.proof.stop import Stop, TimeOverError  # noqa: E402
 
 SECONDS = 1.0
 """For each statement."""

@@ -65,6 +65,7 @@ from fuzzyarm.control.loop.course import Options, Sensor  # noqa: E402
 from fuzzyarm.language.model.claims import LoopClaim  # noqa: E402
 from fuzzyarm.plant.own import find_plant  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
+from fuzzyarm.proof.claim.text import loop_sentence  # noqa: E402
 from fuzzyarm.proof.loop import (  # noqa: E402
     LoopVerdict,
     check_certificate,
@@ -72,7 +73,6 @@ from fuzzyarm.proof.loop import (  # noqa: E402
     write_certificate,
 )
 from fuzzyarm.proof.loop.certificate import sealed  # noqa: E402
-from fuzzyarm.proof.loop.claims import loop_sentence  # noqa: E402
 from fuzzyarm.proof.loop.timed import loop_tube  # noqa: E402
 from fuzzyarm.proof.loop.tube_certificate import certify_tube  # noqa: E402
 

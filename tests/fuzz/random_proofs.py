@@ -35,7 +35,7 @@ from fuzzyarm.proof.map import (  # noqa: E402
     prove,
     sector,
 )
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError  # noqa: E402
+from fuzzyarm.proof.stop import Stop, TimeOverError  # noqa: E402
 
 PLANTED = 1e-9
 SECONDS = 4.0

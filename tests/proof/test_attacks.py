@@ -13,8 +13,8 @@ import fuzzyarm
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.map import Prover, UnprovableError, prove
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.boxes import Boxes
+from fuzzyarm.proof.stop import Stop
 from tests.fuzz import attacked_proofs
 from tests.fuzz.attacked_proofs import FAMILIES, OFTEN, attack, attack_boxes, case, drawn
 from tests.fuzz.fuzzing import search

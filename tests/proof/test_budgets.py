@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
-from fuzzyarm.proof.map import arithmetic
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof import stop as stop_module
+from fuzzyarm.proof.stop import Stop
 
 
 def test_waiting_is_no_work() -> None:
@@ -21,7 +21,7 @@ def test_waiting_is_no_work() -> None:
 
 
 def test_the_clock_ends_what_waits_for_long(monkeypatch) -> None:
-    monkeypatch.setattr(arithmetic, "PATIENCE", 2.0)
+    monkeypatch.setattr(stop_module, "PATIENCE", 2.0)
     stop = Stop(0.1)
     time.sleep(0.25)
     assert stop.now

@@ -12,7 +12,7 @@ import fuzzyarm
 from fuzzyarm.exchange.formats import tree
 from fuzzyarm.language import parse
 from fuzzyarm.proof.map import Prover, prove
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from tests import strategies
 
 CHAIN = """rulebase chain

@@ -16,8 +16,8 @@ import fuzzyarm
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.map import Prover, prove
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.boxes import Boxes
+from fuzzyarm.proof.stop import Stop
 
 SETS = "terms u: triangles A B"
 CURVES = "terms u: gaussians A B"

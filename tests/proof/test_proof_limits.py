@@ -7,7 +7,7 @@ import pytest
 
 from fuzzyarm.language import parse
 from fuzzyarm.proof.map import Prover, UnprovableError, boxes, pieces, prove
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import Axis, LookupTable
 
 RULES = """\

@@ -31,11 +31,12 @@ from fuzzyarm.inference.type_reduction_kernel import end_of_average
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.proof.map import Prover, UnprovableError, prove
-from fuzzyarm.proof.map.arithmetic import FLOATS, Stop, as_fraction, rationals
+from fuzzyarm.proof.map.arithmetic import FLOATS, as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients, from_values, halving, lattice
 from fuzzyarm.proof.map.pieces import Cut, cut
 from fuzzyarm.proof.map.straight import NotStraightError, straight
 from fuzzyarm.proof.map.surface import Surface
+from fuzzyarm.proof.stop import Stop
 from tests import strategies
 from tests.fuzz import random_proofs
 from tests.fuzz.random_proofs import OTHERS, Told, irregular, judged, points

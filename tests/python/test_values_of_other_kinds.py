@@ -16,7 +16,7 @@ from fuzzyarm.exchange import export, formats
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.plant import reach
 from fuzzyarm.proof import map as proof
-from fuzzyarm.proof.loop.claims import read_claim
+from fuzzyarm.proof.claim.text import read_claim
 from fuzzyarm.proof.map.verdicts import read_property
 
 RULES = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))

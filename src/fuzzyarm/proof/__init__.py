@@ -1,10 +1,12 @@
 """Proofs: of a rule base at every point, and of a controller in its loop.
 
-Read :mod:`.map.prover` first, then :mod:`.loop.problem` and :mod:`.loop.verification`. Every
+Read :mod:`.map.prover` first, then :mod:`.claim.problem` and :mod:`.loop.verification`. Every
 number that enters a verdict is rounded outward.
 
 map
     A rule base or table: bounds, slopes, symmetry, sectors.
+claim
+    What is claimed of a loop, in words and as the loop that it is about.
 loop
     A controller with its plant: regions that no run leaves, tubes, certificates and their
     checker.

@@ -301,8 +301,8 @@ def _of_file(path: str) -> Iterator[None]:
 
 def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
     """Check a certificate; return what it proves, for the head of a program."""
+    from fuzzyarm.proof.claim.text import claimed_plant
     from fuzzyarm.proof.loop import check_certificate
-    from fuzzyarm.proof.loop.claims import claimed_plant
     from fuzzyarm.proof.loop.verdicts import proof_words
 
     verdict = check_certificate(path, controller, trust=trust)

@@ -82,7 +82,7 @@ def print_loops(
         return
     for option, out in (("--certificate", request.certificate), ("--plot", request.plot)):
         if out is not None and len(claims) > 1:
-            from fuzzyarm.proof.loop.claims import claim_text
+            from fuzzyarm.proof.claim.text import claim_text
 
             raise UsageError(
                 f"{option} takes one claim, and {path} has {len(claims)}",

@@ -23,9 +23,9 @@ from fuzzyarm.base.picture import Axis, panel_data
 from fuzzyarm.exchange.compiled import compiled
 from fuzzyarm.language import write
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.tables import cell_errors, table_proof
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import Fidelity, LookupTable, measure_fidelity
 from fuzzyarm.table.axis import Axis as TableAxis
 from fuzzyarm.table.compiler import evaluate

@@ -30,7 +30,7 @@ def tube_chart(way: Tube, title: str, claim: LoopClaim | None = None) -> Chart:
     claim : LoopClaim, optional
         What is claimed, drawn as a border.
     """
-    from fuzzyarm.proof.loop.claims import claimed_port
+    from fuzzyarm.proof.claim.text import claimed_port
     from fuzzyarm.proof.loop.runs import sampled_runs
 
     ports = way.problem.site.interface.outputs.values()

@@ -7,11 +7,11 @@
 from typing import TYPE_CHECKING
 
 from fuzzyarm.base.lazy import lazily
+from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
+from fuzzyarm.proof.claim.text import claim_text, read_claim
 from fuzzyarm.proof.loop.call import prove
 from fuzzyarm.proof.loop.certificate import Certificate, CertificateError
-from fuzzyarm.proof.loop.claims import claim_text, read_claim
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.loop.problem import LoopProofError, loop_problem
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
 from fuzzyarm.proof.loop.tube_certificate import (

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.evidence import Gains
 from fuzzyarm.proof.loop.period import LoopAlgebra
-from fuzzyarm.proof.loop.problem import LoopProofError
 from fuzzyarm.proof.loop.spans import FUNCTIONS, SpanError, exactly, function
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.table import LookupTable

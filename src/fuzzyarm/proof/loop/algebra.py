@@ -15,10 +15,10 @@ from functools import cache
 import numpy as np
 
 from fuzzyarm.language.model.rulebase import RuleBase, Variable
+from fuzzyarm.proof.claim.problem import LostRunError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.period import LoopAlgebra
 from fuzzyarm.proof.loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope
-from fuzzyarm.proof.loop.problem import LostRunError
 from fuzzyarm.proof.loop.readings import pruned, read, readable
 from fuzzyarm.proof.loop.zonotope import Forms, clip, larger, smaller, stacked
 from fuzzyarm.symbolic.nodes import Constant, Node

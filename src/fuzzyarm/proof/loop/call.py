@@ -19,7 +19,7 @@ from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.model.rulebase import AnyRuleBase, Property
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.proof.loop.claims import claimed_plant, read_claim
+from fuzzyarm.proof.claim.text import claimed_plant, read_claim
 from fuzzyarm.proof.loop.orders import Proof, proofs_of
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.proof.map import verdicts

@@ -21,10 +21,10 @@ from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim, Stretch, When
 from fuzzyarm.plant.plant import PlantError
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
+from fuzzyarm.proof.claim.text import require_sense
 from fuzzyarm.proof.loop.certificate_fields import CertificateError, Field
-from fuzzyarm.proof.loop.claims import require_sense
 from fuzzyarm.proof.loop.evidence import Evidence, Gains
-from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem
 
 __all__ = [
     "Certificate",

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from fuzzyarm.base.protected import note_source
-from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProofError
 
 __all__ = ["CertificateError", "Field", "read_fields"]
 

@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.evidence import Evidence, Gains
-from fuzzyarm.proof.loop.problem import LoopProofError
 from fuzzyarm.proof.loop.rule_pieces import RulePieces
 from fuzzyarm.proof.loop.slopes import Slope, applied
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
 __all__ = ["LinearSignal", "LinearSignals", "PiecesOfRules", "Unchecked", "combined", "number_line"]

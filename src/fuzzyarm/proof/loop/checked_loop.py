@@ -27,6 +27,7 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.checked_lines import (
     LinearSignal,
     LinearSignals,
@@ -37,7 +38,6 @@ from fuzzyarm.proof.loop.checked_lines import (
 )
 from fuzzyarm.proof.loop.checked_motion import around_motion, dot, flow_over
 from fuzzyarm.proof.loop.evidence import Evidence
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.program_walk import ProgramWalk
 from fuzzyarm.proof.loop.slopes import Slope, SlopeNumbers, slopes_of
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly, hull

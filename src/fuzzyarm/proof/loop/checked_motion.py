@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.slopes import Slope, slopes_of
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly, hull
-from fuzzyarm.proof.map.arithmetic import check_time
+from fuzzyarm.proof.stop import check_time
 
 __all__ = ["around_motion", "dot", "flow_over", "output_between_samples"]
 

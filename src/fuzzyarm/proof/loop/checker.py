@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Protocol
 
-from fuzzyarm.proof.map.arithmetic import check_time
+from fuzzyarm.proof.stop import check_time
 
 __all__ = ["Matrices", "falls", "is_inside", "is_positive_definite", "refutation"]
 

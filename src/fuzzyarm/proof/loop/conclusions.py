@@ -15,16 +15,16 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, AffineAlgebra, Rules, number
 from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.evidence import Gains
 from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.outward import around, end_of
-from fuzzyarm.proof.loop.problem import LoopProofError
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.bounds import Bounds, UnprovableError
 from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import NoSectorError, sector, slopes_at
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
 __all__ = ["Conclusions"]

@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProblem, LostRunError
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.proof.loop.flow import Flow, Step
 from fuzzyarm.proof.loop.linear_flow import linear_flow
 from fuzzyarm.proof.loop.period import LoopPeriod
 from fuzzyarm.proof.loop.planes import RulePlanes
-from fuzzyarm.proof.loop.problem import LoopProblem, LostRunError
 from fuzzyarm.proof.loop.readings import read, readable
 from fuzzyarm.proof.loop.zonotope import Forms, stacked
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import gradient, specialise
 from fuzzyarm.symbolic.nodes import Constant, Node, replace, symbols
 from fuzzyarm.symbolic.operations import Interval

@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, SignalBound
 from fuzzyarm.proof.loop.evidence import Evidence
-from fuzzyarm.proof.loop.problem import LoopProofError
 
 __all__ = ["Assumptions", "Form", "Matrix", "row_of"]
 

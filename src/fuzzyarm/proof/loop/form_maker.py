@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from fuzzyarm.plant.plant import Address, Port
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.affine import (
     ONE,
     ZERO,
@@ -22,11 +23,10 @@ from fuzzyarm.proof.loop.evidence import Evidence
 from fuzzyarm.proof.loop.form import Assumptions, Form, row_of
 from fuzzyarm.proof.loop.outward import exact_bounds
 from fuzzyarm.proof.loop.period import LoopPeriod
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.program_walk import ProgramWalk
 from fuzzyarm.proof.loop.resting import rest_in_floats
 from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import Symbol
 
 __all__ = ["FormMaker"]

@@ -23,7 +23,7 @@ import numpy as np
 from fuzzyarm.proof.loop.checker import Matrices, falls
 from fuzzyarm.proof.loop.linear import declining
 from fuzzyarm.proof.loop.verification import quadratic_at
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["growth"]
 

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from fuzzyarm.proof.loop.checker import Matrices
 from fuzzyarm.proof.loop.form import Form, Matrix
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["CertificateCandidate", "candidate", "declining"]
 

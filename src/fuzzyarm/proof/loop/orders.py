@@ -21,18 +21,18 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import find_plant
+from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, read_claim
 from fuzzyarm.proof.loop.certificate import Certificate
-from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, read_claim
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.loop.problem import LoopProofError
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.tube_certificate import certify_tube, write_certificate
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.proof.map import Bounds, Prover, Verdict, prove_all, sector, slopes_at
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 from fuzzyarm.proof.map.sector import Sector, form_text
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.table import compile_table

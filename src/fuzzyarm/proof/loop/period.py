@@ -17,7 +17,7 @@ from fuzzyarm.control.loop.course import Sensor, periods_of
 from fuzzyarm.language.model.controller import Learn, Line, SignalLine, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address, Port
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 
 __all__ = ["LoopAlgebra", "LoopPeriod"]
 

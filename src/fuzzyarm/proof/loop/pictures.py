@@ -15,10 +15,10 @@ from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.claim.problem import LoopProblem
+from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop
-from fuzzyarm.proof.loop.claims import problem_of
-from fuzzyarm.proof.loop.problem import LoopProblem
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
 from fuzzyarm.proof.loop.verification import has_known_start, start_quadric, verified
 

@@ -32,13 +32,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.claim.problem import LostRunError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.loop.problem import LostRunError
-from fuzzyarm.proof.map.arithmetic import FLOATS, Stop
+from fuzzyarm.proof.map.arithmetic import FLOATS
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.map.bounds import WIDENED, UnprovableError
 from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
 from fuzzyarm.proof.map.surface import Surface
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table import LookupTable
 
 __all__ = ["PlaneBand", "RulePlanes", "TablePlanes", "Zonotope"]

@@ -19,7 +19,7 @@ from fuzzyarm.control.loop.course import Sensor, periods_of
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.plant.setting import LAST, PERIOD, RunArithmetic
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.symbolic.identifiers import Names, identifier
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol
 from fuzzyarm.symbolic.sources import VALUE

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from fuzzyarm.control.controllers.floats import Floats
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.period import LoopAlgebra, LoopPeriod
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.symbolic.evaluation import evaluate
 
 __all__ = ["rest_in_floats"]

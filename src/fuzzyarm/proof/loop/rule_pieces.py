@@ -20,13 +20,14 @@ from math import comb, factorial, prod
 from typing import NamedTuple
 
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.spans import RationalInterval
-from fuzzyarm.proof.map.arithmetic import Stop, as_fraction, rationals
+from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import lattice
 from fuzzyarm.proof.map.pieces import Cut, cut
 from fuzzyarm.proof.map.straight import NotStraightError, Straight, straight, with_fixed
 from fuzzyarm.proof.map.surface import Surface
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["RulePieces"]
 

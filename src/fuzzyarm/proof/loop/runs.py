@@ -19,12 +19,12 @@ from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
-from fuzzyarm.proof.loop.claimed_time import decimal
-from fuzzyarm.proof.loop.claims import claimed_port
+from fuzzyarm.proof.claim.problem import LoopProblem, LostRunError
+from fuzzyarm.proof.claim.text import claimed_port
+from fuzzyarm.proof.claim.time import decimal
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Follower
-from fuzzyarm.proof.loop.problem import LoopProblem, LostRunError
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
+from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.symbolic.operations import Interval
 
 __all__ = ["Breach", "converged", "refuting_run", "run_in_time", "run_of", "sampled_runs"]

@@ -16,11 +16,11 @@ from functools import cached_property
 import numpy as np
 
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.affine import ZERO, Affine, AffineAlgebra, NotAffineError, variable
 from fuzzyarm.proof.loop.enclosure import Intervals, matrix_exponential, matrix_product
 from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.outward import above, around, below, higher, lower
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.map.laws import JUMPS
 from fuzzyarm.symbolic.evaluation import bounds as bounds_of
 from fuzzyarm.symbolic.evaluation import gradient

@@ -14,14 +14,14 @@ from itertools import product
 import numpy as np
 
 from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import NotAffineError
 from fuzzyarm.proof.loop.checker import Matrices, falls
 from fuzzyarm.proof.loop.form import Assumptions, Form, Matrix
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.linear import CertificateCandidate, candidate
-from fuzzyarm.proof.loop.problem import LoopProofError
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.bounds import UnprovableError
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["Proposal", "form_at_rest", "proposals", "rate_of"]
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from flint import arb, ctx, fmpq
 
-from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProofError
 
 __all__ = [
     "FUNCTIONS",

@@ -22,17 +22,17 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import claimed_in, claimed_port, problem_of
+from fuzzyarm.proof.claim.time import decimal
 from fuzzyarm.proof.loop.algebra import Number
 from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop
 from fuzzyarm.proof.loop.checker import is_positive_definite, refutation
-from fuzzyarm.proof.loop.claimed_time import decimal
-from fuzzyarm.proof.loop.claims import claimed_in, claimed_port, problem_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError, outward
 from fuzzyarm.proof.loop.follower import Demand
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.outward import above, below
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.tube import Tube, tube
 from fuzzyarm.proof.loop.verification import port_within, power_up
 from fuzzyarm.proof.loop.zonotope import Forms

@@ -22,10 +22,10 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
-from fuzzyarm.proof.loop.problem import LoopProblem
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import Interval
 
 __all__ = ["Demand", "Progress", "Tube", "tube"]

@@ -14,6 +14,9 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.claim.identity import loop_digests
+from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.claim.text import claimed_port, problem_of
 from fuzzyarm.proof.loop.certificate import (
     Certificate,
     certificate_of,
@@ -27,13 +30,10 @@ from fuzzyarm.proof.loop.certificate import (
     unsealed,
 )
 from fuzzyarm.proof.loop.certificate_fields import Field, read_fields
-from fuzzyarm.proof.loop.claims import claimed_port, problem_of
-from fuzzyarm.proof.loop.identity import loop_digests
-from fuzzyarm.proof.loop.problem import LoopProofError
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET
 from fuzzyarm.proof.loop.tube_checker import BoxProof, TubeLoop, TubeSet, tube_refutation
 from fuzzyarm.proof.loop.tube_maker import proof_boxes
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 __all__ = ["TubeCertificate", "certify_tube", "read_certificate", "write_certificate"]
 

@@ -27,14 +27,14 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import claimed_in
 from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
 from fuzzyarm.proof.loop.checked_motion import around_motion, dot, flow_over
-from fuzzyarm.proof.loop.claims import claimed_in
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.program_walk import ProgramWalk
 from fuzzyarm.proof.loop.slopes import Slope, SlopeNumbers, slopes_of
 from fuzzyarm.proof.loop.spans import RationalInterval, exactly
-from fuzzyarm.proof.map.arithmetic import Stop, check_time
+from fuzzyarm.proof.stop import Stop, check_time
 from fuzzyarm.symbolic.nodes import symbols
 
 __all__ = [

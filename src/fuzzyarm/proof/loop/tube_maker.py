@@ -11,11 +11,11 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.proof.loop.claims import claimed_in
-from fuzzyarm.proof.loop.problem import LoopProofError
+from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.claim.text import claimed_in
 from fuzzyarm.proof.loop.spans import RationalInterval
 from fuzzyarm.proof.loop.tube_checker import POINT, BoxProof, Period, TubeLoop, TubeSet, start_of
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 __all__ = ["proof_boxes"]
 

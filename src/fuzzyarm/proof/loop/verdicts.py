@@ -24,6 +24,9 @@ from fuzzyarm.control.loop.run import Run
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import trusted_plant
 from fuzzyarm.plant.plant import Plant, PlantError, parameter
+from fuzzyarm.proof.claim.identity import gain_words, loop_digests
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
+from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of
 from fuzzyarm.proof.loop.certificate import (
     Certificate,
     CertificateError,
@@ -33,12 +36,9 @@ from fuzzyarm.proof.loop.certificate import (
 from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop, checked_loop
 from fuzzyarm.proof.loop.checker import refutation
-from fuzzyarm.proof.loop.claims import claimed_plant, loop_sentence, problem_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.form_maker import FormMaker
-from fuzzyarm.proof.loop.identity import gain_words, loop_digests
 from fuzzyarm.proof.loop.instability import growth
-from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem
 from fuzzyarm.proof.loop.runs import refuting_run
 from fuzzyarm.proof.loop.search import Proposal, form_at_rest, proposals, rate_of
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, followed, in_the_way
@@ -46,7 +46,7 @@ from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.tube_certificate import TubeCertificate, read_certificate
 from fuzzyarm.proof.loop.verification import verified
 from fuzzyarm.proof.loop.witnesses import contradiction
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["LoopVerdict", "check_certificate", "proof_words", "prove_loop"]
 

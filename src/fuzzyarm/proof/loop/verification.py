@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import claimed_in
 from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop, checked_loop
 from fuzzyarm.proof.loop.checked_motion import output_between_samples
 from fuzzyarm.proof.loop.checker import is_inside, refutation
-from fuzzyarm.proof.loop.claims import claimed_in
 from fuzzyarm.proof.loop.outward import above, below
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.spans import RationalInterval
-from fuzzyarm.proof.map.arithmetic import check_time
+from fuzzyarm.proof.stop import check_time
 
 __all__ = [
     "has_known_start",

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.control.loop.run import Run
+from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop
-from fuzzyarm.proof.loop.problem import LoopProblem
 from fuzzyarm.proof.loop.runs import converged, run_in_time, run_of
 from fuzzyarm.proof.loop.verification import has_known_start, start_quadric
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["WITNESSES", "contradiction"]
 

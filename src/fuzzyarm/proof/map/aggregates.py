@@ -14,8 +14,9 @@ import numpy as np
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, plateaus
-from fuzzyarm.proof.map.arithmetic import Array, Stop
+from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.memberships import SLACK, Interval, hedged, joined, membership_bounder
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import SNORMS, TNORMS
 
 __all__ = [

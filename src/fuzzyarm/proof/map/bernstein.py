@@ -29,13 +29,12 @@ from fuzzyarm.proof.map.arithmetic import (
     FLOATS,
     Arithmetic,
     Array,
-    Stop,
-    TimeOverError,
     any_of_rows,
     as_fraction,
     greatest_of_rows,
     rationals,
 )
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 __all__ = [
     "Extremum",

@@ -27,10 +27,11 @@ import numpy as np
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan, read_by
 from fuzzyarm.language.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
 from fuzzyarm.language.model.shapes import corners as corners_of_variable
-from fuzzyarm.proof.map.arithmetic import Array, Stop
+from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.bounds import WIDENED, Bounds, UnprovableError
 from fuzzyarm.proof.map.crisp import Crisp, crisp
 from fuzzyarm.proof.map.memberships import Degrees, Interval, hedged, joined, widened
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 
 __all__ = ["Boxes"]

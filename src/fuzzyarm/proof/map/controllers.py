@@ -24,7 +24,6 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import Drive
 from fuzzyarm.language.model.units import Unit, product, read_unit, unit_text
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 from fuzzyarm.proof.map.laws import (
     NOTHING,
@@ -38,6 +37,7 @@ from fuzzyarm.proof.map.laws import (
     plus,
 )
 from fuzzyarm.proof.map.walk import Asked, AxisLines, LineWalk, source_name
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval
 
 __all__ = ["DriveGain", "DriveProof", "DriveSector", "prove_drives", "sampled_drive"]

@@ -35,10 +35,11 @@ from fuzzyarm.inference.place_bounds import (
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.weighted import tsukamoto_at_point
 from fuzzyarm.proof.map.aggregates import AggregateSamples, JoinedPanels, Panels, Strengths, folded
-from fuzzyarm.proof.map.arithmetic import Array, Stop
+from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.memberships import SLACK, Interval
 from fuzzyarm.proof.map.places import humps_of_numbers, places
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import bounds
 from fuzzyarm.symbolic.kinds import SHAPES, DefuzzifierKind
 

@@ -31,7 +31,6 @@ from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.proof.map.arithmetic import (
     Arithmetic,
     Array,
-    Stop,
     any_of_rows,
     greatest_of_rows,
     least_of_rows,
@@ -44,6 +43,7 @@ from fuzzyarm.proof.map.straight import (
     StraightRule,
     height_at,
 )
+from fuzzyarm.proof.stop import Stop
 
 __all__ = ["Cell", "Cut", "PieceGrid", "Pieces", "TooManyPiecesError", "cut"]
 

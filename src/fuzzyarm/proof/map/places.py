@@ -28,8 +28,9 @@ from fuzzyarm.proof.map.aggregates import (
     panel_edges,
     set_bounds,
 )
-from fuzzyarm.proof.map.arithmetic import Array, Stop
+from fuzzyarm.proof.map.arithmetic import Array
 from fuzzyarm.proof.map.memberships import Interval, joined
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.kinds import TNORMS
 
 __all__ = ["Places", "humps_of_numbers", "places"]

@@ -27,15 +27,7 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.language.model.rulebase import Output, RuleBase
-from fuzzyarm.proof.map.arithmetic import (
-    FLOATS,
-    Arithmetic,
-    Array,
-    Stop,
-    TimeOverError,
-    as_fraction,
-    rationals,
-)
+from fuzzyarm.proof.map.arithmetic import FLOATS, Arithmetic, Array, as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import SMALLEST, Extremum, Quotients, maximise
 from fuzzyarm.proof.map.bounds import (
     GAP,
@@ -50,6 +42,7 @@ from fuzzyarm.proof.map.bounds import (
 from fuzzyarm.proof.map.pieces import Cut, TooManyPiecesError, cut
 from fuzzyarm.proof.map.straight import NotStraightError, Straight, straight, with_fixed
 from fuzzyarm.proof.map.surface import Surface, TableValues
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 if TYPE_CHECKING:
     from fuzzyarm.proof.map.boxes import Boxes

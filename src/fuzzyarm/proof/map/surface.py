@@ -26,7 +26,6 @@ from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.proof.map.arithmetic import (
     Arithmetic,
     Array,
-    Stop,
     any_of_rows,
     greatest_of_rows,
     sums_of_rows,
@@ -41,6 +40,7 @@ from fuzzyarm.proof.map.bernstein import (
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.pieces import MOST_NUMBERS, Pieces
 from fuzzyarm.proof.map.straight import Straight, StraightAntecedent
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.table.axis import TableHeader
 
 __all__ = ["Surface", "TableValues"]

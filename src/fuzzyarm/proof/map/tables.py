@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.bounds import Bounds
 from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.stop import Stop
 
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable

@@ -23,9 +23,9 @@ from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.model.rulebase import AnyRuleBase, Property, RuleBase, model_of
 from fuzzyarm.language.writer import property_node
-from fuzzyarm.proof.map.arithmetic import Stop, TimeOverError
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.map.prover import Prover, written
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.trace import Trace

@@ -31,7 +31,6 @@ from fuzzyarm.control.controllers.text import ControllerText, input_names
 from fuzzyarm.inference import infer
 from fuzzyarm.language.model.controller import Drive, SignalLine, Source, Zoom
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.map.arithmetic import Stop
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT
 from fuzzyarm.proof.map.laws import (
     NOTHING,
@@ -53,6 +52,7 @@ from fuzzyarm.proof.map.laws import (
 )
 from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import Sector, Slopes, sector, slopes_at
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.evaluation import specialise
 from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.symbolic.operations import EVERYTHING, Interval

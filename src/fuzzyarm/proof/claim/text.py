@@ -19,9 +19,9 @@ from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import trusted_plant
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.proof.loop.claimed_time import ClaimedPeriods, claimed_periods
-from fuzzyarm.proof.loop.identity import controller_changes, plant_changes
-from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
+from fuzzyarm.proof.claim.identity import controller_changes, plant_changes
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError, loop_problem
+from fuzzyarm.proof.claim.time import ClaimedPeriods, claimed_periods
 
 __all__ = [
     "claim_text",
