@@ -100,7 +100,7 @@ def test_mistakes_do_not_hide_a_file_that_is_not_there(tmp_path, capsys):
     )
     out = said(capsys, "check", str(file), status=1).err
     assert "2:1: error[missing-file]: cannot read 'nofile.frb'" in out
-    assert "unknown source 'eror'" in out
+    assert "error[unknown-source]" in out
     assert "did you mean 'error'?" in out
 
 

@@ -42,15 +42,10 @@ axis shaft
 
 SLIPS = [
     # Head
-    ('controller servo "', 'controller: servo "'),
     ('controller servo "', 'CONTROLLER servo "'),
     ('"fuzzy PD control of a shaft"', "'fuzzy PD control of a shaft'"),
     ('use pd7 from "pd7.frb"', 'use "pd7.frb"'),
     ('use pd7 from "pd7.frb"', 'use "pd7.frb" as pd7'),
-    ('use pd7 from "pd7.frb"', "use pd7 from pd7.frb"),
-    ('use pd7 from "pd7.frb"', 'use pd7 = "pd7.frb"'),
-    ('use pd7 from "pd7.frb"', 'import pd7 from "pd7.frb"'),
-    ('use pd7 from "pd7.frb"', 'include "pd7.frb"'),
     ("period 1 ms", "period = 1 ms"),
     ("period 1 ms", "period: 1 ms"),
     ("period 1 ms", "Period 1 ms"),
@@ -60,39 +55,23 @@ SLIPS = [
     ("period 1 ms", "period 1 millisecond"),
     ("period 1 ms", "period 1000 Hz"),
     ("period 1 ms", "period 1 kHz"),
-    ("set-point every 5", "set-point 5"),
     ("set-point every 5", "setpoint every 5"),
-    ("set-point every 5", "set point every 5"),
     ("set-point every 5", "set-point every 5;"),
     # Gains
     ("gain G_e  = 16", "gain G_e 16"),
     ("gain G_e  = 16", "gain G_e: 16"),
     ("gain G_e  = 16", "gain G_e := 16"),
-    ("gain G_e  = 16", "param G_e = 16"),
-    ("gain G_e  = 16", "const G_e = 16"),
     ("gain G_e  = 16", "GAIN G_e = 16"),
-    ('16 "1/rad"', "16 1/rad"),
-    ('16 "1/rad"', "16 '1/rad'"),
-    ('4.5 "V"', "4.5 V"),
-    ('0.7 "s/rad"', "0.7 [s/rad]"),
-    ("tune 2 .. 200 log", "tune 2 to 200 log"),
-    ("tune 2 .. 200 log", "tune 2, 200 log"),
-    ("tune 2 .. 200 log", "tune [2 200] log"),
     ("tune 2 .. 200 log", "tune 200 .. 2 log"),
     # Axes
-    ("axis shaft", "axis shaft:"),
-    ("axis shaft", 'axis "shaft"'),
     ("axis shaft", "AXIS shaft"),
     ("axis shaft", "axes shaft"),
-    ("axis shaft", "axis shaft {"),
     # Sources
     ("error of position * G_e", "G_e * error of position"),
     ("error of position * G_e", "Error of position * G_e"),
     ("error of position * G_e", "error position * G_e"),
     ("error of position * G_e", "error(position) * G_e"),
     ("error of position * G_e", "error in position * G_e"),
-    ("error of position * G_e", "position error * G_e"),
-    ("error of position * G_e", "G_e error of position"),
     ("error of position * G_e", "error of position * G_e;"),
     ("= error of position * G_e", ":= error of position * G_e"),
     ("= error of position * G_e", "== error of position * G_e"),
@@ -105,7 +84,6 @@ SLIPS = [
     ("rate of e * G_ce", "diff(e) * G_ce"),
     ("rate of e * G_ce", "d/dt e * G_ce"),
     ("rate of e * G_ce", "G_ce * rate of e"),
-    ("rate of e * G_ce, filter 2 ms", "rate of e * G_ce, 2 ms"),
     ("rate of e * G_ce, filter 2 ms", "rate of e * G_ce filter 2 ms"),
     ("filter 2 ms", "filter 2 msec"),
     ("reference position", "reference of position"),
@@ -118,24 +96,15 @@ SLIPS = [
     ("integral of ve, within -5 .. 5", "integral of ve, limits -5 .. 5"),
     ("integral of ve, within -5 .. 5", "integral of ve, within -5, 5"),
     ("integral of ve, within -5 .. 5", "integral of ve, within [-5, 5]"),
-    ("integral of ve, within -5 .. 5", "integral of ve, within ±5"),
     ("integral of ve, within -5 .. 5", "integral of ve, within 5 .. -5"),
-    ("anti-windup hold", "anti-windup"),
-    ("anti-windup hold", "anti windup"),
-    ("lag of w, time 20 ms", "lag of w, 20 ms"),
     ("lag of w, time 20 ms", "lowpass of w, time 20 ms"),
     ("q   = d * d", "q   = d^2"),
     ("q   = d * d", "q   = d ** 2"),
     # Rule bases
     ("rules pd7(e, ce)", "pd7(e, ce)"),
-    ("rules pd7(e, ce)", "rule pd7(e, ce)"),
-    ("rules pd7(e, ce)", "rulebase pd7(e, ce)"),
-    ("rules pd7(e, ce)", "rules pd7[e, ce]"),
     ("rules pd7(e, ce)", "evalfis(pd7, [e ce])"),
     ("rules pd7(e, ce)", "evalfis([e, ce], pd7)"),
     # Drives and the rest
-    ("drive voltage = sum", "drive voltage sum"),
-    ("drive voltage = sum", "drive voltage: sum"),
     ("drive voltage = sum", "DRIVE voltage = sum"),
     ("drive voltage = sum", "drive sum = voltage"),
     ("drive voltage = sum", "output voltage = sum"),
@@ -144,11 +113,8 @@ SLIPS = [
     ("within -24 .. 24", "within -24 to 24"),
     ("within -24 .. 24", "within [-24, 24]"),
     ("within -24 .. 24", "within -24, 24"),
-    ("within -24 .. 24", "within -24 V .. 24 V"),
-    ("within -24 .. 24", "within ±24"),
     ("within -24 .. 24", "limit -24 .. 24"),
     ("within -24 .. 24", "within 24 .. -24"),
-    ("zoom e, ce by", "zoom e and ce by"),
     ("  d   = l - m", "  d   = l − m"),
 ]
 
@@ -188,16 +154,6 @@ def test_a_period_without_a_unit_is_in_seconds(wrong):
     assert finding.hint == f"write  period {wrong.split()[-1]} s"
 
 
-@pytest.mark.parametrize("words", ["pd7 e ce", "pd7 e, ce"])
-def test_inputs_beside_a_rule_base_are_put_into_parentheses(words):
-    right = TEXT.replace("(e, ce) * G_u", "(e, ce)").replace("sum = u", "sum = u * G_u")
-    wrong = right.replace("pd7(e, ce)", words)
-    assert faults(right) == []
-    (finding,) = faults(wrong)
-    first = next(fix for fix in fixes(finding, wrong) if fix.preferred)
-    assert format_text(apply_edits(wrong, first.edits)) == format_text(right)
-
-
 COMMENTS = ("// the error", "% the error", "(* the error *)", "/* the error */", "-- the error")
 
 
@@ -218,47 +174,58 @@ def test_nothing_ends_a_part(ending):
 
 # --- What a line alone cannot put right ---
 
-ADVICE = {
-    "  if e > 3 then u = 0": ("nor 'if'", "u = rules NAME(e, ce)"),
-    "  if e is PB then u is NB": ("nor 'if'", "rule base"),
-    "  rule if e is PB then u is NB": ("nor 'if'", "rule base"),
-    "  x = rate of error of position": ("of a signal", "x = error of position  above"),
-    "  x = integral of error of velocity": ("of a signal", "x = error of velocity  above"),
-    "  x = integral of (e * 2)": ("of a signal", "x = e * 2  above"),
-    "  x = lag of measured velocity, time 1 s": ("of a signal", "x = measured velocity  above"),
-    "  x = e + error of velocity": ("one source", "x = error of velocity  above"),
-    "  x = rules pd7(ce=ce, e=e)": ("in the order of the rule base", "write the signals alone"),
-    "  x = rules pd7(e = e, ce = ce)": ("in the order of the rule base", "write the signals alone"),
-    "  x = pd7(e=e, ce=ce)": ("in the order of the rule base", "write the signals alone"),
-    "  x = evalfis(e, pd7)": ("by  rules", "rules NAME(x)"),
-    "  x = evalfis(pd7, e)": ("by  rules", "rules NAME(x)"),
-    "  x = -error of velocity": ("one source", "x = error of velocity  above"),
-    "  x = error of position * 2 + e": ("only one source", "x = error of position  above"),
-    "  x = (e + ce) * 2": ("no parentheses", "x = e + ce  above"),
-    "  x = rules pd7(e * 2, ce)": ("are signals", "x = e * 2  above"),
-    "  x = rules pd7 * 2": ("inputs are missing", "rules pd7(e, ce)"),
-    "  x = pd7.u * 2": ("names the outputs", "u = rules pd7(e, ce)"),
-    "  x = abs(e)": ("unknown function 'abs'", "rules NAME(x)"),
-    "  x = saturate(u, -1, 1)": ("unknown function 'saturate'", "within -1 .. 1"),
-    "  x = max(-24, u)": ("unknown function 'max'", "within -1 .. 1"),
-    "  x = error": ("its signal is missing", "'error'"),
-    "  x = median of e": ("unknown source 'median'", "error, reference, measured, rate"),
-    "  x = deadzone(e, 3)": ("unknown function 'deadzone'", "y = deadband of x, width"),
-    "  x = deadband of error of position, width 1": ("taken of a signal", "position  above"),
-    "  drive voltage = rules pd7(e, ce)": ("sum of signals", "x = rules pd7(e, ce)  above"),
-    "  drive voltage = u, within 24": ("two numbers", "within -24 .. 24"),
-    "  drive voltage = u, within -inf .. inf": ("is a number", "has no  within"),
+NEITHER = "a controller has neither rules nor 'if'"
+ONE_SOURCE = "a line has one source, first, of a signal"
+INPUTS = "the inputs of a rule base are signals in its order"
+FUNCTIONS = "a controller has no functions"
+
+LIKE_EXAMPLES = {
+    "  if e > 3 then u = 0": NEITHER,
+    "  if e is PB then u is NB": NEITHER,
+    "  rule if e is PB then u is NB": NEITHER,
+    "  x = rate of error of position": ONE_SOURCE,
+    "  x = integral of error of velocity": ONE_SOURCE,
+    "  x = integral of (e * 2)": ONE_SOURCE,
+    "  x = lag of measured velocity, time 1 s": ONE_SOURCE,
+    "  x = e + error of velocity": ONE_SOURCE,
+    "  x = -error of velocity": ONE_SOURCE,
+    "  x = error of position * 2 + e": ONE_SOURCE,
+    "  x = deadband of error of position, width 1": ONE_SOURCE,
+    "  x = rules pd7(ce=ce, e=e)": INPUTS,
+    "  x = evalfis(pd7, e)": INPUTS,
+    "  x = rules pd7(e * 2, ce)": INPUTS,
+    "  x = rules pd7 * 2": INPUTS,
+    "  x = pd7.u * 2": INPUTS,
+    "  x = (e + ce) * 2": "a sum has no parentheses",
+    "  x = abs(e)": FUNCTIONS,
+    "  x = saturate(u, -1, 1)": FUNCTIONS,
+    "  x = max(-24, u)": FUNCTIONS,
+    "  x = deadzone(e, 3)": FUNCTIONS,
+    "  drive voltage = rules pd7(e, ce)": "a drive is a sum of signals",
+    "gain X = 2 * G_e": "a gain is made of numbers and pi",
+    "gain X = 2 * (3 + 4)": "a gain is made of numbers and pi",
+    "gain X = 4.5 V": "a unit is written in double quotes",
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("line", ADVICE)
-def test_a_line_that_needs_more_says_what(line):
-    said, hint = ADVICE[line]
-    (finding,) = check_text(f"{TEXT}{line}\n", PATH).diagnostics
-    assert finding.line == TEXT.count("\n") + 1
+@pytest.mark.parametrize("line", LIKE_EXAMPLES)
+def test_a_line_like_an_example_gets_its_sentence(line):
+    (finding,) = faults(f"{TEXT}{line}\n")
+    assert (finding.line, finding.message) == (TEXT.count("\n") + 1, LIKE_EXAMPLES[line])
     assert 1 < finding.column <= len(line)
-    assert said in finding.message
-    assert hint in finding.hint
+    assert finding.hint
+
+
+def test_an_unknown_source_names_those_that_there_are():
+    (finding,) = faults(f"{TEXT}  x = median of e\n")
+    assert finding.name == "unknown-source"
+    assert all(word in finding.message + finding.hint for word in SOURCES)
+
+
+@pytest.mark.parametrize("line", ["  x = error", "  drive voltage = u, within 24"])
+def test_a_line_that_stops_elsewhere_keeps_the_words_of_the_parser(line):
+    (finding,) = faults(f"{TEXT}{line}\n")
+    assert finding.message.startswith("expected '")
 
 
 @pytest.mark.parametrize(
@@ -273,11 +240,6 @@ def test_a_line_that_needs_more_says_what(line):
 def test_a_power_behind_a_division_divides_as_often(wrong, right):
     (finding,) = faults(TEXT.replace("sum = u ", f"sum = {wrong} "))
     assert right in finding.hint
-
-
-def test_one_named_input_is_in_order():
-    text = TEXT.replace("rules pd7(e, ce) * G_u", "rules pd7(e=e)")
-    assert any("rules pd7(e)" in each.hint for each in faults(text))
 
 
 CUT_OFF = 1000 / (2 * 3.141592653589793 * 50)  # ms
@@ -315,28 +277,10 @@ def test_a_line_of_many_words_is_read_at_once(line):
     assert parse(f"controller c\nperiod 1 ms\n{line}\n  u = error of p\n").diagnostics
 
 
-HEADS = {
-    "gain X = 2 * G_e": ("a gain is a number", "a line of an axis"),
-    "gain X = 2 * (3 + 4)": ("a gain is a number", "a line of an axis"),
-    "gain X = 2, tune": ("is missing", "tune 2 .. 200 log"),
-    "period 0.001": ("unit of time", "as in  0.001 s"),
-}
-
-
-@pytest.mark.parametrize("line", HEADS)
-def test_a_line_of_the_head_that_needs_more_says_what(line):
-    said, hint = HEADS[line]
-    text = TEXT.replace("period 1 ms", line) if "period" in line else f"{TEXT}\n{line}\n"
-    (finding,) = faults(text)
-    assert said in finding.message
-    assert hint in finding.hint
-
-
-def test_what_is_meant_by_other_words_is_a_source():
-    """The sources themselves are what other words are taken for."""
-    from fuzzyarm.language.controller_slips import ELSEWHERE
-
-    assert set(ELSEWHERE) <= set(SOURCES)
+def test_the_unit_of_a_period_is_said():
+    (finding,) = faults(TEXT.replace("period 1 ms", "period 0.001"))
+    assert "unit of time" in finding.message
+    assert "as in  0.001 s" in finding.hint
 
 
 # --- Names, numbers, the whole ---
@@ -344,7 +288,7 @@ def test_what_is_meant_by_other_words_is_a_source():
 
 def test_a_controller_without_a_name_is_not_a_rule_base():
     (finding,) = faults(TEXT.replace("controller servo", "controller"))
-    assert finding.hint == 'write  controller NAME "fuzzy PD control of a shaft"'
+    assert finding.hint == "write  controller NAME"
 
 
 def test_a_controller_without_an_axis_is_one_finding():

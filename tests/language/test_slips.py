@@ -38,8 +38,6 @@ SLIPS = [
     ("  N        N   N   Z   P", "  N        N;  N;  Z;  P;"),
     ("  N        N   N   Z   P", "| N      | N | N | Z | P |"),
     ("  ce \\ e  NB  NS  PS  PB", "  ce \\ e  NB, NS, PS, PB"),
-    ("ce \\ e", "ce / e"),
-    ("ce \\ e", "ce/e"),
     ("ce \\ e", "e \\ ce"),
     ("-8.5 .. 8.5", "-8,5 .. 8,5"),
     ("-8.5 .. 8.5", "−8.5 .. 8.5"),
@@ -181,34 +179,21 @@ MORE_SLIPS = [
     ("input temp 0", "input temp: 0"),
     ("input temp 0", "input temp range 0"),
     ("input temp 0 .. 40", "input temp in [0, 40]"),
-    ("input temp 0 .. 40", "variable temp 0 .. 40"),
-    ('"temperature"', "temperature"),
     ("LOW: triangle 0 2 5", "LOW triangle 0 2 5"),
     ("LOW: triangle 0 2 5", "LOW: trimf 0 2 5"),
     ("LOW: triangle 0 2 5", "LOW = trimf([0 2 5])"),
     ("LOW: triangle 0 2 5", "LOW: triangle 5 2 0"),
-    ("term v LOW", "mf v LOW"),
     ("and min, or max", "and = min, or = max"),
     ("and min, or max", "AND : MIN, OR : MAX"),
     ("LOW  .", "LOW  -"),
-    ("LOW  .", "LOW  ?"),
-    ("HIGH*0.5", "HIGH(0.5)"),
     ("rules v when h is WET", "rules v when h = WET"),
     ("rules v\n", "rules v =\n"),
-    ("rules v\n", "rules: v\n"),
-    ("rules v\n", "rules table v\n"),
     ("temp is not HOT", "not temp is HOT"),
-    ("temp is not HOT", "temp isn't HOT"),
     ("with 0.5", "(0.5)"),
     ("with 0.5", "weight 0.5"),
     ("with 0.5", "with 0,5"),
     ("->", "=>"),
     ("->", "→"),
-    ("expect temp", "assert temp"),
-    ("v in 0 .. 10", "v between 0 and 10"),
-    ("v in 0 .. 10", "v in [0, 10]"),
-    ("rises with temp", "increases with temp"),
-    ("rises with temp", "rises in temp"),
 ]
 
 
@@ -230,26 +215,42 @@ def test_one_slip_of_elsewhere_is_one_finding(right: str, wrong: str) -> None:
     assert finding.hint.removeprefix("write  ") in " ".join(FAN.split()) or "here" in finding.hint
 
 
-ADVICE = {
-    "term LOW: triangle 0 2 5": ("belongs to a variable", "term VARIABLE LOW: triangle 0 2 5"),
-    "rule if temp is HOT then v is HIGH else v is LOW": ("no else", "a second rule"),
-    "rule if temp > 30 then v is HIGH": ("not for numbers", "term temp BEYOND: ramp"),
-    "expect temp = 0, h = 0 -> v ~ 5": ("within", "-> u = 5 within 0.1"),
+HINTS = {
     "expect temp = 0 -> v > 5": ("missing: h", "add  h = 0"),
-    "prove v monotone": ("a property is about", "prove u rises with e"),
     "drive v = u": ("no statement", "below a line  controller NAME"),
     "gain K = 3": ("no statement", "below a line  controller NAME"),
     "period 1 ms": ("no statement", "below a line  controller NAME"),
 }
 
 
-@pytest.mark.parametrize("line", ADVICE)
+@pytest.mark.parametrize("line", HINTS)
 def test_a_line_that_needs_more_says_what(line: str) -> None:
-    said, hint = ADVICE[line]
+    said, hint = HINTS[line]
     (finding,) = parse(f"{FAN}{line}\n").diagnostics
     assert finding.line == FAN.count("\n") + 1
     assert said in finding.message
     assert hint in finding.hint
+
+
+LIKE_EXAMPLES = {
+    "term LOW: triangle 0 2 5": "a term belongs to a variable",
+    "rule if temp is HOT and h is WET then v is HIGH else v is LOW": "a rule has no else",
+    "rule if temp is HOT and h > 80.5 then v is HIGH": "a rule asks for terms, not for numbers",
+}
+
+
+@pytest.mark.parametrize("line", LIKE_EXAMPLES)
+def test_a_line_like_an_example_gets_its_sentence(line: str) -> None:
+    (finding,) = parse(f"{FAN}{line}\n").diagnostics
+    assert (finding.line, finding.message) == (FAN.count("\n") + 1, LIKE_EXAMPLES[line])
+    assert finding.hint
+
+
+def test_a_line_that_stops_elsewhere_keeps_the_words_of_the_parser() -> None:
+    (finding,) = parse(f"{FAN}rule if temp is HOT then v is viery HIGH\n").diagnostics
+    assert "viery" in finding.message
+    (finding,) = parse(f"{FAN}rule if temp + 3 is HOT then v is HIGH\n").diagnostics
+    assert finding.message == "expected 'is' after the variable 'temp', found '+'"
 
 
 @pytest.mark.parametrize(

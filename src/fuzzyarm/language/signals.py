@@ -339,12 +339,13 @@ def _read_source(cursor: Cursor) -> Source | None:
     """Read a source without its options; None where the next word is none."""
     cursor.suggest("sources")
     token = cursor.peek()
-    if token is None or token.kind != "name" or token.text not in SOURCES:
-        return None
     following = cursor.peek(1)
+    means_one = following is not None and (following.kind, following.text) == ("name", "of")
+    if token is None or token.kind != "name" or (token.text not in SOURCES and not means_one):
+        return None
     if following is not None and following.kind not in ("name", "quoted"):
         return None  # a signal that is called like a source
-    kind = cursor.word("a source", SOURCES, "unknown-source")
+    kind = cursor.word(f"one of {', '.join(SOURCES)}", SOURCES, "unknown-source")
     of = SOURCES[kind].of
     if of == "call":
         cursor.suggest("sheets")

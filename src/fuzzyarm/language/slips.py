@@ -1,32 +1,225 @@
-"""Lines in the notation of other programs: how they are written here, proved by reading them.
+"""Lines as a newcomer from MATLAB, FCL, FLL, Structured Text or Python types them.
 
-A line with a fault is rewritten as a person would put it right (a comma for a space, a small
-letter for a capital, ``if`` for ``rule if``). Where it can then be read, one finding says so
-and has the line as it should be; the file is read on as it was meant.
+:data:`CORRECTIONS` rewrite a line with a fault. Where the result can be read, one finding shows it,
+and the file is read on as it was meant. :data:`EXAMPLES` are wrong lines that need more than
+themselves: a line on which the parser stops in the state of one of them gets its sentence.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from functools import cache, lru_cache
+from typing import NamedTuple
 
 from fuzzyarm.base.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
-from fuzzyarm.language import controller_slips, rulebase_slips
-from fuzzyarm.language.controller_slips import ENDINGS
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
-from fuzzyarm.language.document import Document, parse_document
-from fuzzyarm.language.notations import ANY_CASE, Slip
-from fuzzyarm.language.rulebase_slips import ANYWHERE, LAST, ORDERS
+from fuzzyarm.language.document import HEADINGS, Document, parse_document
+from fuzzyarm.language.model.controller import SOURCES
 from fuzzyarm.language.statements import STATEMENTS
+from fuzzyarm.language.tokens import Token, tokenize_line
+from fuzzyarm.symbolic.kinds import SHAPES
 
-_PIECES = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^'\\]|\\.)*'|#.*|[^\"'#]+|.")
-_FIRST = re.compile(r"\s*([^\W\d]\w*)?")
-_MOST, _ROUNDS = 100, 3
-"""Lines that are tried at a time, and how often."""
+# --- Lines that can be rewritten ---
 
-_LONGEST, _FARTHEST = 500, 400
-"""Characters of a line, and how far above it its statement starts: beyond that it is not tried."""
+_N = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_NAME = r"(?:'[^']*'|[^\W\d]\w*(?:-[^\W\d]\w*)*)"
+_SOURCE_OF = {word: word for word, kind in SOURCES.items() if kind.of in ("port", "signal")} | {
+    word: kind.name for kind in SOURCES.values() for word in kind.elsewhere.split()
+}
+_TAKEN = "|".join(sorted(_SOURCE_OF, key=len, reverse=True))
+_SOURCE = "|".join(rf"{k.name}\s*{k.joined}\s+{_NAME}(?:\([^()]*\))?" for k in SOURCES.values())
+_OPTIONS = "|".join({word for kind in SOURCES.values() for word in kind.options} | {"slew"})
+_FUNCTIONS = "abs|atan2?|cl[ai]m?p|cos|exp|floor|limit|log|max|min|pow|round|sat|saturate|sin|sqrt"
+
+
+class Correction(NamedTuple):
+    """What is wrong with a line of `statements`, of any without them, and how it is rewritten.
+
+    ``row`` and ``header`` are the lines of a grid, ``-`` is a line that starts like no statement.
+    Strings and comments stay as they are unless the `whole` line is to be matched.
+    """
+
+    sentence: str
+    statements: str
+    pattern: str
+    written: str | Callable[[re.Match[str]], str]
+    whole: bool = False
+
+
+def _listed(text: str) -> str:
+    return ", ".join(re.split(r"[\s,;]+", text.strip()))
+
+
+def _source(match: re.Match[str]) -> str:
+    word = _SOURCE_OF[match[1].lower()]
+    return f"{word}{SOURCES[word].joined} {match[2] or match[3]}"
+
+
+_STARTERS = {*STATEMENTS, *CONTROLLER_STATEMENTS}
+_SMALL = "words of the language are written in small letters"
+_DOTS = "a range is written with two points"
+
+CORRECTIONS = tuple(Correction(*row) for row in (
+    ("quotes are straight", "", "[“”„«»]", '"', True),
+    ("write a description in double quotes", "rulebase controller input output",
+     r"['‘’‚‹›]([^'‘’‚‹›]*)['‘’‚‹›]\s*$", r'"\1"', True),
+    ("a comment starts with #", "",
+     r"(?:^|(?<=\s))(?://|%|/\*|\(\*|--(?=\s|$))\s*(.*?)\s*(?:\*\)|\*/)?\s*$", r"# \1"),
+    (_SMALL, "", r"^\s*[A-Z][A-Za-z]*(?=\s+[\w'\"])",
+     lambda m: m[0].lower() if m[0].strip().lower() in _STARTERS else m[0]),
+    ("a minus is a hyphen", "", "[−–—]", "-"),
+    (_DOTS, "", r"\.{3,}|…", ".."),
+    ("a statement ends with its line, without a mark", "", r"\s*[;,]\s*$", ""),
+    ("write the range after the name", "input output",
+     rf"^(\s*\w+\s+{_NAME})\s*(?::=|[:=]|\b(?:in|range)\b)[\s:=]*", r"\1 "),
+    ("a shape has its name of here", "term", rf"({_NAME})(?=\s*[-+.\d\[(])",
+     lambda m: (m[1] not in SHAPES and near_hint(m[1], SHAPES)[1]) or m[1]),
+    ("write a colon after the name of a term", "term",
+     rf"^(\s*term\s+{_NAME}\s+{_NAME})\s*(?::?=\s*|\s)(?={_NAME}\s*[-+.\d\[(])", r"\1: "),
+    ("write numbers without brackets", "input output term", r"[\[\](){}]", " "),
+    ("write a weight after with", "rule",
+     rf"\s*(?:\(\s*({_N})\s*\)|\bweight\s*=?\s*({_N}))\s*$", lambda m: f" with {m[1] or m[2]}"),
+    ("write 'not' after 'is'", "rule", rf"\bnot\s+({_NAME})\s+is\s+", r"\1 is not "),
+    ("a cell without a rule is a dot", "row", r"(?<=\s)-+(?=\s|$)", "."),
+    ("write the output of a grid by itself", "rules", r"\bfor\b|\s*[:=]\s*$", ""),
+    ("a setting is a word and its value", "inference block", r"\s*[=:]\s*", " "),
+    (_SMALL, "inference block", r"\b[A-Z]+\b", lambda m: m[0].lower()),
+    ("write '->' after the inputs", "expect", r"\s*(?:=>|→|\bthen\b)\s*", " -> "),
+    ("a rule starts with 'rule if'", "rule row header -",
+     r"(?i)^(\s*)(?:(?:rule\b\s*)?\w*\s*[:.)]?\s*)??if\b", r"\1rule if"),
+    (_SMALL, "rules rule row header", r"\b(?i:if|then|is|and|or|not|with)\b",
+     lambda m: m[0].lower()),
+    ("a proposition has 'is'", "rules rule row header", r"\s*(?<![<>=])==?(?![>=])\s*", " is "),
+    ("propositions are joined by 'and'", "rule", r"\s*&&?\s*", " and "),
+    ("propositions are joined by 'or'", "rule", r"\s*\|\|?\s*", " or "),
+    ("the consequent starts with 'then'", "rule row", r"\s*[-=]>\s*", " then "),
+    ("how often it runs is its period", "period -",
+     rf"(?i)^\s*(?:period\s*[:=]|(?:dt|Ts|sampl(?:e|ing)[ _]?time)\s*[:=]?)\s*({_N})\s*(\w*)\s*$",
+     lambda m: f"period {m[1]} {m[2] or 's'}"),
+    ("a file is used under a name", "use -",
+     r'^\s*(?:use|import)\s+"((?:[^"/\\]*[/\\])*([^\W\d]\w*)[^"/\\]*)"(?:\s+as\s+(\w+))?\s*$',
+     lambda m: f'use {m[3] or m[2]} from "{m[1]}"', True),
+    ("a definition has '='", "gain signal drive", r"\s*(?::=|==|<-)\s*", " = "),
+    ("write '=' between a name and its value", "gain",
+     rf"^(\s*gain\s+{_NAME})\s*[:\s]\s*(?=[-+.\d\[])", r"\1 = "),
+    ("one value for each axis, with commas between them", "gain",
+     r"\[\s*([^\]]*?)\s*\]", lambda m: _listed(m[1])),
+    ("limits are called within", "signal drive",
+     r"(,?)\s*\b(?:limits?|saturat\w*|clamp\w*)\b(?=\s*[\[(+\d.-])", r"\1 within"),
+    ("write a comma before an option", "signal drive",
+     rf"(?<=[\w')])\s+(?=(?:{_OPTIONS})\b)", ", "),
+    (_DOTS, "signal drive", rf"(\bwithin)\s*[\[(]?\s*({_N})\s*(?:\.\.|to\b|[,:]|\s)\s*({_N})[\])]?",
+     r"\1 \2 .. \3"),
+    ("an error is named by its port", "signal",
+     rf"\breference\s+({_NAME})\s*-\s*measured\s+\1(?![\w-])", r"error of \1"),
+    ("the change per second is a rate", "signal",
+     rf"\bd\s*/\s*dt\s*(?:\(\s*({_NAME})\s*\)|({_NAME}))", lambda m: f"rate of {m[1] or m[2]}"),
+    ("evaluate a rule base by  rules", "signal",
+     rf"\bevalfis\s*\(\s*(?:({_NAME})\s*,\s*\[([^\])]*)\]|\[([^\])]*)\]\s*,\s*({_NAME}))\s*\)",
+     lambda m: f"rules {m[1] or m[4]}({_listed(m[2] or m[3])})"),
+    ("evaluate a rule base by  rules, a table by  table", "signal",
+     rf"(?i)(=\s*)(?!(?:rules|table|evalfis|{_FUNCTIONS}|{_TAKEN})\b)({_NAME})\s*\((?=[^()]*\))",
+     r"\1rules \2("),
+    ("a source is written  WORD of NAME", "signal",
+     rf"(?i)\b({_TAKEN})\b(?:\s+(?:of|in)\b)?\s*(?:\(\s*({_NAME})\s*\)|\s({_NAME}))(?!\s*[(\w])",
+     _source),
+    ("write the source first, then its factors", "signal",
+     rf"(=\s*)([^=,]*?)\s*\*\s*({_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$)", r"\1\3\4 * \2"),
+    ("a power is written as a product", "signal", rf"(/\s*)?({_NAME})\s*(?:\^|\*\*)\s*([23])\b",
+     lambda m: (m[1] or "") + (" / " if m[1] else " * ").join([m[2]] * int(m[3]))),
+    ("write the port of a drive first", "drive",
+     rf"^(\s*)drive\s+([^=]+?)\s+to\s+({_NAME})\s*(?=,|$)", r"\1drive \3 = \2"),
+    ("signals to the plant are drives", "signal",
+     rf"(?i)^(\s*)(?:drive|output)\s+(?={_NAME}\s*=)", r"\1drive "),
+))  # fmt: skip
+"""In the order in which they are applied to a line."""
+
+_LAST = Correction(
+    _DOTS, "input output", rf"({_N})\s*(?:-(?=\s)|to\b|[,:]|\s)\s*({_N})", r"\1 .. \2"
+)
+_POINT = Correction("the decimal mark is a point", "", r"(?<=\d),(?=\d)", ".")
+_SPACE = Correction(
+    "separate numbers and cells by spaces only",
+    "row header input output term",
+    r"\s*[,;|]\s*",
+    "  ",
+)
+_COMMAS = ((), (_POINT,), (_SPACE,), (_POINT, _SPACE))
+"""What a comma may mean, as it is tried."""
+
+# --- Lines that need more ---
+
+EXAMPLES = {
+    "a rule has no else: write a second rule, as in  rule if x is not A then y is C": (
+        "rule if x is A then y is B else y is C",),
+    "a rule asks for terms, not for numbers, as in  term x BEYOND: ramp 30 40": (
+        "rule if x > 3 then y is B", "rule if x < 3 then y is B", "rule if x >= 3 then y is B"),
+    "a term belongs to a variable, as in  term x LOW: triangle 0 2 5": (
+        "term LOW: triangle 0 2 5", "term LOW = triangle 0 2 5"),
+    "a controller has neither rules nor 'if': write a rule base, and  u = rules NAME(e, ce)": (
+        "  if e > 3 then u = 0", "  if e is A then u is B", "  rule if e is A then u is B"),
+    "a line has one source, first, of a signal: write  x = error of position  above, and x here": (
+        "  x = rate of error of p", "  x = lag of measured p, time 1 s", "  x = error of p * 2 + e",
+        "  x = integral of (e * 2)"),
+    "a drive is a sum of signals: write  u = rules NAME(e, ce)  above, and u here": (
+        "  drive p = rules f(e)",),
+    "a sum has no parentheses: write  x = e + ce  above, and x here": (
+        "  x = (e + 2) * 2", "  x = 2 * (e + 2)"),
+    "the inputs of a rule base are signals in its order, as in  u = rules NAME(e, ce)": (
+        "  x = rules f(e=e)", "  x = rules f(e * 2)", "  x = rules f * 2", "  x = evalfis(f, e)",
+        "  x = f.u"),
+    "a controller has a name: write  controller NAME": ('controller "x"',),
+    "a controller has no functions: write limits after a drive, as in  drive PORT = u, within "
+    "-1 .. 1 , and a curve of one signal as a rule base,  y = rules NAME(x)": (
+        "  x = abs(e)", "  x = max(-2, u)", "  x = rules clip(u, -1, 1)"),
+    "a gain is made of numbers and pi: compute it on a line of an axis": (
+        "gain k = 2 * g", "gain k = 2 * (3)"),
+    'a unit is written in double quotes, as in  gain k = 4.5 "V"': (
+        "gain k = 4.5 V", "gain k = 16 1/s"),
+}  # fmt: skip
+"""By sentence, up to a colon or a comma, and hint; a name or a number stands for any."""
+
+State = tuple[str, ...]
+
+
+def _state(lines: Sequence[str], finding: Diagnostic) -> State:
+    """Return where the parser stopped: statement, finding, expectation, three tokens around it."""
+    tokens = tokenize_line(finding.line, lines[finding.line - 1], []).tokens
+    at = next((k for k, token in enumerate(tokens) if token.end > finding.column), len(tokens))
+    around = (_kind(tokens[k]) if 0 <= k < len(tokens) else "" for k in (at - 1, at, at + 1))
+    expected = re.sub(r"'[^']*'", "", finding.message.partition(", found")[0])
+    return _surroundings(lines, finding.line)[1], finding.name, expected, *around
+
+
+def _kind(token: Token) -> str:
+    if token.kind == "name" and token.text in SOURCES:
+        return "call" if SOURCES[token.text].of == "call" else "source"
+    return token.text if token.kind == "mark" or token.text in _KEPT else token.kind
+
+
+_KEPT = {"of", "if", "rule", "else", "evalfis"}
+
+
+@cache
+def _sentences() -> dict[State, tuple[str, str]]:
+    """Return sentence and hint of each state in which the parser stops on an example."""
+    sentences: dict[State, tuple[str, str]] = {}
+    for text, examples in EXAMPLES.items():
+        sentence, hint = re.split(r"[:,] +(?=as in|write|compute)", text, maxsplit=1)
+        for line in examples:
+            below = line[0] == " " or line.startswith("gain")
+            lines = ["controller c", "axis a", line] if below else [line]
+            findings = parse_document("\n".join(lines)).diagnostics
+            sentences.setdefault(_state(lines, findings[0]), (sentence, hint))
+    return sentences
+
+
+# --- Reading as it was meant ---
+
+_MOST, _ROUNDS, _LONGEST, _FARTHEST = 100, 3, 500, 400
+"""Lines that are tried at a time, how often, their characters, and the lines above them."""
 
 
 def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
@@ -45,31 +238,141 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
         for diagnostic in best.diagnostics:
             first.setdefault(diagnostic.line, diagnostic)
         more = {}
-        for number in sorted(first)[:_MOST]:
-            put_right = None if number > len(lines) else _put_right(repaired, number, first[number])
+        for number in [number for number in sorted(first) if number <= len(lines)][:_MOST]:
+            put_right = _put_right(repaired, number, first[number])
             if put_right is not None:
-                repaired[number - 1], message = put_right
-                more[number] = _finding(
-                    first[number], lines[number - 1], repaired[number - 1], message
-                )
-        if not more:
-            break
+                more[number] = _finding(first[number], lines[number - 1], *put_right)
+                repaired[number - 1] = put_right[0]
         again = parse_document("\n".join(repaired))
-        if any(d.line in diagnostics or d.line in more for d in again.diagnostics):
-            break  # what reads well alone does not read in its file
+        if not more or any(d.line in diagnostics or d.line in more for d in again.diagnostics):
+            break  # what reads well alone may not read in its file
         best, diagnostics = again, diagnostics | more
-    advised = [_advised(finding, lines) for finding in best.diagnostics]
-    ordered = sorted([*advised, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
+    said = [_explained(finding, lines) for finding in best.diagnostics]
+    ordered = sorted([*said, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
     return best._replace(diagnostics=tuple(ordered)), frozenset(diagnostics)
 
+
+def _explained(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:
+    """Return a finding with the sentence of the example that it is like."""
+    mended = finding.replacement is not None and finding.name != "reserved-word"
+    if mended or not 1 <= finding.line <= len(lines) or len(lines[finding.line - 1]) > _LONGEST:
+        return finding
+    sentence, hint = _sentences().get(_state(lines, finding), ("", ""))
+    return finding if not sentence else Diagnostic(finding.name, sentence, finding.span, hint=hint)
+
+
+def _finding(first: Diagnostic, before: str, after: str, words: str) -> Diagnostic:
+    """Return the finding about a line; its span and replacement cover only what differs."""
+    start = _common(before, after)
+    end = _common(before[start:][::-1], after[start:][::-1])
+    span = Span(first.line, start + 1, first.line, len(before) - end + 1)
+    hint = f"write  {' '.join(after.split())}" if after.strip() else "leave the line out"
+    replacement = after[start : len(after) - end]
+    return Diagnostic(first.name, words, span, hint=hint, replacement=replacement)
+
+
+def _common(one: str, other: str) -> int:
+    """Return how many characters two texts begin with alike."""
+    pairs = enumerate(zip(one, other, strict=False))
+    return next((k for k, (a, b) in pairs if a != b), min(len(one), len(other)))
+
+
+_ENDING = re.compile(r"(?i)^\s*(?:end\w*|[{}]+)\s*[;.]?\s*$")
+
+
+def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
+    """Return a line as it can be read, and what was wrong with it; None where it cannot.
+
+    None also where the finding itself has all that is to be changed.
+    """
+    line = lines[number - 1]
+    if len(line) > _LONGEST:
+        return None
+    if _ENDING.match(line):
+        return "", "nothing ends a part of a file"
+    before, word, after = _surroundings(lines, number)
+
+    def reads(better: str) -> bool:
+        document = parse_document("\n".join([*before, better, *after]))
+        return all(d.line != len(before) + 1 for d in document.diagnostics)
+
+    if first.replacement is not None and first.span.end_line == number:
+        start, end = first.span.column - 1, first.span.end_column - 1
+        if reads(line[:start] + first.replacement + line[end:]):
+            return None
+    for commas in _COMMAS:
+        better, sentence = _rewritten(line, word, commas)
+        if sentence and better.strip() and reads(better):
+            return better, sentence
+    return None
+
+
+def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, list[str]]:
+    """Return the lines before that a line is read with, its statement, and those after."""
+    line, above = lines[number - 1], lines[: number - 1][::-1]
+    own = _word(line)
+    heading = next((k for k, other in enumerate(above) if _word(other) in HEADINGS), None)
+    if own == "controller" or (heading is not None and _word(above[heading]) == "controller"):
+        below = own != "controller" and any(_word(other) == "axis" for other in above[:heading])
+        if own not in CONTROLLER_STATEMENTS or own == SIGNAL:
+            own = SIGNAL if below else "-"
+        return [] if own in HEADINGS else ["controller c", *["axis a"] * below], own, []
+    if own in STATEMENTS and not line[:1].isspace():
+        start, word = 0, own
+    else:
+        near = enumerate(above[:_FARTHEST], start=1)
+        start = next((k for k, other in near if _starts(other)), 0)
+        word = _word(above[start - 1]) if start else "-"
+    between = list(lines[number - 1 - start : number - 1])
+    if start and STATEMENTS[word].takes_lines:
+        rows = [other for other in between[1:] if other.partition("#")[0].strip()]
+        kind = {True: "row", False: "header"}[bool(rows)] if word == "rules" else word
+        return [between[0], *rows[:1] * (word == "rules")], kind, []
+    if start and not line[:1].isspace():
+        return [], "-", []
+    end = number
+    while end < min(len(lines), number + _FARTHEST) and lines[end][:1].isspace():
+        end += 1
+    return between, word, list(lines[number:end]) if word != "-" else []
+
+
+@lru_cache(maxsize=8192)
+def _word(line: str) -> str:
+    """Return the first word of a line in small letters."""
+    match = re.match(r"\s*([^\W\d][\w-]*)", line)
+    return match[1].lower() if match is not None else ""
+
+
+def _starts(line: str) -> bool:
+    return not line[:1].isspace() and _word(line) in STATEMENTS
+
+
+@lru_cache(maxsize=2048)
+def _rewritten(line: str, word: str, commas: tuple[Correction, ...]) -> tuple[str, str]:
+    # Kept: a text is read again at every key stroke, and most of its lines are as before.
+    sentences: dict[str, None] = {}
+    for correction in (*CORRECTIONS, *commas, _LAST):
+        if correction.statements and word not in correction.statements.split():
+            continue
+        pieces = [line] if correction.whole else _PIECES.findall(line)
+        better = "".join(
+            piece
+            if piece[:1] in ("'", '"', "#") and not correction.whole
+            else re.sub(correction.pattern, correction.written, piece)
+            for piece in pieces
+        )
+        if better != line:
+            sentences[correction.sentence] = None
+            line, word = better, (_word(better) if word == "-" else word) or "-"
+    return line.rstrip(), "; ".join(sentences)
+
+
+_PIECES = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^'\\]|\\.)*'|#.*|[^\"'#]+|.")
 
 # --- Files of other programs ---
 
 _FOREIGN = {
-    "FCL": (
-        ".fcl",
-        r"^\s*(?:(?:END_)?FUNCTION_BLOCK|VAR_(?:INPUT|OUTPUT)|(?:DE)?FUZZIFY|RULEBLOCK)\b",
-    ),
+    "FCL": (".fcl", r"^\s*(?:FUNCTION_BLOCK|VAR_(?:INPUT|OUTPUT)|(?:DE)?FUZZIFY|RULEBLOCK)\b"),
     "a FIS of MATLAB": (".fis", r"^\[(?:System|Input\d+|Output\d+|Rules)\]"),
     "FLL": (".fll", r"^\s*(?:Engine|InputVariable|OutputVariable|RuleBlock):"),
     "FML": (".fml", r"<(?:\?xml|fuzzySystem|FuzzyController|knowledgeBase|KnowledgeBase)\b"),
@@ -83,192 +386,11 @@ def foreign_text(text: str) -> Diagnostic | None:
     """Return the message about a text of another program; None for any other text."""
     for what, (suffix, pattern) in _FOREIGN.items():
         match = re.search(pattern, text[:100_000], re.MULTILINE)
-        if match is None:
-            continue
-        line = text.count("\n", 0, match.start() + len(match[0]) - len(match[0].lstrip())) + 1
-        hint = "a .frb file begins with  rulebase NAME  or  controller NAME"
-        if suffix:
-            hint = f"call it FILE{suffix}, and  fuzzyarm convert FILE{suffix} FILE.frb"
-        message = f"this is {what}, not the language of .frb files"
-        return Diagnostic("foreign-text", message, Span(line, 1, line, 2), hint=hint)
+        if match is not None:
+            line = text.count("\n", 0, match.start() + len(match[0]) - len(match[0].lstrip())) + 1
+            hint = "a .frb file begins with  rulebase NAME  or  controller NAME"
+            if suffix:
+                hint = f"call it FILE{suffix}, and  fuzzyarm convert FILE{suffix} FILE.frb"
+            message = f"this is {what}, not the language of .frb files"
+            return Diagnostic("foreign-text", message, Span(line, 1, line, 2), hint=hint)
     return None
-
-
-def _finding(first: Diagnostic, before: str, after: str, words: str) -> Diagnostic:
-    """Return the finding about a line; its span and replacement cover only what differs."""
-    start = 0
-    while start < min(len(before), len(after)) and before[start] == after[start]:
-        start += 1
-    end = 0
-    while end < min(len(before), len(after)) - start and before[-1 - end] == after[-1 - end]:
-        end += 1
-    span = Span(first.line, start + 1, first.line, len(before) - end + 1)
-    hint = f"write  {' '.join(after.split())}" if after.strip() else "leave the line out"
-    return Diagnostic(
-        first.name, words, span, hint=hint, replacement=after[start : len(after) - end]
-    )
-
-
-def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[str, str] | None:
-    """Return a line as it can be read, and what was wrong with it.
-
-    None where it cannot, or where the finding itself has all that is to be changed.
-    """
-    line = lines[number - 1]
-    if len(line) > _LONGEST:
-        return None
-    controller = _controller_above(lines, number)
-    if controller and ENDINGS.match(line):
-        return "", "nothing ends a part of a file"
-    before, word, after = (_of_controller if controller else _surroundings)(lines, number)
-
-    def reads(better: str) -> bool:
-        document = parse_document("\n".join([*before, better, *after]))
-        return all(d.line != len(before) + 1 for d in document.diagnostics)
-
-    if first.replacement is not None and first.span.end_line == number:
-        start, end = first.span.column - 1, first.span.end_column - 1
-        if reads(line[:start] + first.replacement + line[end:]):
-            return None
-    for order in ORDERS:
-        better, text = _rewritten(line, word, order, controller)
-        if text and better.strip() and reads(better):
-            return better, text
-    return None
-
-
-def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, list[str]]:
-    """Return the lines before that a line is read with, what it is itself, and those after."""
-    start = number
-    while start > max(1, number - _FARTHEST) and _keyword(lines[start - 1]) is None:
-        start -= 1
-    word = _keyword(lines[start - 1])
-    if word is None:
-        return [], "", []
-    end = number
-    if start < number and STATEMENTS[word].takes_lines:
-        between = [line for line in lines[start : number - 1] if _code(line)]
-        if word in ("lookup", "tune"):
-            return [lines[start - 1]], word, []
-        return [lines[start - 1], *between[:1]], "row" if between else "header", []
-    if start < number and not lines[number - 1][:1].isspace():
-        return [], "", []
-    while (
-        end < min(len(lines), number + _FARTHEST)
-        and _keyword(lines[end]) is None
-        and lines[end][:1].isspace()
-    ):
-        end += 1
-    return list(lines[start - 1 : number - 1]), word, list(lines[number:end])
-
-
-# --- Controllers ---
-
-_HEADINGS = re.compile(r"^(controller|rulebase)\b", ANY_CASE)
-_AXIS = re.compile(r"^ax[ei]s\b", ANY_CASE)
-_SIGNAL = re.compile(r"^\s*(?:'[^']*'|[\w-]+)\s*(?:[,=]|:=|<-)")
-
-
-def _controller_above(lines: Sequence[str], number: int) -> bool:
-    """Whether a line is the heading of a controller, or stands below one."""
-    for line in reversed(lines[:number]):
-        heading = _HEADINGS.match(line)
-        if heading is not None:
-            return heading[1].lower() == "controller"
-    return False
-
-
-def _of_controller(lines: Sequence[str], number: int) -> tuple[list[str], str, list[str]]:
-    """Return the lines before that a line of a controller is read with, and what it is."""
-    line = lines[number - 1]
-    if _HEADINGS.match(line):
-        return [], "controller", []
-    below_axis = False
-    for other in reversed(lines[: number - 1]):
-        if _HEADINGS.match(other):
-            break
-        below_axis |= _AXIS.match(other) is not None
-    word = _first_word(line)
-    if not word or (below_axis and _SIGNAL.match(line)):
-        word = SIGNAL if below_axis else ""
-    return ["controller c", *(["axis a"] if below_axis else [])], word, []
-
-
-_SYNTAX = {
-    "unexpected-token", "trailing-text", "incomplete-statement", "unexpected-character",
-    "reserved-word", "unknown-hedge", "unknown-setting", "unknown-option", "unknown-statement",
-    "bad-number",
-}  # fmt: skip
-"""Findings of which the words of an advice say more."""
-
-
-def _first_word(line: str) -> str:
-    """Return the statement of a controller that a line starts, also in capitals."""
-    first = re.match(r"\s*([\w-]+)", line)
-    word = first[1].lower() if first is not None else ""
-    return word if word in CONTROLLER_STATEMENTS else ""
-
-
-def _advised(finding: Diagnostic, lines: Sequence[str]) -> Diagnostic:
-    """Return a finding with a hint, for a line that cannot be corrected automatically."""
-    number = finding.line
-    if not 1 <= number <= len(lines):
-        return finding
-    line = lines[number - 1].partition("#")[0].rstrip()
-    mended = finding.replacement is not None and finding.name != "reserved-word"
-    if len(line) > _LONGEST or mended or finding.name not in _SYNTAX:
-        return finding
-    controller = _controller_above(lines, number)
-    _, word, _ = (_of_controller if controller else _surroundings)(lines, number)
-    for advice in (controller_slips if controller else rulebase_slips).ADVICE:
-        reading = advice.on(line, number) if not advice.words or word in advice.words else None
-        if reading is not None:
-            message, hint, span = reading
-            return Diagnostic(finding.name, message, span, hint=hint)
-    return finding
-
-
-def _keyword(line: str) -> str | None:
-    """Return the statement that a line starts, also in capitals."""
-    word = (_FIRST.match(line) or [""])[1]
-    small = (word or "").casefold()
-    return small if small in STATEMENTS and not line[:1].isspace() else None
-
-
-def _code(line: str) -> str:
-    return line.partition("#")[0].strip()
-
-
-@lru_cache(maxsize=2048)
-def _rewritten(line: str, word: str, order: tuple[Slip, ...], controller: bool) -> tuple[str, str]:
-    # Remembered: a text is read again at every key stroke, and most of its lines are as before.
-    messages: dict[str, None] = {}
-    slips = (*controller_slips.SLIPS, *order)
-    if not controller:
-        slips = (*rulebase_slips.SLIPS, *order, LAST)
-    for slip in (*ANYWHERE, *slips):
-        if slip.words and word not in slip.words:
-            continue
-        if slip.whole:
-            line = _apply(slip, line, messages)
-        else:
-            pieces = list(_pieces(line))
-            line = "".join(
-                _apply(slip, piece, messages) if code else piece for piece, code in pieces
-            )
-        # A line that began with a word of elsewhere may be a statement now.
-        if not word and messages:
-            word = (_first_word(line) if controller else _keyword(line)) or ""
-    return line.rstrip(), "; ".join(messages)
-
-
-def _pieces(line: str) -> Iterator[tuple[str, bool]]:
-    for match in _PIECES.finditer(line):
-        yield match.group(), match.group()[0] not in "\"'#"
-
-
-def _apply(slip: Slip, text: str, corrections: dict[str, None]) -> str:
-    changed = slip.pattern.sub(slip.written, text)
-    if changed != text:
-        corrections[slip.message] = None
-    return changed
