@@ -1,7 +1,7 @@
 """Calls from lower packages to functions of higher ones.
 
-A value has methods (``rulebase.table()``) that need packages above it, which it must not import.
-So it looks the function up by name, and the package at the top registers where each function is
+A value has methods (``rulebase.table()``) from packages above its own, which it must not import.
+It looks the function up by name; the top package registers the module of each function
 (:func:`register`).
 """
 
@@ -17,18 +17,18 @@ _HOMES: dict[str, str] = {}
 
 
 def register(homes: Mapping[str, str]) -> None:
-    """Register the modules of functions.
+    """Register functions by their modules.
 
     Parameters
     ----------
     homes : mapping of str to str
-        From the name of a function to its module, which is loaded when the function is asked for.
+        From the name of a function to its module, imported on the first call.
     """
     _HOMES.update(homes)
 
 
 def function(name: str) -> Any:
-    """Return a function that was registered."""
+    """Return a registered function."""
     if name not in _HOMES:
         raise LookupError(f"no module above has registered '{name}'")
     return getattr(import_module(_HOMES[name]), name)

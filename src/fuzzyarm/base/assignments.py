@@ -1,4 +1,4 @@
-"""Words like ``e=1.3,ce=-2``: values of names that are known."""
+"""Words like ``e=1.3,ce=-2``: values of known names."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def read_point(words: Iterable[str], names: Sequence[str]) -> dict[str, float]:
 
 def _pairs(words: Iterable[str], valid: tuple[str, ...]) -> Iterator[tuple[str, str]]:
     for word in words:
-        # A name may itself have a comma or an equals sign: try the names there are first.
+        # A name may contain a comma or an equals sign: match known names first.
         rest = word
         while rest:
             name = next((n for n in valid if rest.startswith(f"{n}=")), None)
@@ -58,7 +58,7 @@ def _pairs(words: Iterable[str], valid: tuple[str, ...]) -> Iterator[tuple[str, 
 
 
 def read_number(text: str, name: str) -> float:
-    """Return the finite number in `text`; `name` says whose it is."""
+    """Return the finite number in `text`; `name` is for the error."""
     try:
         value = float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Rows of texts under each other, in columns as wide as their widest text."""
+"""Rows of text in aligned columns."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ def in_columns(
     indent: str = "",
     least: Sequence[int] = (),
 ) -> list[str]:
-    """Return a line for each row; blanks at the end of a line go.
+    """Return one line for each row, without trailing blanks.
 
     Parameters
     ----------
     rows : sequence of sequence of str
-        Their texts; a row may be shorter than others.
+        The cells; rows may differ in length.
     sides : str
-        ``<`` or ``>`` for each column: where its texts stand. The last one holds for all further
-        columns; ``.`` is ``<`` for a column that makes no other wider, as the last one often is.
+        ``<`` or ``>`` for each column: its alignment. The last one holds for all further columns;
+        ``.`` is ``<`` without widening the column, for a last one.
     gap : str
         Between two columns.
     indent : str
-        In front of each line.
+        Text before each line.
     least : sequence of int
-        Letters that each column has at least; the last one holds for all further columns.
+        Minimum widths of the columns; the last one holds for all further columns.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Diagnostics with their positions, how they are shown, and the size limits of a text."""
+"""Diagnostics with their positions, their display, and the size limits of a text."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import NamedTuple
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import printable
 
-# --- A mistake or a doubt, with its position in the text ---
+# --- A finding and its position in the text ---
 
 
 class Severity(StrEnum):
-    """Severity of a diagnostic: only errors keep a file from being used."""
+    """Severity of a diagnostic: only errors make a file unusable."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -23,7 +23,7 @@ class Severity(StrEnum):
 
 
 class Span(NamedTuple):
-    """A stretch of text; lines and columns count characters from 1, the end is exclusive."""
+    """A range of text; lines and columns count characters from 1, the end is exclusive."""
 
     line: int
     column: int
@@ -36,7 +36,7 @@ class Span(NamedTuple):
 
 
 NOWHERE = Span(1, 1, 1, 1)
-"""The span of what has no position in a text, for instance a model built in Python."""
+"""The span of objects without a text, such as a model built in Python."""
 
 
 class Related(NamedTuple):
@@ -53,25 +53,25 @@ class Diagnostic:
     Attributes
     ----------
     name : str
-        Kebab-case, stable: what ``# allow NAME`` silences and the documentation explains.
+        Kebab-case, stable: the name in ``# allow NAME`` and in the documentation.
     message : str
-        One sentence to a person.
+        One sentence for a person.
     span : Span
-        The text at fault, exactly.
+        The exact text at fault.
     severity : Severity
-        An error keeps the file from being used; a warning and an info do not.
+        An error makes the file unusable; a warning and an info do not.
     hint : str
-        What was probably meant, or what to do; empty if neither is certain.
+        The probable intention, or a remedy; empty if neither is certain.
     replacement : str or None
-        The text to put in place of `span` where the hint is certain enough for a quick fix.
+        Text for a quick fix of `span`, if the hint is certain enough.
     path : str
         The file, as the caller named it.
     related : tuple of Related
-        Other positions that belong to the finding.
+        Other positions of the finding.
     argument : str
-        For values built in Python: the call or argument at fault, in place of a position.
+        For values built in Python: the call or argument at fault, instead of a position.
     lines : tuple of str
-        Lines that a quick fix can put below it.
+        Lines that a quick fix can append below.
     """
 
     name: str
@@ -97,12 +97,12 @@ class Diagnostic:
 
     @property
     def is_error(self) -> bool:
-        """Whether it keeps the file from being used."""
+        """Whether the file is unusable because of it."""
         return self.severity is Severity.ERROR
 
     @property
     def position(self) -> str:
-        """Where it is, as it is printed: path, line and column, or the argument."""
+        """The position as printed: path, line and column, or the argument."""
         return self.argument or f"{self.path or '<text>'}:{self.line}:{self.column}"
 
     def __str__(self) -> str:
@@ -154,14 +154,14 @@ class RuleBaseError(FuzzyarmError, ValueError):
         return cls([finding])
 
     def __reduce__(self) -> tuple[type[RuleBaseError], tuple[tuple[Diagnostic, ...]]]:
-        # Exceptions are pickled by their message otherwise, and workers would lose the findings.
+        # By default exceptions are pickled by their message: workers would lose the findings.
         return type(self), (self.diagnostics,)
 
 
 # --- Limits of the language, so that no file can exhaust time or memory ---
 
 MAX_CHARACTERS = 4_000_000
-"""Longest text that is read at all."""
+"""Longest accepted text."""
 
 MAX_LINES = 150_000
 """Most lines of a text."""
@@ -191,7 +191,7 @@ MAX_DIAGNOSTICS = 1_000
 """Most findings of one run; reading stops after them."""
 
 
-# --- Show a diagnostic to a person: position, source line, caret, hint. Plain text ---
+# --- Display: position, source line, caret, hint, as plain text ---
 
 _COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
 _WIDEST = 160
@@ -209,7 +209,7 @@ def split_lines(text: str) -> list[str]:
 
 
 def display_width(text: str) -> int:
-    """Return the number of terminal columns that `text` takes."""
+    """Return the width of `text` in terminal columns."""
     if text.isascii():
         return len(text)
     import unicodedata
@@ -226,9 +226,9 @@ def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = F
     Parameters
     ----------
     diagnostics : sequence of Diagnostic
-        What to show.
+        The findings.
     text : str
-        The text they are about.
+        Their text.
     colour : bool
         Whether to use terminal colours.
     """
@@ -261,7 +261,7 @@ def _excerpt(span: Span, lines: list[str]) -> list[str]:
     end = max(min(end, len(line)), start)
     offset = 0
     if len(line) > _WIDEST:
-        # Long lines are shown from a little before the fault.
+        # Long lines are cut to start a little before the fault.
         offset = max(0, min(start - 20, len(line) - _WIDEST))
         end = min(end, offset + _WIDEST)
     before = printable(line[offset:start])

@@ -1,4 +1,4 @@
-"""The root of every error that fuzzyarm raises on purpose, and that of a missing extra."""
+"""The root of all deliberate errors of fuzzyarm, and the error for a missing extra."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Any, Self
 
 
 class FuzzyarmError(Exception):
-    """What went wrong, in one clear sentence to a person.
+    """An error with one clear sentence for a person.
 
-    Each subclass also inherits from the builtin that fits it (``ValueError``,
-    ``ArithmeticError``, …) and carries the data of the fault as attributes.
+    Each subclass also inherits from the fitting builtin (``ValueError``, ``ArithmeticError``, …)
+    and carries the data of the fault as attributes.
 
     Parameters
     ----------
     message : str
-        One sentence: what is wrong, with the offending value in it.
+        One sentence with the offending value.
     hint : str, optional
-        What to do about it, where that is certain.
+        A remedy, if certain.
     """
 
     def __init__(self, message: str, *, hint: str = "") -> None:
@@ -30,23 +30,23 @@ class FuzzyarmError(Exception):
         return f"{self.message} ({self.hint})" if self.hint else self.message
 
     def at(self, where: str) -> Self:
-        """Return the error, which now says first where it came up: a run, a scenario."""
+        """Return the error with its context in front: a run, a scenario."""
         self.message = f"{where}: {self.message}"
         self.args = (self.message, *self.args[1:])
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Pickle calls the class with `args`, which is not what each subclass takes.
+        # Pickle calls the class with `args`, which subclasses do not accept.
         return _raised_elsewhere, (type(self), self.args), vars(self)
 
 
 def _raised_elsewhere(kind: type[FuzzyarmError], words: tuple[Any, ...]) -> FuzzyarmError:
-    """Return an error that was raised in another process."""
+    """Rebuild an error from another process."""
     return kind.__new__(kind, *words)
 
 
 def sentence_of(error: BaseException) -> str:
-    """Return what an error says; of one that nobody raised on purpose with its kind."""
+    """Return the message of an error; for unexpected ones with their type."""
     if isinstance(error, FuzzyarmError):
         return str(error)
     if isinstance(error, OSError) and error.strerror:
@@ -55,16 +55,16 @@ def sentence_of(error: BaseException) -> str:
 
 
 class WordError(FuzzyarmError, ValueError):
-    """A word on the command line, or in a field of a page, that says nothing sensible."""
+    """A meaningless word on the command line or in a field of a page."""
 
 
 class UsageError(WordError):
-    """Words that nothing can be made of, or that do not go together: wrong usage."""
+    """Unintelligible or incompatible words: wrong usage."""
 
 
 @contextmanager
 def of_the_command_line(*kinds: type[FuzzyarmError]) -> Iterator[None]:
-    """Turn errors of some kinds into `UsageError`: a word of the command line is at fault."""
+    """Turn errors of these kinds into `UsageError`: the command line is at fault."""
     try:
         yield
     except kinds as error:
@@ -72,7 +72,7 @@ def of_the_command_line(*kinds: type[FuzzyarmError]) -> Iterator[None]:
 
 
 class MissingExtraError(FuzzyarmError, ImportError):
-    """Something needs an extra that is not installed.
+    """A feature needs an extra that is not installed.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class MissingExtraError(FuzzyarmError, ImportError):
 
 
 def demand_extra(module: str, extra: str, what: str) -> None:
-    """Raise `MissingExtraError` unless `module`, which the `extra` brings, can be imported."""
+    """Raise `MissingExtraError` unless `module` of the `extra` can be imported."""
     from importlib.util import find_spec
 
     if find_spec(module) is None:

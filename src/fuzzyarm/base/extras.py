@@ -1,7 +1,7 @@
-"""How an extra is installed, in words that can be typed where they are read.
+"""Installation of extras, as commands that can be typed in the terminal at hand.
 
-fuzzyarm is on no index, so ``fuzzyarm[lsp]`` is not a name that pip finds. In a clone, or where
-it was installed from one, pip is given the clone; elsewhere what the extra asks for.
+fuzzyarm is on no index, so pip cannot find ``fuzzyarm[lsp]``. In a clone, or installed from one,
+the command names the clone; elsewhere the requirements of the extra.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 UV = "uv pip"
-"""The installer of environments without pip, such as those that uv makes."""
+"""The installer for environments without pip, such as those of uv."""
 
 
 def installing(extra: str) -> str:
-    """Return the command that installs an extra into the Python that runs."""
+    """Return the command that installs an extra for the running Python."""
     pip = _pip()
     words = [pip, "install", *(["--python", _python()] if pip == UV else [])]
     clone, editable = _clone()
@@ -34,7 +34,7 @@ def installing(extra: str) -> str:
 
 
 def install(extra: str) -> str:
-    """Install what an extra asks for into the Python that runs; return what went wrong, or ''."""
+    """Install the requirements of an extra for the running Python; return the error, or ''."""
     pip = _pip()
     by = [*shlex.split(UV), "install", "--python", sys.executable]
     words = by if pip == UV else [sys.executable, "-m", "pip", "install", "--quiet"]
@@ -49,10 +49,10 @@ def install(extra: str) -> str:
 
 
 def _clone() -> tuple[Path | None, bool]:
-    """Return the folder of the sources, and whether they run where they lie.
+    """Return the source folder, and whether it is installed in development mode.
 
-    Those are installed with ``-e``: without it pip would put a copy in their place, and what
-    changes in the clone would no longer be what runs.
+    Then ``-e`` is needed: without it pip would install a copy, and edits of the clone would have no
+    effect.
     """
     source = Path(__file__).resolve().parents[3]
     if _has_project(source):
@@ -73,7 +73,7 @@ def _has_project(folder: Path) -> bool:
 
 
 def _requirements(extra: str) -> list[str]:
-    """Return what an extra asks for, as the installed package has it."""
+    """Return the requirements of an extra, from the metadata of the installed package."""
     try:
         lines = requires("fuzzyarm") or []
     except PackageNotFoundError:
@@ -84,7 +84,7 @@ def _requirements(extra: str) -> list[str]:
 
 
 def _pip() -> str:
-    """Return pip as the shell knows it: by its name, where that is the one of this Python."""
+    """Return pip as a shell command: by name, if it is the one of this Python."""
     python = Path(sys.executable)
     by_name = which("pip")
     if by_name is not None and Path(by_name).parent == python.parent:
@@ -95,7 +95,7 @@ def _pip() -> str:
 
 
 def _python() -> str:
-    """Return this Python as the shell takes it."""
+    """Return this Python as a shell command."""
     python = Path(sys.executable)
     if python.parent != Path.cwd() and python.is_relative_to(Path.cwd()):
         python = python.relative_to(Path.cwd())

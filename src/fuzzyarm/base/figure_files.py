@@ -1,4 +1,4 @@
-"""Figures of matplotlib as files, written whole or not at all."""
+"""Figures of matplotlib as files, written atomically."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _METADATA: dict[str, dict[str, str | None]] = {
 
 
 class FigureFileError(UsageError):
-    """A file name that tells no format for a figure."""
+    """A file name without a known figure suffix."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -51,16 +51,16 @@ def require_figure_suffix(path: str | Path) -> None:
 
 
 def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
-    """Write `figure` to a file of its suffix; the same figure, the same bytes.
+    """Write `figure` in the format of the suffix; equal figures give equal bytes.
 
     Parameters
     ----------
     figure : Figure
-        Any of matplotlib.
+        A matplotlib figure.
     path : path-like
         Its suffix, one of ``SUFFIXES``, is the format.
     dpi : int
-        Dots per inch of pixels.
+        Resolution of pixel formats.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
 
 
 def figure_bytes(figure: Figure, suffix: str, *, dpi: int = 150) -> bytes:
-    """Return the content of a file of `figure`; the same figure, the same bytes."""
+    """Return the file content of `figure`; equal figures give equal bytes."""
     import matplotlib as mpl
 
     out = io.BytesIO()
@@ -85,7 +85,7 @@ def figure_bytes(figure: Figure, suffix: str, *, dpi: int = 150) -> bytes:
 
 @contextlib.contextmanager
 def _settled(figure: Figure) -> Iterator[None]:
-    """Lay a figure out once, to a millionth: the last digits of the solver are those of chance."""
+    """Lay a figure out once, rounded to a millionth: the solver's last digits vary."""
     engine = figure.get_layout_engine()
     if engine is None:
         yield
@@ -102,10 +102,10 @@ def _settled(figure: Figure) -> Iterator[None]:
 
 
 def plain_powers(axes: Axes, which: str, low: float, high: float) -> None:
-    """Write plain numbers along a logarithmic axis; on a narrow one between its powers, too.
+    """Label a logarithmic axis with plain numbers, on a narrow one between powers of ten, too.
 
-    Over less than two powers of ten 2 and 5 are written as well, over less than a third of one
-    all digits: more would run into each other.
+    Below two powers of ten 2 and 5 are labelled as well, below a third of one every digit: more
+    would overlap.
     """
     from matplotlib.ticker import FuncFormatter
 

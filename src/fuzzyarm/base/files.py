@@ -1,4 +1,4 @@
-"""Atomic replacement of files, stamps of their content, and confinement to folders."""
+"""Atomic replacement of files, their stamps, and confinement to folders."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from fuzzyarm.base.made import marked
 from fuzzyarm.base.protected import demand_made, demand_no_source, is_in_command, note_result
 
 _roots: list[Path] = []
-"""Folders whose files this process may use; all files, if this is empty."""
+"""Folders to which this process is confined; all files, if empty."""
 
 
 class OutsideFolderError(FuzzyarmError, ValueError):
-    """A text names a file outside the folders that it may use."""
+    """A text names a file outside its permitted folders."""
 
 
 @contextlib.contextmanager
 def confined(*folders: str | Path) -> Iterator[None]:
-    """Confine texts to files below some folders, in all threads, within this context.
+    """Confine file access of texts to some folders, in all threads, within this context.
 
-    A process that takes texts from elsewhere is confined as a whole: what a text uses is read in
-    many places (checked, hovered over, run, tuned, exported), and none of them can forget it.
+    The whole process is confined: files named by a text are read in many places (check, hover, run,
+    tuning, export), and none of them can forget the test.
     """
     _roots[:] = [real_path(folder) for folder in folders]
     try:
@@ -39,19 +39,19 @@ def confined(*folders: str | Path) -> Iterator[None]:
 
 
 def real_path(path: str | Path) -> Path:
-    """Return a path without links; one in a circle of links stays, and cannot be opened."""
+    """Return a path with links resolved; a circular link stays, and cannot be opened."""
     return Path(os.path.realpath(path))
 
 
 def demand_allowed(path: str | Path) -> None:
-    """Raise `OutsideFolderError` if a file, or the target of a link, may not be used."""
+    """Raise `OutsideFolderError` for a file, or the target of a link, outside these folders."""
     resolved = real_path(path)
     if _roots and not any(resolved.is_relative_to(root) for root in _roots):
         raise OutsideFolderError("it is outside the folder that is open")
 
 
 Stamp = tuple[int, int, int]
-"""Changes whenever the file does: time, size and inode."""
+"""Changes with the file: time, size and inode."""
 
 
 def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
@@ -60,25 +60,24 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
     Parameters
     ----------
     path : str or Path
-        Where to write; the folder must exist. A symbolic link stays: the file that it leads
-        to is written. A pipe, a device and a file of several names (hard links) stay as well:
-        they are written through, since replacing would leave the other names behind.
+        The file; its folder must exist. A symbolic link stays and its target is replaced. Pipes,
+        devices and files with several names (hard links) are written in place: replacing would
+        detach the other names.
     content : str or bytes
         Text is written as UTF-8 with ``\n`` line ends.
 
     Returns
     -------
     tuple of int
-        The stamp of what was written: not that of the file by now, which somebody else may have
-        written since.
+        The stamp of the written file, even if it has been changed by somebody else since.
 
     Raises
     ------
     OSError
-        If the folder or the file cannot be written, or `path` is a folder; what is there is
-        then untouched.
+        If the folder or the file cannot be written, or `path` is a folder; old content is then
+        untouched.
     SourceFileError
-        If the command that writes has read the file.
+        If the running command has read the file.
     ForeignFileError
         If a command without ``--force`` would replace a file that fuzzyarm did not write.
     """
@@ -94,9 +93,9 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
 
 
 def demand_writable(path: str | Path) -> None:
-    """Raise the OSError that :func:`write_atomically` would raise, as far as it can be foreseen.
+    """Raise the foreseeable OSErrors of :func:`write_atomically`.
 
-    Called before long work whose result is written at its end; a full disk cannot be foreseen.
+    For long work with a result at its end; a full disk cannot be foreseen.
     """
     _demand_leave(path)
     if not _stays(path):
@@ -108,21 +107,21 @@ def demand_writable(path: str | Path) -> None:
 
 
 def same_file(one: str | Path, other: str | Path) -> bool:
-    """Whether two paths lead to one file that is there."""
+    """Whether two paths lead to one existing file."""
     return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
 
 
 class FileInUseError(FuzzyarmError, OSError):
-    """Another process, or other work of this one, writes a file."""
+    """A file is locked by another process, or by other work of this one."""
 
 
 def locked(path: str | Path) -> BinaryIO:
-    """Open a file to append to it, alone: the lock is held until what is returned is closed.
+    """Open a file for appending under an exclusive lock, held until it is closed.
 
     Raises
     ------
     FileInUseError
-        If it is open like this already.
+        If it is locked already.
     OSError
         If it cannot be written.
     """
@@ -140,18 +139,18 @@ def locked(path: str | Path) -> BinaryIO:
         with contextlib.suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
                 return file
-        file.close()  # it was replaced or removed in between
+        file.close()  # replaced or removed before the lock
 
 
 _IN_USE = (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
 
 
 def _lock(file: BinaryIO) -> None:
-    """Lock a file; OSError where it is locked. File systems without locks take any number."""
+    """Lock a file; OSError if it is locked. File systems without locks let everybody in."""
     if sys.platform == "win32":
         import msvcrt
 
-        file.seek(1 << 40)  # a byte that nobody reads: locks there hold for reading, too
+        file.seek(1 << 40)  # far beyond the end: Windows locks forbid reading, too
         msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
         return
     with contextlib.suppress(ImportError):  # in a browser
@@ -167,7 +166,7 @@ def _lock(file: BinaryIO) -> None:
 def _demand_leave(path: str | Path) -> None:
     demand_no_source(path)
     demand_made(path)
-    # Replacing a file does not need permission to write it, so that is checked here.
+    # Replacing a file does not need write permission for it, so test that here.
     if os.path.isdir(path):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if os.path.exists(path) and not os.access(path, os.W_OK):
@@ -176,7 +175,7 @@ def _demand_leave(path: str | Path) -> None:
 
 @contextlib.contextmanager
 def _named(path: str | Path) -> Iterator[None]:
-    """Let errors name the file itself, not its temporary part."""
+    """Name the file in errors, not its temporary part."""
     try:
         yield
     except OSError as error:
@@ -186,7 +185,7 @@ def _named(path: str | Path) -> Iterator[None]:
 
 
 def _stays(path: str | Path) -> bool:
-    """Whether what is at `path` must be written in place: not a file, or one of several names."""
+    """Whether `path` must be written in place: not a regular file, or one with several names."""
     if not os.path.exists(path):
         return False
     status = os.stat(path)
@@ -224,7 +223,7 @@ def _umask() -> int:
 
 
 def stamp_of(path: str | Path) -> Stamp | None:
-    """Return the stamp of a file as it is now; None without a file."""
+    """Return the current stamp of a file; None without a file."""
     try:
         return _stamp(os.stat(path))
     except OSError:

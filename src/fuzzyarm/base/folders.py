@@ -1,4 +1,4 @@
-"""Files by suffix, and those of a folder that are somebody's own: nothing that git leaves out."""
+"""Files by suffix, and a person's own files in a folder: none of those ignored by git."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ from functools import lru_cache
 from typing import NamedTuple
 
 FOREIGN = (".fll", ".fcl", ".fis", ".fml")
-"""Suffixes of rule bases of other programs that are written as well."""
+"""Suffixes of foreign rule bases that can be written."""
 
 SUFFIXES = (".frb", *FOREIGN)
-"""Suffixes of rule bases that are read and written."""
+"""Suffixes of rule bases that can be read and written."""
 
 READABLE = (*SUFFIXES, ".t2fis", ".xml")
-"""Suffixes of all rule bases that are read. They stand here for who does not load the readers."""
+"""Suffixes of all readable rule bases; here so that nobody has to load the readers."""
 
 TABLES = (".lut", ".csv", ".npz", ".json")
-"""Suffixes of lookup tables; they stand here likewise."""
+"""Suffixes of lookup tables; here for the same reason."""
 
 MODULES = (".py", ".mjs", ".js", ".rs")
-"""Suffixes of modules in one file: MicroPython, JavaScript, Rust. They stand here likewise."""
+"""Suffixes of single-file modules: MicroPython, JavaScript, Rust."""
 
 EXPORTS = (".h", ".c", ".st", ".xml", ".scl", *MODULES, ".fmu")
-"""Suffixes of exports: a header on its own, a pair of .c and .h, Structured Text, the same as XML,
-SCL, modules, units. They stand here likewise."""
+"""Suffixes of exports: a header alone, a .c/.h pair, Structured Text as text and XML, SCL, modules,
+FMUs."""
 
 PACKAGES = ("node_modules", "__pycache__", "site-packages")
-"""Folders of packages, whoever made them."""
+"""Folders of installed packages."""
 
 
 class _Pattern(NamedTuple):
-    """A line of a ``.gitignore``: where it counts from, what it leaves out or takes back."""
+    """A line of a ``.gitignore``: its base folder, its pattern, whether it excludes or includes."""
 
     base: str
     pattern: re.Pattern[str]
@@ -46,9 +46,8 @@ def own_files(folder: str) -> Iterator[str]:
     Parameters
     ----------
     folder : str
-        Itself taken whatever it is called. Below it hidden files and folders are left out, those
-        of packages and of Python environments, and what a ``.gitignore`` there or above leaves
-        out.
+        Accepted under any name. Below it hidden files and folders are skipped, as are packages,
+        Python environments and everything excluded by a ``.gitignore`` there or above.
     """
     yield from _below(folder, _patterns_above(folder))
 
@@ -112,7 +111,7 @@ def _pattern(line: str, base: str) -> _Pattern | None:
     text = text.rstrip("/")
     if not text:
         return None
-    # With a slash inside it counts from its folder, else it is a name anywhere below.
+    # With an inner slash a pattern is relative to its folder, else it matches a name at any depth.
     anchored = "/" in text
     return _Pattern(base, _matcher(text.lstrip("/"), anchored=anchored), taken_back, folders_only)
 
@@ -138,7 +137,7 @@ def _as_regex(word: str) -> str:
 
 
 def _left_out(entry: os.DirEntry[str], patterns: Sequence[_Pattern]) -> bool:
-    """Whether the last pattern that fits leaves a file or a folder out."""
+    """Whether the last matching pattern excludes a file or a folder."""
     path = os.path.abspath(entry.path)
     for pattern in reversed(patterns):
         if pattern.folders_only and not entry.is_dir():

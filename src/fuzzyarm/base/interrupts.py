@@ -1,4 +1,4 @@
-"""Ctrl-C from the first import on, remembered whatever the code that it meets makes of it."""
+"""Ctrl-C from the first import on, recorded even if the interrupted code swallows it."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import signal
 from types import FrameType
 
 heard: list[int] = []
-"""The signals so far: an import that one ended may end in an error of another kind."""
+"""Signals so far: an interrupted import may end in another error."""
 
 
 def listen() -> None:
-    """Remember Ctrl-C, unless the caller has a handler of its own or ignores it."""
+    """Record Ctrl-C, unless the caller handles or ignores it."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _interrupt)
 
 
 def ignore() -> None:
-    """Ignore Ctrl-C while the process ends, unless the caller has a handler of its own."""
+    """Ignore Ctrl-C while the process ends, unless the caller handles it."""
     if signal.getsignal(signal.SIGINT) is _interrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 

@@ -1,4 +1,4 @@
-"""Data as JSON has it: no NaN, no infinite numbers, lists for arrays."""
+"""Data for JSON: no NaN, no infinity, lists for arrays."""
 
 from __future__ import annotations
 
@@ -8,18 +8,17 @@ from typing import Any
 
 
 def jsonable(data: Any) -> Any:
-    """Return data that JSON can hold.
+    """Convert data to JSON types.
 
     Parameters
     ----------
     data : object
-        Mappings, sequences, text, numbers, booleans and None, one within the other; arrays and
-        scalars of NumPy, too.
+        Mappings, sequences, text, numbers, booleans and None, nested; arrays and scalars of NumPy.
 
     Returns
     -------
     dict, list, str, int, float, bool or None
-        Numbers that are not finite are None, which is ``null`` in JSON.
+        Non-finite numbers become None, which is ``null`` in JSON.
     """
     if data is None or isinstance(data, str | int):
         return data
@@ -33,12 +32,12 @@ def jsonable(data: Any) -> Any:
 
 
 def script_json(data: object) -> str:
-    """Return JSON in which no character can end a script, an element or a line.
+    """Return JSON that is safe inside an HTML script: nothing in it ends a script or a line.
 
     Parameters
     ----------
     data : object
-        What JSON holds.
+        JSON-compatible data.
     """
     import json
 

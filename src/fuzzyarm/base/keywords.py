@@ -1,4 +1,4 @@
-"""Checks of the keyword arguments of public calls, whose names and types a `TypedDict` declares."""
+"""Checks of keyword arguments of public calls against a `TypedDict`."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ __all__ = [
 
 
 class ArgumentError(FuzzyarmError, TypeError):
-    """An argument is unknown, missing, or of another kind.
+    """An unknown or missing argument, or one of the wrong type.
 
     Attributes
     ----------
     argument : str
-        Its name; empty where the arguments do not go together.
+        Its name; empty if the arguments are incompatible.
     """
 
     def __init__(self, message: str, *, argument: str = "", hint: str = "") -> None:
@@ -38,7 +38,7 @@ class ArgumentError(FuzzyarmError, TypeError):
 
 
 Kind: TypeAlias = type | Callable[..., object]
-"""Its annotations declare the arguments: a `TypedDict`, a data class or a function."""
+"""An annotated callable that declares the arguments: a `TypedDict`, a data class or a function."""
 
 RENAMED: Mapping[str, str] = MappingProxyType(
     {
@@ -49,7 +49,7 @@ RENAMED: Mapping[str, str] = MappingProxyType(
         "tuning": "tune",
     }
 )
-"""Earlier names of keywords; the options of the commands have the new ones."""
+"""Old names of keywords; the options of the commands have the new ones."""
 
 
 def demand_keywords(
@@ -58,18 +58,18 @@ def demand_keywords(
     kind: Kind,
     positional: tuple[str, ...] = (),
 ) -> None:
-    """Raise ArgumentError for a keyword that a call does not have.
+    """Raise ArgumentError for an unknown keyword.
 
     Parameters
     ----------
     call : str
         Name of the function.
     keywords : mapping
-        What it was given.
+        The keywords of the call.
     kind : type or callable
         A `TypedDict` with the names, a data class, or the function itself.
     positional : tuple of str, optional
-        Names of the arguments before them.
+        Names of the positional arguments.
     """
     accepted = (*positional, *kind.__annotations__)
     for name in keywords:
@@ -89,15 +89,15 @@ def demand_arguments(
     positional: tuple[str, ...] = (),
     judged: tuple[str, ...] = (),
 ) -> None:
-    """Raise ArgumentError for a keyword that a call does not have, or a value of another kind.
+    """Raise ArgumentError for an unknown keyword or a value of the wrong type.
 
     Parameters
     ----------
     call, keywords, kind, positional
-        See :func:`demand_keywords`. What a value may be is its annotation; what is in a mapping or
-        a list is judged by whoever reads it.
+        See :func:`demand_keywords`. Values are checked against annotations; the content of mappings
+        and lists is left to their readers.
     judged : tuple of str, optional
-        Names of keywords whose values something else judges.
+        Keywords checked elsewhere.
     """
     demand_keywords(call, keywords, kind, positional)
     expected = _annotations(kind)
@@ -108,7 +108,7 @@ def demand_arguments(
 
 
 def wrong_argument(call: str, name: str, expected: str, value: object) -> ArgumentError:
-    """Return the error of an argument of another kind."""
+    """Return the error for an argument of the wrong type."""
     message = f"{call}() takes {expected} as '{name}', not {shortened(repr(value), 60)}"
     return ArgumentError(message, argument=name, hint=EXAMPLES.get(name, ""))
 
@@ -122,11 +122,11 @@ EXAMPLES: Mapping[str, str] = MappingProxyType(
         "statement": "as in 'u odd'",
     }
 )
-"""Hints for an argument, by its name, which means the same in every call."""
+"""Hints by argument name, which has one meaning in all calls."""
 
 
 def demand_path(call: str, path: object, name: str = "path") -> str:
-    """Return the path that a call was given; raise ArgumentError for anything else."""
+    """Return a path argument; raise ArgumentError for anything else."""
     text = os.fspath(path) if isinstance(path, str | os.PathLike) else None
     if not isinstance(text, str):
         raise wrong_argument(call, name, "a path", path)
@@ -134,18 +134,18 @@ def demand_path(call: str, path: object, name: str = "path") -> str:
 
 
 def demand_text(call: str, text: object, name: str = "text") -> str:
-    """Return the text that a call was given; raise ArgumentError for anything else."""
+    """Return a text argument; raise ArgumentError for anything else."""
     if not isinstance(text, str):
         raise wrong_argument(call, name, "text", text)
     return text
 
 
-# --- Kinds of values ---
+# --- Types of values ---
 
 
 @cache
 def _annotations(kind: Kind) -> dict[str, tuple[Any, ...]]:
-    """Return what each keyword may be: the members of its union."""
+    """Return the accepted types of each keyword: the members of its union."""
     return {name: _members(hint) for name, hint in get_type_hints(kind).items()}
 
 
@@ -156,7 +156,7 @@ def _members(annotation: Any) -> tuple[Any, ...]:
 
 
 def _is_a(value: object, annotation: Any) -> bool:
-    """Whether a value is of a kind; true for kinds that cannot be checked."""
+    """Whether a value has a type; true for types that cannot be checked."""
     origin = get_origin(annotation) or annotation
     if origin is float:  # numbers of NumPy among them
         is_single = not getattr(value, "ndim", 0)
@@ -186,13 +186,13 @@ _NAMES: Mapping[object, str] = {
 
 
 def _words(annotation: Any) -> str:
-    """Return a kind of values in words."""
+    """Return a type in words."""
     origin = get_origin(annotation) or annotation
     return str(_NAMES.get(origin) or getattr(origin, "__name__", str(origin)))
 
 
 def unknown_argument(call: str, name: str, keywords: tuple[str, ...]) -> ArgumentError:
-    """Return the error of an unknown argument, with the nearest known one as the hint."""
+    """Return the error for an unknown argument, with the nearest known one as hint."""
     hint = near_hint(name, keywords)[0] or f"it has {', '.join(keywords)}"
     return ArgumentError(f"{call} has no argument '{name}'", argument=name, hint=hint)
 

@@ -1,11 +1,10 @@
-"""Names of a package that are loaded when they are used, and no others to be seen in it.
+"""Names of a package loaded on first use; no others visible in it.
 
-A package writes its public names three times: type checkers read its imports and ``__all__`` as
-they are written, and the program reads a table of where each name lives. They agree: a test
-compares them (``tests/project/test_public_names.py``).
+A package lists its public names twice: for type checkers as imports and ``__all__``, for the
+program as a table of homes. A test compares them (``tests/project/test_public_names.py``).
 
-A package binds what :func:`lazily` returns where type checkers do not look
-(``if not TYPE_CHECKING``): a ``__getattr__`` that they see has every name, a slip of the pen too.
+A package binds the result of :func:`lazily` out of sight of type checkers
+(``if not TYPE_CHECKING``): with a visible ``__getattr__`` every misspelt name would type-check.
 """
 
 from __future__ import annotations
@@ -30,21 +29,20 @@ def lazily(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a package.
 
-    A name is looked up once: the package keeps what it loaded, as SPEC 1 of Scientific Python has
-    it. A name whose extra is not installed raises AttributeError, for help, completion and
-    ``hasattr`` go through all names of a package; importing its module says which extra it is.
+    A name is looked up once and then kept in the package, as SPEC 1 of Scientific Python
+    recommends. A name whose extra is missing raises AttributeError, because help, completion and
+    ``hasattr`` go through all names; importing its module names the extra.
 
     Parameters
     ----------
     package : str
         Its name.
     homes : mapping of str to sequence of str
-        From a module of the package to the public names that it has. A module that is public
-        itself has its own name among them.
+        From a module of the package to its public names. A public module is among its own names.
     others : sequence of str
-        Further public names, which the package has already.
+        Further public names, already in the package.
     modules : sequence of str
-        Modules of the package that are public themselves.
+        Public modules of the package.
     """
     homes_of = {name: name for name in modules}
     homes_of |= {name: home for home, names in homes.items() for name in names}
@@ -70,11 +68,11 @@ def lazily(
 # --- Processes that fork ---
 
 _LONGEST_WAIT = 10.0
-"""Of a fork for the imports of other threads, s: one of them may wait for what forks."""
+"""Longest wait for imports of other threads before a fork, s: one of them may wait for the fork."""
 
 
 def _await_imports() -> None:
-    """Wait until no other thread imports: a forked process would wait for its lock for ever."""
+    """Wait until no other thread imports: a forked child would wait for its import lock forever."""
     locks = getattr(getattr(importlib, "_bootstrap", None), "_module_locks", {})
     own, until = threading.get_ident(), time.monotonic() + _LONGEST_WAIT
     while time.monotonic() < until:

@@ -1,9 +1,9 @@
-"""The mark of files that fuzzyarm wrote; commands replace others with ``--force`` only.
+"""The mark of files written by fuzzyarm; commands replace other files only with ``--force``.
 
-A file is marked by a comment near its beginning or its end, ``Written by fuzzyarm`` or ``made by
-fuzzyarm``; a table by its origin; a figure by the program in its metadata; a journal and JSON by
-their first line; recorded samples by their heading. Archives (``.npz``, ``.fmu``), ``.gif`` and
-``.mp4`` have the comment in the place that their format has for one.
+The mark is a comment near the beginning or the end, ``Written by fuzzyarm`` or ``made by
+fuzzyarm``; in a table its origin; in a figure the program in the metadata; in journals and JSON
+the first line; in recorded samples the heading. Archives (``.npz``, ``.fmu``), ``.gif`` and
+``.mp4`` have it in the comment field of their format.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ __all__ = ["is_made", "is_made_file", "marked"]
 MARK = "Written by fuzzyarm"
 
 _ENDS = 16_384
-"""Bytes at the beginning and at the end of a file in which the mark is looked for."""
+"""Bytes at the beginning and at the end of a file searched for the mark."""
 
 _MARKED = re.compile(
     rb"(?:written|made) by fuzzyarm\b"
@@ -37,24 +37,24 @@ _ENDING = {
 
 
 def is_made(data: bytes) -> bool:
-    """Whether the content of a file says that fuzzyarm wrote it."""
+    """Whether the content of a file has the mark."""
     return bool(_MARKED.search(data[:_ENDS]) or _MARKED.search(data[-_ENDS:]))
 
 
 def is_made_file(path: str | os.PathLike[str]) -> bool:
-    """Whether fuzzyarm wrote a file, or it is empty."""
+    """Whether a file has the mark, or is empty."""
     size = os.path.getsize(path)
     with open(path, "rb") as file:
         data = file.read(_ENDS)
         if size > _ENDS:
             file.seek(max(_ENDS, size - _ENDS))
-            # Not in one piece: the beginning of the end is not that of a file.
+            # Two parts, not one: a line at the start of the tail is not the start of the file.
             return is_made(data) or is_made(b"\n" + file.read())
     return not data or is_made(data)
 
 
 def marked(path: str | os.PathLike[str], data: bytes) -> bytes:
-    """Return the content of a file with the mark, where it has none and its format a place."""
+    """Return the content with the mark, if it has none and its format allows one."""
     return data if is_made(data) else _with_mark(os.path.splitext(path)[1].lower(), data)
 
 

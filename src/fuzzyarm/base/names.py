@@ -14,9 +14,9 @@ _MOST = 300
 
 
 def nearest(word: str, choices: Iterable[str]) -> str | None:
-    """Return the most likely meaning of `word` among `choices`, or None.
+    """Return the most likely intended choice, or None.
 
-    Difference in case alone is nearest; after that, few edits relative to the length.
+    A difference in case alone comes first, then few edits relative to the length.
     """
     options = list(choices)
     for option in options:
@@ -39,21 +39,21 @@ def _closest(word: str, options: tuple[str, ...]) -> str | None:
 
 
 def did_you_mean(*names: str) -> str:
-    """Return the question whether one of some names was meant."""
+    """Return the question for one of several names."""
     quoted = [f"'{name}'" for name in names]
     return f"did you mean {' or '.join(quoted)}?"
 
 
 def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
-    """Return a hint in words and the replacement text; empty and None where nothing is near.
+    """Return a hint in words and the replacement text; empty and None if nothing is near.
 
-    Choices that know what other programs call them (`foreign`) are found by those names first.
+    Choices with names of other programs (`foreign`) are matched by those first.
     """
     word = str(word)  # a call from Python may pass any object
     spelling = getattr(choices, "foreign", {}).get(word.casefold())
     if spelling is not None:
         ours, order = spelling
-        if order:  # replacing the word would change what the numbers mean
+        if order:  # the parameters have another order: no safe replacement
             return f"'{word}' of other programs is '{ours}' here: {ours} {order}", None
         return f"'{word}' of other programs is '{ours}' here", ours
     near = nearest(word, choices)
@@ -61,7 +61,7 @@ def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
 
 
 def quote(text: str, mark: str) -> str:
-    """Return `text` between two `mark` characters, with everything unprintable escaped."""
+    """Return `text` between two `mark` characters, with unprintable characters escaped."""
     out = [mark]
     for character in text:
         if character in (mark, "\\"):
@@ -75,10 +75,9 @@ def quote(text: str, mark: str) -> str:
 
 
 def printable(text: str) -> str:
-    """Return untrusted `text` so that a terminal or a figure only displays it.
+    """Return untrusted `text` made harmless for a terminal or a figure.
 
-    Controls, line ends and marks that turn the direction of writing become U+FFFD, tabs and
-    the other spaces become spaces: all that is not printable is either dangerous or unseen.
+    Controls, line ends and direction marks become U+FFFD, tabs and other spaces become spaces.
     """
     if text.isprintable():
         return text
@@ -89,7 +88,7 @@ def printable(text: str) -> str:
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """Return `text` on one line, its middle left out where it is longer than `most` characters."""
+    """Return `text` on one line, its middle elided beyond `most` characters."""
     text = printable(text)
     if len(text) <= most:
         return text
@@ -100,12 +99,12 @@ _PLAIN_NAME = re.compile(r"[^\W\d]\w*(?:-[^\W\d]\w*)*\Z")
 
 
 def is_plain_name(text: str) -> bool:
-    """Whether `text` can stand in a file as a name without quotes."""
+    """Whether `text` is a valid name without quotes."""
     return _PLAIN_NAME.match(text) is not None
 
 
 def typed(path: str | os.PathLike[str]) -> str:
-    """Return a path as one types it on a command line."""
+    """Return a path as typed on a command line."""
     text = os.fspath(path)
     if os.name == "nt":
         return f'"{text}"' if re.search(r"[ &()^,;=]", text) else text

@@ -1,4 +1,4 @@
-"""Numbers as text without loss, even levels, and the short forms of lists of numbers."""
+"""Exact decimal text of numbers, even levels, and short forms of lists of numbers."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Iterable, Sequence
 
 _MOST_DECIMALS = 6
 _SMALLEST_PLAIN = -5
-"""Power of ten of the first digit, from which on a bound is written without an exponent."""
+"""Smallest exponent of ten of a bound in plain notation."""
 
 _SHORT = 8
 
 
 def number_text(value: float) -> str:
-    """Return the shortest text that reads back to `value` exactly."""
+    """Return the shortest text that reads back exactly."""
     if not math.isfinite(value):
         return "nan" if math.isnan(value) else ("inf" if value > 0 else "-inf")
     if value == int(value) and abs(value) < 1e15 and not _is_negative_zero(value):
@@ -26,7 +26,7 @@ def _is_negative_zero(value: float) -> bool:
 
 
 def percent(share: float, digits: int = 3) -> str:
-    """Return a share in percent, to some significant digits and without an exponent."""
+    """Return a share in percent, to some significant digits, without an exponent."""
     value = 100.0 * share
     if abs(value) >= 10.0 ** (digits - 1):
         return f"{value:.0f} %"
@@ -39,10 +39,10 @@ def counted(number: int, word: str) -> str:
 
 
 def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
-    """Return `intervals` + 1 levels from `low` to `high`, each the nearest float to its decimal.
+    """Return `intervals` + 1 levels from `low` to `high`, each the float nearest its decimal.
 
-    ``-6 .. 6 step 0.1`` has the level -0.3 and not -0.2999999999999998; levels are mirrored
-    where the ends are.
+    ``-6 .. 6 step 0.1`` has the level -0.3, not -0.2999999999999998; symmetric ends give symmetric
+    levels.
     """
     low, high = float(low), float(high)
     step = (high - low) / intervals
@@ -55,7 +55,7 @@ def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
 
 
 def column_of_numbers(values: Sequence[float]) -> list[str]:
-    """Return texts with equally many decimals where few are enough, else the shortest ones."""
+    """Return texts with equally many decimals if few suffice, else the shortest ones."""
     texts = [number_text(x) for x in values]
     if any("e" in text for text in texts):
         return texts
@@ -66,20 +66,20 @@ def column_of_numbers(values: Sequence[float]) -> list[str]:
 
 
 def evenly(low: float, high: float, count: int) -> tuple[float, ...]:
-    """Return `count` even levels from `low` to `high`, as the language means them."""
+    """Return `count` even levels from `low` to `high`, as defined by the language."""
     if count == 1:
         return (0.5 * low + 0.5 * high,)
     return even_levels(low, high, count - 1)
 
 
 def mirror(numbers: Iterable[float]) -> tuple[float, ...]:
-    """Return the numbers and their negatives, in order, zero once."""
+    """Return the numbers and their negatives, sorted, zero once."""
     positive = [abs(x) for x in numbers]
     return tuple(sorted({*positive, *(-x + 0.0 for x in positive)}))
 
 
 def short_levels(levels: Sequence[float]) -> str:
-    """Return the short form with ``step`` or ``count`` where it means exactly `levels`."""
+    """Return the short form with ``step`` or ``count`` if it gives exactly `levels`."""
     count = len(levels)
     if count > 2 and evenly(levels[0], levels[-1], count) == tuple(levels):
         ends = f"{number_text(levels[0])} .. {number_text(levels[-1])}"
@@ -89,7 +89,7 @@ def short_levels(levels: Sequence[float]) -> str:
 
 
 def short_bins(bins: Sequence[float]) -> str:
-    """Return the positive half and ``mirrored`` where `bins` are symmetric, else all of them."""
+    """Return the positive half and ``mirrored`` if `bins` are symmetric, else all of them."""
     half = [x for x in bins if x >= 0]
     if len(bins) > 1 and mirror(half) == tuple(bins):
         return " ".join(number_text(x) for x in half) + " mirrored"
@@ -97,7 +97,7 @@ def short_bins(bins: Sequence[float]) -> str:
 
 
 def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
-    """Return a number to some digits, rounded up or down so that a bound stays one."""
+    """Return a number to some digits, rounded outward so that a bound stays valid."""
     if not math.isfinite(value) or value == 0.0:
         return f"{value:g}"
     from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal

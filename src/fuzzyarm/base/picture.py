@@ -1,10 +1,9 @@
-"""Pictures as data: lines, areas, marks and words in the coordinates of the data.
+"""Pictures as data: lines, areas, marks and words in data coordinates.
 
 A picture is made once and drawn by several renderers: :mod:`fuzzyarm.apps.show` in a terminal,
-:mod:`fuzzyarm.apps.show.figures` with matplotlib, the page of the designer by :func:`part_data` and
-:func:`panel_data`.
-Nothing here knows how wide a screen is, and nothing imports numpy; the numbers of a part may be
-arrays.
+:mod:`fuzzyarm.apps.show.figures` with matplotlib, the page of the designer by :func:`part_data`
+and :func:`panel_data`. Nothing here depends on the size of a screen or imports NumPy; the numbers
+of a part may be arrays.
 
 To add a picture, write a function that returns a :class:`Panel`; terminal, figure and page draw it
 without another line. Look at it, at one and two times its size, dark and light, with long names.
@@ -42,10 +41,10 @@ __all__ = [
 
 Numbers: TypeAlias = "Sequence[float] | NDArray[np.float64]"
 
-# --- Colours by what they stand for ---
+# --- Colours by meaning ---
 
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
-"""Those of Okabe and Ito, safe for colour-blind eyes."""
+"""The colours of Okabe and Ito, safe for colour-blind eyes."""
 
 DASHES = ("-", "--", "-.")
 
@@ -58,35 +57,35 @@ TONES = {
     "water": COLOURS[5],
     "ink": "#333333",
 }
-"""Colours by name; a page has its own, for light and dark. Any other colour is ``#rrggbb``."""
+"""Colours by name; the page has its own for light and dark. Any other colour is ``#rrggbb``."""
 
 
 def colour_of(tone: str) -> str:
-    """Return the colour of a tone, which is a name of :data:`TONES` or a colour itself."""
+    """Return the colour of a tone: a name of :data:`TONES` or a colour."""
     return TONES.get(tone, tone)
 
 
-# --- What a picture consists of ---
+# --- Parts of a picture ---
 
 
 @dataclass(frozen=True)
 class Line:
-    """Straight lines through points.
+    """A polyline.
 
     Parameters
     ----------
     x, y : sequence of float
         The points.
     tone : str
-        Its colour: ``#rrggbb`` or a name of ``TONES``.
+        Colour: ``#rrggbb`` or a name of ``TONES``.
     width : float
-        Points of print.
+        Points.
     dash : str
         ``-``, ``--``, ``-.`` or ``:``.
     label : str
-        Its entry in the legend; empty for none.
+        Entry in the legend; empty for none.
     steps : bool
-        Whether it goes level from each point to the next one.
+        Whether it is a staircase: level from each point to the next.
     opacity : float
         From 0 to 1.
     """
@@ -108,13 +107,13 @@ class Area:
     Parameters
     ----------
     x, y : sequence of float
-        Its corners.
+        Corners.
     tone : str
-        Its colour.
+        Colour.
     opacity : float
         From 0 to 1; in a chart.
     label : str
-        Its entry in the legend; empty for none.
+        Entry in the legend; empty for none.
     """
 
     x: Numbers
@@ -126,18 +125,18 @@ class Area:
 
 @dataclass(frozen=True)
 class Mark:
-    """A sign of a fixed size.
+    """A symbol of fixed size.
 
     Parameters
     ----------
     x, y : float
-        Its middle.
+        Centre.
     sign : str
         ``o`` round, ``s`` square, ``^`` triangle.
     size : float
-        Points of print.
+        Points.
     tone : str
-        Its colour.
+        Colour.
     """
 
     x: float
@@ -154,11 +153,11 @@ class Words:
     Parameters
     ----------
     x, y : float
-        Where it begins.
+        Start of the text.
     text : str
         Free text; a renderer shows it literally.
     size : float
-        Points of print.
+        Points.
     """
 
     x: float
@@ -172,16 +171,16 @@ Part: TypeAlias = Line | Area | Mark | Words
 
 @dataclass(frozen=True)
 class Drawing:
-    """A thing to scale: a length is the same across and up.
+    """A drawing to scale: equal lengths across and up.
 
     Parameters
     ----------
     stage : tuple of float
-        Left, right, bottom and top of what is shown.
+        Left, right, bottom and top of the visible part.
     parts : sequence of Line, Area, Mark or Words
-        From the back to the front.
+        From back to front.
     grip : tuple of float, optional
-        Where the mouse can drag it; by default the middle.
+        Handle for the mouse; by default the centre.
     """
 
     stage: tuple[float, float, float, float]
@@ -190,7 +189,7 @@ class Drawing:
 
     @property
     def held_at(self) -> tuple[float, float]:
-        """Where the mouse can drag it."""
+        """Handle for the mouse."""
         left, right, bottom, top = self.stage
         return self.grip or (0.5 * (left + right), 0.5 * (bottom + top))
 
@@ -200,24 +199,24 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Dots:
-    """Points, each with a sign of a fixed size.
+    """Points, each a symbol of fixed size.
 
     Parameters
     ----------
     x, y : sequence of float
-        Where they are.
+        Positions.
     sign : str
         As of a mark; ``x`` and ``+`` are crosses, ``.`` is a small round one.
     tone : str
-        Their colour.
+        Colour.
     size : float
-        Points of print.
+        Points.
     label : str
-        Their entry in the legend; empty for none.
+        Entry in the legend; empty for none.
     opacity : float
         From 0 to 1.
     edge : float
-        How wide the strokes of a cross are; 0 for the usual.
+        Line width of a cross; 0 for the default.
     """
 
     x: Numbers
@@ -232,18 +231,18 @@ class Dots:
 
 @dataclass(frozen=True)
 class Band:
-    """What lies between two curves over the same points.
+    """The area between two curves.
 
     Parameters
     ----------
     x, low, high : sequence of float
-        The points, and both ends at each.
+        The points, and the ends at each.
     tone : str
-        Its colour.
+        Colour.
     opacity : float
         From 0 to 1.
     label : str
-        What it is.
+        Entry in the legend.
     """
 
     x: Numbers
@@ -256,18 +255,18 @@ class Band:
 
 @dataclass(frozen=True)
 class Level:
-    """A straight line from one end of a chart to the other.
+    """A straight line across the whole chart.
 
     Parameters
     ----------
     at : float
-        Where it stands.
+        Position.
     upright : bool
-        Whether it goes up, at a place across.
+        Whether it is vertical.
     tone : str
-        Its colour.
+        Colour.
     width : float
-        Points of print.
+        Points.
     dash : str
         As of a line.
     """
@@ -288,15 +287,15 @@ class Axis:
     name : str
         The quantity along it; may be text from a file.
     unit : str
-        Its unit; empty, or ``1``, for none.
+        Unit; empty, or ``1``, for none.
     low, high : float, optional
-        Its ends; by default those of what is drawn.
+        Ends; by default those of the parts.
     logarithmic : bool
         Whether equal lengths are equal ratios.
     about : str
-        What the name means.
+        Explanation of the name.
     whole : bool
-        Whether it counts something: only whole numbers get a tick.
+        Whether it counts: ticks at whole numbers only.
     """
 
     name: str = ""
@@ -316,7 +315,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Cells:
-    """Values over a grid, shown as colours.
+    """Values over a grid, as colours.
 
     Parameters
     ----------
@@ -325,14 +324,14 @@ class Cells:
     values : array_like, shape (rows, columns)
         Row by row; NaN for a missing value.
     value : Axis
-        What the values are, and the least range that the colours cover.
+        Quantity of the values, and the minimum range of the colour scale.
     downward : bool
-        Whether the first row stands at the top, as in a file.
+        Whether the first row is at the top, as in a file.
     signed : bool
-        Whether they are differences: the colour scale diverges at zero.
+        Whether the colour scale diverges at zero, for differences.
     missing : str
-        What a cell without a value means, as in ``diverged``: such cells are hatched. Empty
-        where they stay blank.
+        Meaning of a cell without a value, as in ``diverged``: such cells are hatched. Empty:
+        they stay blank.
     """
 
     x: Numbers
@@ -345,12 +344,12 @@ class Cells:
 
     @property
     def size(self) -> tuple[int, int]:
-        """How many columns and rows there are."""
+        """Numbers of columns and rows."""
         return len(self.values[0]), len(self.values)
 
     @property
     def has_edges(self) -> bool:
-        """Whether `x` and `y` are the edges of the cells, not their middles."""
+        """Whether `x` and `y` are the edges of the cells, not their centres."""
         return (len(self.x), len(self.y)) != self.size
 
 
@@ -366,15 +365,15 @@ class Panel:
     Parameters
     ----------
     parts : sequence
-        Lines, bands, dots, levels, cells, from the back to the front.
+        Lines, bands, dots, levels, cells, from back to front.
     across, up : Axis
         The axes.
     title : str
-        Drawn above it.
+        Text above it.
     key : str
-        Where the legend stands: ``upper left`` and so on; empty for no legend.
+        Position of the legend: ``upper left`` and so on; empty for no legend.
     name : str
-        A short name, for where there is no room for axes.
+        Short name, for displays without room for axes.
     """
 
     parts: Sequence[ChartPart]
@@ -402,20 +401,20 @@ class Chart:
     Parameters
     ----------
     rows : sequence of sequence of Panel or None
-        From the top; None leaves a place empty.
+        From the top; None leaves a cell empty.
     size : tuple of float
         Width and height on paper, inches.
     title : str
-        Drawn above all of them.
+        Text above all of them.
     key : bool
-        Whether one legend stands below all panels.
+        Whether one legend below serves all panels.
     below : str
-        Label of the shared horizontal axis, written below the last row only; empty where each
-        panel has its own.
+        Label of the shared horizontal axis, below the last row only; empty if each panel has its
+        own.
     heading : bool
         Whether the title is a heading, in larger letters.
     stretched : bool
-        Whether a row of one panel has the whole width.
+        Whether a row of one panel takes the whole width.
     """
 
     rows: Sequence[Sequence[Panel | None]]
@@ -433,11 +432,11 @@ class Chart:
 
 
 def series(index: int) -> tuple[str, str]:
-    """Return the colour and the dashes of the line number `index`: no two alike among 24."""
+    """Return colour and dashes of line number `index`; the first 24 all differ."""
     return COLOURS[index % len(COLOURS)], DASHES[(index // len(COLOURS)) % len(DASHES)]
 
 
-# --- Shapes that many pictures have ---
+# --- Common shapes ---
 
 
 def rectangle(left: float, bottom: float, width: float, height: float, tone: str) -> Area:
@@ -446,11 +445,11 @@ def rectangle(left: float, bottom: float, width: float, height: float, tone: str
     Parameters
     ----------
     left, bottom : float
-        Its lower left corner.
+        Lower left corner.
     width, height : float
-        Its size.
+        Size.
     tone : str
-        Its colour.
+        Colour.
     """
     right, top = left + width, bottom + height
     return Area((left, right, right, left), (bottom, bottom, top, top), tone)
@@ -462,29 +461,29 @@ def frame(left: float, bottom: float, width: float, height: float, tone: str = "
     Parameters
     ----------
     left, bottom : float
-        Its lower left corner.
+        Lower left corner.
     width, height : float
-        Its size.
+        Size.
     tone : str
-        Its colour.
+        Colour.
     """
     area = rectangle(left, bottom, width, height, tone)
     return Line((*area.x, left), (*area.y, bottom), tone)
 
 
 ROOM = 0.05
-"""Margin beyond what is drawn, as a share of its width."""
+"""Margin beyond the data, as a share of their width."""
 
 
 def ends_with_room(values: Numbers, *, logarithmic: bool = False) -> tuple[float, float]:
-    """Return the ends of an axis a little beyond some values, so that marks are not cut off.
+    """Return the ends of an axis a little beyond the values, so that marks are not cut off.
 
     Parameters
     ----------
     values : sequence of float
         NaN where there is none.
     logarithmic : bool, optional
-        Whether equal lengths are equal ratios; the values are positive then.
+        Whether the axis is logarithmic; then the values are positive.
     """
     finite = [value for value in _flat(values) if math.isfinite(value)]
     low, high = min(finite, default=0.0), max(finite, default=1.0)
@@ -499,7 +498,7 @@ def ends_with_room(values: Numbers, *, logarithmic: bool = False) -> tuple[float
 
 
 def drawing_data(drawing: Drawing) -> dict[str, Any]:
-    """Return a drawing as JSON data; parts with a number that is not finite are left out."""
+    """Return a drawing as JSON data; parts with a non-finite number are left out."""
     parts = map(part_data, drawing.parts)
     return {
         "stage": list(drawing.stage),
@@ -509,7 +508,7 @@ def drawing_data(drawing: Drawing) -> dict[str, Any]:
 
 
 def part_data(part: Part) -> dict[str, Any] | None:
-    """Return a part as JSON data; None if one of its numbers is not finite."""
+    """Return a part as JSON data; None if a number is not finite."""
     if isinstance(part, Line | Area):
         points = [[short(x), short(y)] for x, y in zip(part.x, part.y, strict=True)]
         if any(None in point for point in points):
@@ -530,7 +529,7 @@ def part_data(part: Part) -> dict[str, Any] | None:
 
 
 class AxisData(TypedDict):
-    """An axis as a page draws it; both ends are there."""
+    """An axis for a page, with both ends."""
 
     words: str
     low: float
@@ -566,15 +565,15 @@ PartData = TypedDict(
     },
     total=False,
 )
-"""A part of a panel as a page draws it; its fields depend on ``is``.
+"""A part of a panel for a page; its fields depend on ``is``.
 
-Numbers that are not finite are null. A tone is one of `TONES`, ``series`` and an index of
-`COLOURS`, or ``#rrggbb``.
+Non-finite numbers are null. A tone is one of `TONES`, ``series`` and an index of `COLOURS`, or
+``#rrggbb``.
 """
 
 
 class PanelData(TypedDict):
-    """A panel as a page draws it."""
+    """A panel for a page."""
 
     title: str
     across: AxisData
@@ -594,7 +593,7 @@ def panel_data(panel: Panel) -> PanelData:
 
 
 def chart_data(chart: Chart) -> list[PanelData]:
-    """Return the panels of a chart as JSON data; a panel without a title gets that of the chart."""
+    """Return the panels of a chart as JSON data, with the chart's title where they have none."""
     panels = map(panel_data, chart.panels)
     return [{**data, "title": data["title"] or chart.title} for data in panels]
 
@@ -609,7 +608,7 @@ def with_ends(panel: Panel) -> tuple[Axis, Axis]:
 
 
 def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
-    """Return the extent of a part along both axes: all its numbers."""
+    """Return all numbers of a part along both axes."""
     if isinstance(part, Level):
         return ([part.at], []) if part.upright else ([], [part.at])
     if isinstance(part, Band):
@@ -618,7 +617,7 @@ def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
 
 
 def _with_ends(axis: Axis, along: Iterable[float]) -> Axis:
-    """Return an axis with its own ends, or those of what lies along it."""
+    """Return an axis with its own ends, or those of the data along it."""
     usable = [x for x in along if math.isfinite(x) and (x > 0.0 or not axis.logarithmic)]
     low = min(usable, default=0.1 if axis.logarithmic else 0.0) if axis.low is None else axis.low
     high = max(usable, default=1.0) if axis.high is None else axis.high
@@ -658,21 +657,21 @@ def _chart_part_data(part: ChartPart) -> PartData:
 
 
 def _corners(line: Line) -> Line:
-    """Return a line of steps without the points within its level stretches."""
+    """Return a staircase without the points inside its level stretches."""
     y = _flat(line.y)
     last = len(y) - 1
-    # A level stretch needs only its first point: the others add nothing.
+    # The first point of a level stretch is enough.
     indices = [k for k, value in enumerate(y) if k in (0, last) or value != y[k - 1]]
     x = _flat(line.x)
     return replace(line, x=[x[k] for k in indices], y=[y[k] for k in indices])
 
 
 DIGITS = 9
-"""Of the numbers of a panel."""
+"""Significant digits of the numbers of a panel."""
 
 
 def _flat(values: Any) -> list[float]:
-    """Return numbers in a row, whatever holds them."""
+    """Return numbers as a flat list, from any container."""
     flat = values.ravel().tolist() if hasattr(values, "ravel") else values
     return [float(value) for value in flat]
 
@@ -682,6 +681,6 @@ def _shorts(values: Any) -> list[float | None]:
 
 
 def short(value: float, digits: int = 6) -> float | None:
-    """Return a number as a page needs it; None where it is not finite."""
+    """Return a number rounded for a page; None if not finite."""
     shortened: float | None = jsonable(float(f"{value:.{digits}g}"))
     return shortened

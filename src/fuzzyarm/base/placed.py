@@ -1,7 +1,7 @@
 """Names and numbers that carry their position in a text.
 
-They are strings and floats: a model whose names are words and whose numbers are figures equals
-one built in Python, and computes the same.
+They are strings and floats: a model made of them equals one built in Python, and computes the
+same.
 """
 
 from __future__ import annotations

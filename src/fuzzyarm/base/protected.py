@@ -1,4 +1,4 @@
-"""The files that a command has read: its results must not overwrite them."""
+"""The files read by a command: its results must not overwrite them."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ __all__ = [
 ]
 
 _Identity = str | tuple[int, int]
-"""A real path, or device and inode: a file may have several names."""
+"""A real path, or device and inode for files with several names."""
 
 
 class _Notes:
-    """The files that a command has read, and those that it is going to write.
+    """Files read and files to be written by a command.
 
-    `force`: whether it may replace files that fuzzyarm did not write.
+    `force`: whether it may replace files not written by fuzzyarm.
     """
 
     def __init__(self, *, force: bool) -> None:
@@ -37,11 +37,11 @@ class _Notes:
 
 
 _notes: list[_Notes] = []
-"""Those of each command that runs within another."""
+"""One for each nested command."""
 
 
 class SourceFileError(FuzzyarmError, ValueError):
-    """A result would overwrite a file that it was computed from.
+    """A result would overwrite one of its sources.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class SourceFileError(FuzzyarmError, ValueError):
 
 
 class ForeignFileError(FuzzyarmError, ValueError):
-    """A command would replace a file that fuzzyarm did not write.
+    """A command would replace a file not written by fuzzyarm.
 
     Attributes
     ----------
@@ -72,9 +72,9 @@ class ForeignFileError(FuzzyarmError, ValueError):
 
 @contextlib.contextmanager
 def sources_kept(*, force: bool = True) -> Iterator[None]:
-    """Refuse to overwrite files that are read within this context; without `force` others, too.
+    """Refuse to overwrite files read within this context.
 
-    Without `force` only files that fuzzyarm wrote are replaced.
+    Without `force` only files written by fuzzyarm are replaced.
     """
     _notes.append(_Notes(force=force))
     try:
@@ -84,7 +84,7 @@ def sources_kept(*, force: bool = True) -> Iterator[None]:
 
 
 def note_source(path: str | os.PathLike[str]) -> None:
-    """Note that a file is read; SourceFileError where it was said that it will be written."""
+    """Note that a file is read; SourceFileError if it is announced as a result."""
     identities = _identities(path)
     for notes in _notes:
         if notes.results & identities:
@@ -93,34 +93,34 @@ def note_source(path: str | os.PathLike[str]) -> None:
 
 
 def note_result(path: str | os.PathLike[str]) -> None:
-    """Note that a file that is there will be written: to read it is then an error at once."""
+    """Announce an existing file as a result: reading it is then an error at once."""
     if os.path.exists(path):
         for notes in _notes:
             notes.results |= _identities(path)
 
 
 def demand_no_source(path: str | os.PathLike[str]) -> None:
-    """Raise SourceFileError where a file that was read would be written."""
+    """Raise SourceFileError if a file that was read would be written."""
     identities = _identities(path)
     for notes in _notes:
         if notes.sources & identities:
             raise SourceFileError(os.fspath(path))
-        notes.results -= identities  # it is a result from now on, and may be read
+        notes.results -= identities  # now a result, which may be read
 
 
 def demand_made(path: str | os.PathLike[str]) -> None:
-    """Raise ForeignFileError where a command would replace a file that fuzzyarm did not write."""
+    """Raise ForeignFileError if a command would replace a file not written by fuzzyarm."""
     if keeps_foreign() and os.path.isfile(path) and not is_made_file(path):
         raise ForeignFileError(os.fspath(path))
 
 
 def keeps_foreign() -> bool:
-    """Whether a command runs that replaces only files that fuzzyarm wrote."""
+    """Whether the running command replaces only files written by fuzzyarm."""
     return bool(_notes) and not _notes[-1].force
 
 
 def is_in_command() -> bool:
-    """Whether what is written now is the result of a command, apart from what it reads."""
+    """Whether a command is running, whose results are being written."""
     return bool(_notes)
 
 

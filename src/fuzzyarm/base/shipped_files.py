@@ -1,4 +1,4 @@
-"""Where the rule bases and tables are that come with fuzzyarm."""
+"""Paths of the shipped rule bases and tables."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class NotShippedError(FuzzyarmError, FileNotFoundError):
     Attributes
     ----------
     name : str
-        The name that was asked for.
+        The requested name.
     """
 
     def __init__(self, name: str, names: list[str]) -> None:
@@ -29,22 +29,22 @@ class NotShippedError(FuzzyarmError, FileNotFoundError):
 
 
 def shipped_folder() -> Path:
-    """Return the folder of the shipped files: in an installed package, or in a checkout."""
+    """Return the folder of the shipped files, in an installed package or a checkout."""
     here = Path(__file__).resolve().parents[1]
     inside = here / "shipped"
     return inside if inside.is_dir() else here.parents[1] / "rulebases"
 
 
 OF_THE_STUDY = "as-described"
-"""Folder of the variants that follow the study's text where its figures say something else."""
+"""Folder of the variants that follow the study's text where it contradicts its figures."""
 
 EXAMPLES = ("fan.frb", "tipper.frb", "heater.frb", "servo.frb", "pd7.frb", "pd-motor.frb")
-"""Shipped files to begin with, the simplest first."""
+"""Shipped files for beginners, the simplest first."""
 
 
 def _shipped_files() -> dict[str, Path]:
     folder = shipped_folder()
-    # A page's Python has no files of the study.
+    # In the browser the files of the study are absent.
     paths = [*folder.iterdir(), *(folder / OF_THE_STUDY).glob("*")]
     return {path.name: path for path in paths if path.suffix in (".frb", ".lut")}
 
@@ -59,13 +59,13 @@ def shipped(name: str) -> Path:
 
     Parameters
     ----------
-    name : str
+    File name with suffix.
         Of the file, with its suffix.
 
     Raises
     ------
     NotShippedError
-        If there is none; with the nearest name.
+        If there is no such file; the error has the nearest name.
     """
     path = _shipped_files().get(demand_text("shipped", name, "name"))
     if path is None:
@@ -74,18 +74,18 @@ def shipped(name: str) -> Path:
 
 
 _HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
-"""The line of a file that says what it is: of a table that of its output."""
+"""The head line of a file; of a table that of its output."""
 
 _KINDS = {"rulebase": "rule base", "controller": "controller", "output": "table"}
 
 
 def what_it_is(text: str) -> tuple[str, str]:
-    """Return the kind of the text of a file, and its description.
+    """Return kind and description of a file.
 
     Parameters
     ----------
     text : str
-        Of a ``.frb`` or ``.lut`` file. Both are empty where it has no description.
+        Text of a ``.frb`` or ``.lut`` file. Both are empty without a description.
     """
     match = _HEAD.search(text)
     return (_KINDS[match[1]], match[2]) if match else ("", "")

@@ -1,4 +1,4 @@
-"""What a notebook shows of a value, as a drawing in place of its name."""
+"""Display of values in notebooks, as a drawing in place of their name."""
 
 from __future__ import annotations
 
@@ -9,36 +9,36 @@ from fuzzyarm.base.names import shortened
 
 
 def one_line(value: object, words: str) -> str:
-    """Return how a value is shown among others: its kind and some words, on one line."""
+    """Return the one-line representation of a value: its type and some words."""
     return f"<{type(value).__name__} {shortened(words, 160)}>"
 
 
 class Shown:
     """A value that notebooks draw.
 
-    The drawings stand above everything that is drawn; a value asks for its own when it is shown.
+    The drawings live in packages above the values; a value looks its own up when it is displayed.
     """
 
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        """Return what IPython shows: HTML without scripts, the names in it escaped."""
+        """Return HTML for IPython, without scripts, names escaped."""
         drawing: str = above.function("html_of")(self)
         return drawing
 
 
 class Plotted(Shown):
-    """A value that has a figure; notebooks show that."""
+    """A value with a figure, which notebooks show."""
 
     __slots__ = ()
 
     def plot(self) -> Any:
-        """Return its figure."""
+        """Return the figure."""
         return above.function("figure_of")(self)
 
 
 class Drawn(Shown):
-    """A value that ``print`` draws too, as it is drawn in the terminal."""
+    """A value that ``print`` draws as the terminal does."""
 
     __slots__ = ()
 

@@ -1,7 +1,7 @@
-"""Who described a method first: publications by keys, and BibTeX of them.
+"""Publications behind the methods, by key, with BibTeX.
 
-Records of methods name these keys (`sources` of :class:`fuzzyarm.symbolic.records.Kind`). A
-publication is here only if its authors, volume, year and pages were looked up and agree.
+Records of methods name these keys (`sources` of :class:`fuzzyarm.symbolic.records.Kind`). Every
+entry was checked: authors, volume, year and pages.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ class Publication:
     Attributes
     ----------
     kind : str
-        Of BibTeX: ``article``, ``incollection``, ``book``.
+        BibTeX type: ``article``, ``incollection``, ``book``.
     fields : mapping of str to str
-        Its fields, in the order in which they are printed.
+        Fields in printing order.
     """
 
     kind: str
     fields: Mapping[str, str]
 
     def bibtex(self, key: str) -> str:
-        """Return the entry under a key."""
+        """Return the BibTeX entry under a key."""
         width = max(map(len, self.fields))
         lines = [f"  {name:{width}} = {{{value}}}," for name, value in self.fields.items()]
         return "\n".join([f"@{self.kind}{{{key},", *lines, "}"])

@@ -1,7 +1,7 @@
-"""Values passed where another kind is expected: a rule base for a controller, a table for either.
+"""Values of the wrong kind: a rule base for a controller, a table for either.
 
-A function uses an attribute that only the expected kind has. A value of another kind then raises
-one sentence that says which kind it is and what to do, in place of Python's "has no attribute".
+A function uses an attribute that only the expected kind has. For a value of another kind it then
+raises one sentence with the actual kind and a remedy, instead of Python's "has no attribute".
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from fuzzyarm.base.names import shortened
 RULE_BASE, CONTROLLER, TABLE = "rule base", "controller", "lookup table"
 
 MODEL, WHOLE = "rule base or a controller", "controller with its files"
-"""The kinds that have a `model`."""
+"""The kinds with a `model`."""
 
 HINTS = {
     (RULE_BASE, CONTROLLER): (
@@ -33,7 +33,7 @@ HINTS = {
     (TABLE, MODEL): "its method `lookup` gives its values",
     (CONTROLLER, WHOLE): "fuzzyarm.load reads it with its files",
 }
-"""Hints, by the kind of the value and the expected kind."""
+"""Hints, by actual and expected kind."""
 
 HAS = {
     **dict.fromkeys(
@@ -55,11 +55,11 @@ HAS = {
     ),
     "model": MODEL,
 }
-"""Attributes from which the expected kind follows."""
+"""Attributes that imply the expected kind."""
 
 
 class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
-    """A value or a file of another kind than the one expected.
+    """A value or a file of an unexpected kind.
 
     Attributes
     ----------
@@ -79,11 +79,11 @@ class MistakenKindError(FuzzyarmError, AttributeError, ValueError):
 
 
 def wrong_kind(value: object, expected: str) -> MistakenKindError:
-    """Return the error of a value that is not of the expected kind."""
+    """Return the error for a value of another kind than expected."""
     if isinstance(value, OfKind):
         kind = type(value).kind_of_value
         other = expected
-        if kind == CONTROLLER and expected in (MODEL, kind):  # it is the model of one
+        if kind == CONTROLLER and expected in (MODEL, kind):  # the value is a model
             other = f"rule base or a {WHOLE}" if expected == MODEL else WHOLE
         hint = HINTS.get((kind, WHOLE if other.endswith(WHOLE) else other), "")
         text = "controller without its files" if other == WHOLE else kind
@@ -97,14 +97,14 @@ def wrong_kind(value: object, expected: str) -> MistakenKindError:
 
 
 class OfKind:
-    """Base of the values that users mix up."""
+    """Base class of values that users mix up."""
 
     __slots__ = ()
 
     kind_of_value: ClassVar[str] = ""
 
     def called(self) -> str:
-        """Return its name, for a message."""
+        """Return the name for messages."""
         return str(getattr(self, "name", ""))
 
     if not TYPE_CHECKING:  # no class has it: a type checker must not accept it

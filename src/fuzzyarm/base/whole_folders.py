@@ -1,4 +1,4 @@
-"""A folder of made files: written whole or not at all, and never over what somebody else wrote."""
+"""Atomic writing of a generated folder, never over a person's files."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import demand_allowed
 
 LIST = ".fuzzyarm.json"
-"""In a folder: its files with the hashes of what was written."""
+"""Record in a folder: its files with the hashes of their written content."""
 
 _MOST = 3
-"""Names in a message."""
+"""Largest number of names in a message."""
 
 
 class ForeignFolderError(FuzzyarmError, ValueError):
-    """A folder holds what would be lost.
+    """A folder has files that would be lost.
 
     Attributes
     ----------
     folder : Path
-        Where.
+        The folder.
     files : tuple of str
-        What is in the way, relative to the folder.
+        The files in the way, relative to the folder.
     """
 
     def __init__(self, message: str, folder: Path, files: tuple[str, ...], *, hint: str) -> None:
@@ -37,7 +37,7 @@ class ForeignFolderError(FuzzyarmError, ValueError):
 
 
 def demand_own(folder: str | Path) -> None:
-    """Raise `ForeignFolderError` where a folder holds what :func:`write_folder` did not write.
+    """Raise `ForeignFolderError` for changed or foreign files under names to be written.
 
     Other files may be there: they stay.
     """
@@ -86,7 +86,7 @@ def write_folder(folder: str | Path, files: Mapping[str, str]) -> None:
 
 
 def _hashes(folder: Path) -> dict[str, str] | None:
-    """Return the files that were written; None where the folder is of somebody else."""
+    """Return the hashes recorded in a folder; None for a folder of somebody else."""
     try:
         listed = json.loads((folder / LIST).read_text("utf-8"))
     except (OSError, ValueError):

@@ -1,16 +1,17 @@
-"""What can be asked for, field by field: a frozen record for each job.
+"""Requests: one frozen record for each job, field by field.
 
-A request is what a command says (``fuzzyarm tune``), what the designer's forms ask, and what the
-calls from Python take beside their keywords.
+A request is the common form of a command (``fuzzyarm tune``), a form of the designer and a call
+from Python.
 
 To add an option
 ----------------
-Add a field to the request by ``option``: words, a line of help, default, limits. The option of the
-command with its help and error, ``docs/reference/commands.md``, the field of the page, the entry of
-the journal and the keyword of the Python call follow; random commands draw it. What its words mean
-is read in ``control/loop/words.py`` (ports, signals, sensors), ``control/loop/experiments.py``
-(files, plants, trajectories), ``learning/tuning/orders.py`` or ``learning/training.py``. An option
-of the output alone is a field of the command's record in ``apps/cli``.
+Add a field to the request with ``option``: words, a line of help, default, limits. The option of
+the command with its help and errors, ``docs/reference/commands.md``, the field of the page, the
+entry of the journal and the keyword of the Python call follow; random commands draw it. Its words
+are interpreted in ``control/loop/words.py`` (ports, signals, sensors),
+``control/loop/experiments.py`` (files, plants, trajectories), ``learning/tuning/orders.py`` or
+``learning/training.py``. An option for the output alone is a field of the command's record in
+``apps/cli``.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-"""How much may be asked for, where the module that does it has to know it, too. Only numbers."""
+"""Limits of requests shared with the modules that do the work. Numbers only."""
 
 LARGEST_RATE = 10.0
-"""Of learning: with more, one judgement fills the table."""
+"""Largest learning rate: above it one judgement fills the table."""
 
 MOST_PASSES = 10_000
-"""Of a training."""
+"""Passes of a training."""
 
 MOST_RUNS = 10_000_000
-"""Of a sweep."""
+"""Runs of a sweep."""
 
 MOST_WORKERS = 10_000
 
@@ -15,13 +15,13 @@ MOST_EVALS = 10_000_000
 """Candidates of a search."""
 
 MOST_SCENARIOS = 10_000
-"""On which is tuned, or by which is judged."""
+"""Scenarios of a tuning or of a judgement."""
 
 MOST_TUNED_DIGITS = 8
-"""Of the numbers that tuning writes."""
+"""Digits of numbers written by tuning."""
 
 MOST_FITTED_DIGITS = 12
-"""Of the numbers that fitting writes."""
+"""Digits of numbers written by fitting."""
 
 MOST_RULES = 1000
-"""Of a model that is fitted: more of them nobody reads."""
+"""Rules of a fitted model: nobody reads more."""

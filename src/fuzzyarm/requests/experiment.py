@@ -1,7 +1,7 @@
-"""What is asked of a loop: the plant, what it follows, sensors and drives, how it is counted.
+"""The request of a closed loop: plant, references, sensors, drives, arithmetic.
 
-Commands, the designer and Python have these fields in common; `fuzzyarm.control.loop.words` says
-what their words mean.
+Commands, the designer and Python share these fields; `fuzzyarm.control.loop.words` interprets
+their words.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ TRAJECTORY, LOAD, PLANT = "trajectory", "load", "plant"
 AROUND = "sensors, actuators and disturbances"
 RUN = "run"
 LAST = "the arm and its study"
-"""Behind all others on a help page."""
+"""Last group of a help page."""
 
 
 TABLES = ("rulebase", "alpha", "table")
-"""Fields of files that stand in place of those of a controller."""
+"""Fields with files that replace those of a controller."""
 
 BUILT = ("start", "variant", "runge_kutta")
-"""Fields of how a controller and its loop are built."""
+"""Fields that determine how a controller and its loop are built."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExperimentRequest(Request):
-    """A closed loop: on which plant, along what, with which sensors, how it is counted."""
+    """A closed loop: plant, trajectory or references, sensors, arithmetic."""
 
     trajectory: str | None = option(
         "--trajectory NAME",

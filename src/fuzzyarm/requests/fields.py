@@ -1,8 +1,8 @@
-"""A request is a frozen record whose fields say what they take; all else is read from them.
+"""Fields of requests, from which everything else is derived.
 
-`option` declares a field: how it is written on the command line, what it is, what it may be. From
-that follow the options of a command and their help, the form of a page and its JSON Schema, what a
-journal holds a search to, and the one sentence about a value that does not fit.
+`option` declares a field: its spelling on the command line, its description, its limits. From it
+follow the options of a command and their help, the form of a page and its JSON Schema, the part of
+a journal that identifies the work, and the sentence about an invalid value.
 """
 
 from __future__ import annotations
@@ -35,23 +35,23 @@ from fuzzyarm.base.names import near_hint, printable
 __all__ = ["Request", "RequestError", "RequestField", "fields_of", "option", "read_fields"]
 
 _KEY = "request"
-"""Of the metadata of a dataclass field."""
+"""Key in the metadata of a dataclass field."""
 
 LONGEST_SHOWN = 60
-"""Characters of a wrong value in a message."""
+"""Characters of an invalid value in a message."""
 
 
 class RequestError(WordError):
-    """A field of a request does not take a value.
+    """A field of a request has an invalid value.
 
     Attributes
     ----------
     field : str
         Its name.
     why : str
-        What is wrong, to follow the name.
+        The fault, to follow the name.
     is_usage : bool
-        Whether the value is of another kind, or not one of the choices; else it is out of range.
+        Whether the value has the wrong type or is not a choice; else it is out of range.
     """
 
     def __init__(self, field: str, why: str, *, hint: str = "", is_usage: bool = False) -> None:
@@ -59,28 +59,28 @@ class RequestError(WordError):
         self.field, self.why, self.is_usage = field, why, is_usage
 
     def called(self, name: str) -> RequestError:
-        """Return the error with another name of the field, as the option of a command."""
+        """Return the error under another name of the field, as the option of a command."""
         error = RequestError(name, self.why, hint=self.hint, is_usage=self.is_usage)
         error.field = self.field
         return error
 
 
-# --- What a field says ---
+# --- Declaration of a field ---
 
 
 class Limits(NamedTuple):
-    """Between what a number lies; `low` itself is out of range where it is `open`."""
+    """The range of a number; `low` itself is excluded if `is_open`."""
 
     low: float = -math.inf
     high: float = math.inf
     is_open: bool = False
 
     def hold(self, value: float) -> bool:
-        """Tell whether a number is in range."""
+        """Whether a number is in range."""
         return value <= self.high and (value > self.low if self.is_open else value >= self.low)
 
     def words(self, unit: str) -> str:
-        """Return what a number must be."""
+        """Return the range in words."""
         unit = f" {unit}" if unit else ""
         if math.isfinite(self.high) and math.isfinite(self.low):
             return f"{'above ' if self.is_open else ''}{self.low:.15g} to {self.high:.15g}{unit}"
@@ -93,7 +93,7 @@ _ANY = Limits()
 
 
 class _Spec(NamedTuple):
-    """What `option` says of a field beside its type and its default."""
+    """The declaration by `option`, beside type and default."""
 
     words: str
     help: str
@@ -120,19 +120,19 @@ def option(
     ----------
     words : str
         As on the help page: the spellings of an option or the name of a positional argument, then
-        what its values are called, as in ``-o --out FILE``.
+        the placeholder of its values, as in ``-o --out FILE``.
     text : str
-        What it is, in a line.
+        Description, one line.
     default : object, optional
-        Without one it must be given.
+        Without one the field is mandatory.
     limits : tuple of float, optional
-        Between which a number lies.
+        Range of a number.
     unit : str, optional
-        Of a number.
+        Unit of a number.
     **more
         ``group``: a title on the help page. ``either``: fields of a group with the same word
-        exclude each other. ``idle``: no result depends on it. ``negatable``: its option has a
-        ``--no-`` form. ``repeated``: its option is written once for each value.
+        exclude each other. ``idle``: results do not depend on it. ``negatable``: its option has a
+        ``--no-`` form. ``repeated``: its option is repeated for each value.
     """
     description = _Spec(
         words,
@@ -152,24 +152,24 @@ def option(
 
 @dataclass(frozen=True)
 class RequestField:
-    """A field of a request, with what is known of it.
+    """A field of a request.
 
     Attributes
     ----------
     name : str
-        In Python.
+        Name in Python.
     spec : tuple
         See `option`.
     default : object
-        `dataclasses.MISSING` where it must be given.
+        `dataclasses.MISSING` if mandatory.
     kind : {"text", "whole", "number", "truth"}
-        Of its value, or of each of its values.
+        Type of its value, or of each of its values.
     choices : tuple
-        All values, where there are few.
+        All values, if there are few.
     is_optional : bool
-        Whether None is a value: nothing is said.
+        Whether None is a value: unset.
     count : int or None
-        How many values it has; 0 for any number, None for one that is not in a list.
+        Number of its values; 0 for any, None for a scalar.
     """
 
     name: str
@@ -182,7 +182,7 @@ class RequestField:
 
     @property
     def json_name(self) -> str:
-        """Its name in JSON; words of Python end with an underscore here."""
+        """Name in JSON, without the trailing underscore of Python keywords."""
         return self.name.rstrip("_")
 
     @property
@@ -192,22 +192,22 @@ class RequestField:
 
     @property
     def spelling(self) -> str:
-        """Return how a person writes it: its longest option, or its name."""
+        """The user's spelling: its longest option, or its name."""
         options: list[str] = [word for word in self.spec.words.split() if word.startswith("-")]
         return max(options, key=len, default=self.name)
 
     def read(self, value: Any) -> Any:
-        """Return a value as the field has it.
+        """Convert a value to the type of the field.
 
         Parameters
         ----------
         value : object
-            Of Python, of JSON, or the text of a form.
+            A value of Python or JSON, or the text of a form.
 
         Raises
         ------
         RequestError
-            If the field does not take it.
+            If the value is invalid.
         """
         if value is None and self.is_optional:
             return None
@@ -220,7 +220,7 @@ class RequestField:
         return tuple(map(self.item, values))
 
     def item(self, value: Any) -> Any:
-        """Return one value, or one of several; errors as :meth:`read`."""
+        """Convert one element; errors as :meth:`read`."""
         try:
             result = _READERS[self.kind](value)
         except (TypeError, ValueError, OverflowError):
@@ -234,7 +234,7 @@ class RequestField:
 
     def _require_range(self, number: float) -> None:
         limits = self.spec.limits
-        # Without an upper end infinity is in range: no limit of time, for instance.
+        # Without an upper end infinity is in range, for instance as no limit of time.
         if math.isnan(number) or (math.isinf(number) and not math.isinf(limits.high)):
             self.refuse(f"must be finite, not {number}")
         if not limits.hold(number):
@@ -242,7 +242,7 @@ class RequestField:
             self.refuse(f"must be {limits.words(self.spec.unit)}, not {number:.15g}{unit}")
 
     def refuse(self, why: str, *, hint: str = "", is_usage: bool = False) -> None:
-        """Raise RequestError: the field does not take a value."""
+        """Raise RequestError for this field."""
         raise RequestError(self.json_name, why, hint=hint, is_usage=is_usage) from None
 
 
@@ -259,13 +259,13 @@ def one_of(choices: Iterable[Any]) -> str:
 
 
 def unknown_choice(field: str, value: Any, choices: Iterable[Any]) -> RequestError:
-    """Return the error of a value that is not one of the choices of a field."""
+    """Return the error for a value that is not among the choices of a field."""
     names = list(map(str, choices))
     why, hint = f"must be {one_of(names)}, not {shown(value)}", near_hint(str(value), names)[0]
     return RequestError(field, why, hint=hint, is_usage=True)
 
 
-# --- Kinds of values ---
+# --- Types of values ---
 
 
 def _text(value: Any) -> str:
@@ -285,7 +285,7 @@ def _truth(value: Any) -> bool:
 def _whole(value: Any) -> int:
     if isinstance(value, bool):
         raise TypeError
-    if isinstance(value, float) and value.is_integer():  # JSON does not tell 3 from 3.0
+    if isinstance(value, float) and value.is_integer():  # JSON does not distinguish 3 from 3.0
         return int(value)
     return int(value) if isinstance(value, str) else operator.index(value)
 
@@ -312,9 +312,9 @@ AnyRequest = TypeVar("AnyRequest", bound="Request")
 
 
 class _Constructor(type):
-    """Says which field was meant where the constructor of a request is called amiss."""
+    """Names the intended field if the constructor of a request is called with a wrong one."""
 
-    if not TYPE_CHECKING:  # who reads types sees the constructor itself
+    if not TYPE_CHECKING:  # type checkers see the constructor itself
 
         def __call__(cls, *positional: Any, **values: Any) -> Any:
             records, name = _known(cls), cls.__name__
@@ -337,16 +337,16 @@ class _Constructor(type):
 
 @dataclass(frozen=True, kw_only=True)
 class Request(metaclass=_Constructor):
-    """What is asked for. Its values are read and judged when it is made.
+    """A request. Its values are converted and checked on construction.
 
     Raises
     ------
     RequestError
-        If a field does not take its value, there is no such field, or one is missing.
+        If a value is invalid, a field unknown, or a mandatory one missing.
     """
 
     withheld: ClassVar[frozenset[str]] = frozenset()
-    """Fields of a base that this request does not have: they keep their defaults."""
+    """Inherited fields that this request does not have: they keep their defaults."""
 
     def __post_init__(self) -> None:
         for record in fields_of(type(self)):
@@ -354,13 +354,13 @@ class Request(metaclass=_Constructor):
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
-        """Return a request of the values that a form or a page has; an empty one says nothing.
+        """Return a request from values of a form or a page; an empty one is unset.
 
         Parameters
         ----------
         values : mapping
-            By the names of fields, in JSON; others are left out. Several values may stand in one
-            text, with blanks between.
+            By field name, in JSON; unknown ones are ignored. Several values may be one text with
+            blanks between.
         """
         values_by_name = {}
         for record in fields_of(cls):
@@ -373,7 +373,7 @@ class Request(metaclass=_Constructor):
         return cls(**values_by_name)
 
     def given(self, names: Iterable[str]) -> RequestField | None:
-        """Return the first of some fields that is not as by default; None where all are."""
+        """Return the first of some fields that differs from its default; None if none does."""
         for name in names:
             record = _known(cast(Hashable, type(self))).get(name)
             if record is not None and getattr(self, name) != record.default:
@@ -381,7 +381,7 @@ class Request(metaclass=_Constructor):
         return None
 
     def question(self) -> dict[str, Any]:
-        """Return all fields on which results depend and that are not as by default, for JSON."""
+        """Return all non-default fields on which results depend, for JSON."""
         return {
             record.name: value
             for record in fields_of(type(self))
@@ -389,19 +389,19 @@ class Request(metaclass=_Constructor):
         }
 
     def as_kind(self, kind: type[AnyRequest], **values: Any) -> AnyRequest:
-        """Return a request of another kind with the fields that both have, and other values."""
+        """Return a request of another kind with the common fields, and other values."""
         shared = {record.name: getattr(self, record.name) for record in fields_of(kind)
                   if record.name in _known(cast(Hashable, type(self)))}  # fmt: skip
         return kind(**shared | values)
 
     def replaced(self, **values: Any) -> Self:
-        """Return the request with other values of some fields."""
+        """Return a copy with other values of some fields."""
         current = {record.name: getattr(self, record.name) for record in fields_of(type(self))}
         return type(self)(**current | values)
 
 
 def fields_of(kind: type[Request]) -> tuple[RequestField, ...]:
-    """Return the fields of a record without those that it withholds: its own, then its bases'."""
+    """Return the fields of a record without withheld ones: its own, then its bases'."""
     return tuple(_known(cast(Hashable, kind)).values())
 
 
@@ -412,7 +412,7 @@ def _known(record: Hashable) -> Mapping[str, RequestField]:
     hints = get_type_hints(kind)
     by_name = {data_field.name: data_field for data_field in fields(kind)}
     annotations = [tuple(get_annotations(base)) for base in kind.__mro__]
-    # What is said anew of a field of a base stays in its place.
+    # A field redefined in a subclass keeps its position.
     order = [
         name
         for depth, names in enumerate(annotations)
@@ -427,9 +427,9 @@ def _known(record: Hashable) -> Mapping[str, RequestField]:
 
 
 def unknown_field(kind: type[Request], name: str) -> RequestError:
-    """Return the error of a field that a request does not have.
+    """Return the error for an unknown field of a request.
 
-    Whoever knows the command may name its option, whose name in Python is another.
+    A user of the command may write its option, whose name in Python differs.
     """
     records = _known(cast(Hashable, kind))
     options = {
@@ -445,7 +445,7 @@ def unknown_field(kind: type[Request], name: str) -> RequestError:
 def read_fields(
     kind: type[Request], values: Mapping[str, Any], names: Iterable[str]
 ) -> dict[str, Any]:
-    """Return the values of some fields, judged; the defaults of those that are not there."""
+    """Return the values of some fields, checked; the default if missing."""
     records = _known(cast(Hashable, kind))
     return {
         name: records[name].read(values[name]) if name in values else records[name].default
@@ -454,7 +454,7 @@ def read_fields(
 
 
 def _field(name: str, annotation: Any, default: Any, entry: _Spec) -> RequestField:
-    """Return what is known of a field by its annotation."""
+    """Return the record of a field from its annotation."""
     parts = [part for part in get_args(annotation) if part is not NoneType]
     is_optional = len(parts) < len(get_args(annotation)) and get_origin(annotation) is not tuple
     if is_optional:

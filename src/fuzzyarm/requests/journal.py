@@ -1,8 +1,8 @@
-"""A file that grows by a line for each piece of long work, so that the work can be resumed.
+"""A journal: a file with a line for each piece of long work, which can be resumed.
 
-It begins with what was asked, as JSON behind a ``#``; a heading follows, and the lines of a CSV
-file. So the file of work that was interrupted is the front of the whole one. Whoever asks
-something else is refused, and so is whoever would write over work that is not finished.
+It begins with the question as JSON after a ``#``; a heading and the lines of a CSV file follow.
+So the file of interrupted work is a prefix of the complete one. A journal of another question is
+refused, as is one whose unfinished work would be overwritten.
 """
 
 from __future__ import annotations
@@ -25,26 +25,26 @@ Row = Sequence[str]
 
 
 class JournalError(FuzzyarmError, ValueError):
-    """A journal is not that of the work, is damaged, or has work that would be lost."""
+    """A journal of other work, a damaged one, or one whose work would be lost."""
 
 
 class WorkJournal:
-    """A journal of some work.
+    """The journal of one task.
 
     Parameters
     ----------
     path : path-like
-        Of a CSV file.
+        Path of a CSV file.
     work : str
-        What sort of work, in a word, as in ``sweep``.
+        Kind of work, one word, as in ``sweep``.
     question : mapping
-        What was asked: all that the results depend on, as JSON takes it.
+        All inputs that determine the results, as JSON values.
     columns : sequence of str
         The heading.
     piece : str, optional
-        What a line is of.
+        Name of a line's subject.
     option : str, optional
-        By which the file is named, for hints.
+        Option for the file name, for hints.
     """
 
     def __init__(
@@ -60,37 +60,37 @@ class WorkJournal:
         self.path = Path(path)
         self.work, self.columns, self.piece, self.option = work, tuple(columns), piece, option
         self.first = f"# fuzzyarm {work} 1\n"
-        # Sorted: the same question begins a file with the same bytes.
+        # Sorted: equal questions give equal bytes.
         request_text = json.dumps(question, sort_keys=True, ensure_ascii=False)
         self.head = f"{self.first}# {request_text}\n{csv_line(self.columns)}"
         self._file: BinaryIO | None = None  # locked: one writer at a time
 
     def begin(self, total: int | None = None, *, may_replace: bool = True) -> None:
-        """Write the head; what was there is gone.
+        """Write the head, replacing any old file.
 
         Parameters
         ----------
         total : int, optional
-            Lines of the whole file; a whole one may be written anew.
+            Lines of the complete file; a complete one may be overwritten.
         may_replace : bool, optional
-            Whether a file of something else may be.
+            Whether an unrelated file may be overwritten.
 
         Raises
         ------
         JournalError
-            If the file holds a part of the same work, or what may not be replaced.
+            If the file has a part of the same work, or must not be replaced.
         FileInUseError
-            If other work is writing it.
+            If it is locked.
         """
         self._demand_replaceable(total, may_replace=may_replace)
         demand_writable(self.path)
         file = self._held()
-        self._demand_replaceable(total, may_replace=may_replace)  # nobody else writes from now on
+        self._demand_replaceable(total, may_replace=may_replace)  # locked since _held
         file.truncate(0)
         self._write(self.head)
 
     def _held(self) -> BinaryIO:
-        """Return the file, which is locked from the first call until `close`."""
+        """Return the file, locked from the first call until `close`."""
         if self._file is None:
             self._file = locked(self.path)
         return self._file
@@ -110,12 +110,12 @@ class WorkJournal:
                 raise JournalError(message, hint=f"give another {self.option}")
 
     def resume(self) -> list[Row]:
-        """Return the lines of the file as cells; one that is torn is cut off."""
+        """Return the lines as cells; an incomplete last one is cut off."""
         self._demand_own(self.path.read_bytes())
         self._held()
         content = self.path.read_bytes()
         self._demand_own(content)
-        # Who wrote was ended within a line: the next one would go on in it.
+        # The writer was killed within a line: the next one must not continue it.
         if not content.endswith(b"\n"):
             os.truncate(self.path, content.rfind(b"\n") + 1)
         return self.rows()
@@ -127,13 +127,13 @@ class WorkJournal:
             raise JournalError(f"{self.path} {self._difference(content)}", hint=hint)
 
     def rows(self) -> list[Row]:
-        """Return the whole lines behind the head."""
+        """Return the complete lines after the head."""
         text = self.path.read_bytes()[len(self.head.encode()) :]
         whole = text[: text.rfind(b"\n") + 1].decode("utf-8", errors="replace")
         return list(csv.reader(io.StringIO(whole, newline="")))
 
     def read(self, line: Callable[[int, Row], Any]) -> list[Any]:
-        """Return what `line` makes of each line, by its number from 0."""
+        """Apply `line` to each line, with its number from 0."""
         rows = []
         for number, row in enumerate(self.resume()):
             try:
@@ -141,18 +141,18 @@ class WorkJournal:
                     raise ValueError
                 rows.append(line(number, row))
             except ValueError:
-                # Three lines of head; lines count from 1.
+                # The head has three lines; people count from 1.
                 message = f"{self.path}: line {number + 4} is not that of {self.piece} {number}"
                 hint = "remove what follows it, or the file"
                 raise JournalError(message, hint=hint) from None
         return rows
 
     def append(self, rows: Iterable[Row]) -> None:
-        """Write lines, the first of which is the next that is missing."""
+        """Append the next lines."""
         self._write("".join(map(csv_line, rows)))
 
     def close(self) -> None:
-        """Let other work write the file."""
+        """Release the file for other work."""
         if self._file is not None:
             self._file.close()
             self._file = None
@@ -163,7 +163,7 @@ class WorkJournal:
         file.flush()
 
     def _difference(self, content: bytes) -> str:
-        """Say what the file asks that this work does not."""
+        """Return the difference between the file's question and this one, in words."""
         lines = content.decode("utf-8", errors="replace").splitlines()
         if not content.startswith(self.first.encode()) or len(lines) < 2:
             return f"is not a {self.work} file"
@@ -183,7 +183,7 @@ def csv_line(cells: Row) -> str:
 
 
 def difference_words(theirs: Mapping[str, Any], ours: Mapping[str, Any], work: str) -> str:
-    """Say what one question asks that another does not."""
+    """Return the difference between two questions in words."""
     for name in {**ours, **theirs}:
         theirs_value, ours_value = theirs.get(name), ours.get(name)
         if theirs_value == ours_value:
@@ -204,14 +204,14 @@ def difference_words(theirs: Mapping[str, Any], ours: Mapping[str, Any], work: s
 
 
 def question_of(fields: Mapping[str, Any], files: Mapping[str, Path]) -> dict[str, Any]:
-    """Return all that results depend on: fields of a request, contents of files, the version."""
+    """Return all inputs of the results: fields of a request, contents of files, version."""
     from fuzzyarm.version import __version__
 
     return {"fuzzyarm": __version__, "arguments": dict(fields), "files": digests_of(files)}
 
 
 def digests_of(files: Mapping[str, Path]) -> dict[str, str]:
-    """Return digests of the contents of files, by name; of those that are there."""
+    """Return digests of the contents of existing files, by name."""
     return {
         name: sha256(path.read_bytes()).hexdigest()[:16]
         for name, path in sorted(files.items())

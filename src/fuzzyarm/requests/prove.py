@@ -1,4 +1,4 @@
-"""Proving: lines of files, one number of an output, or a controller in its loop."""
+"""Proofs: of lines of files, of a number of an output, or of a controller in its loop."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["ProveRequest"]
 
 @dataclass(frozen=True, kw_only=True)
 class ProveRequest(Request):
-    """What is to be proved or refuted; see ``fuzzyarm prove``."""
+    """The statement to be proved or refuted; see ``fuzzyarm prove``."""
 
     files: tuple[str, ...] = option(
         "files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", ()

@@ -25,7 +25,7 @@ class SimulateRequest(ExperimentRequest):
 
 @dataclass(frozen=True, kw_only=True)
 class Workers(Request):
-    """Where runs are made: no result depends on it."""
+    """Where runs are executed; no result depends on it."""
 
     workers: int | None = option(
         "--workers N", "runs at a time, one for each processor by default", None,
@@ -39,7 +39,7 @@ class Workers(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class ManyRuns(Request):
-    """What differs from run to run, and where the runs are written."""
+    """The changes from run to run, and the file of the runs."""
 
     sweep: tuple[str, ...] = option(
         "--sweep NAME=A..B:N", "N values from A to B; several span a grid", (), repeated=True,

@@ -1,4 +1,4 @@
-"""Requests as JSON Schema (draft 2020-12): what a form shows, and what other programs may send."""
+"""Requests as JSON Schema (draft 2020-12), for forms and other programs."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ def schema_of(kind: type[Request]) -> dict[str, Any]:
 
 
 def form_fields(kind: type[Request], *names: str) -> list[dict[str, Any]]:
-    """Return the schemas of some fields for a form, which also says how a command writes them.
+    """Return the schemas of some fields for a form, with the spelling of a command.
 
     Each has its ``name``, its ``title``, the ``option`` of the command (empty for a positional
-    argument), what stands for a value (``placeholder``), the ``group`` of the help page, and
-    whether the option is ``repeated`` or has a ``negatable`` form.
+    argument), the ``placeholder`` of a value, the ``group`` of the help page, and whether the
+    option is ``repeated`` or has a ``negatable`` form.
 
     Parameters
     ----------
     kind : type
-        Of the request.
+        Class of the request.
     *names : str
-        Of fields, as JSON has them; all of them by default.
+        Names of fields in JSON; all by default.
     """
     fields = {field.json_name: field for field in fields_of(kind)}
     return [_form_field(fields[name]) for name in names or fields]
 
 
 def _form_field(field: RequestField) -> dict[str, Any]:
-    """Return the schema of a field with how a command writes it."""
+    """Return the schema of a field with the spelling of a command."""
     options = [word for word in field.spec.words.split() if word.startswith("-")]
     title = field.spelling.lstrip("-").replace("-", " ").replace("_", " ")
     values = [word for word in field.spec.words.split()[1:] if not word.startswith("-")]
@@ -63,7 +63,7 @@ def _form_field(field: RequestField) -> dict[str, Any]:
 
 
 def property_of(field: RequestField) -> dict[str, Any]:
-    """Return the schema of a field: its type, limits, default, unit, and what it is."""
+    """Return the schema of a field: type, limits, default, unit, description."""
     schema = _item(field)
     if field.count is not None:
         fixed = {"minItems": field.count, "maxItems": field.count} if field.count else {}

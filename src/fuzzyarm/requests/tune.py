@@ -1,4 +1,4 @@
-"""Tuning: what is good, on which scenarios, how long is searched."""
+"""Tuning: cost, scenarios, effort of the search."""
 
 from __future__ import annotations
 

@@ -1,14 +1,13 @@
-"""Everything mathematical that the language can name, each written once.
+"""The mathematics of the language, each definition once.
 
 A shape, norm, hedge or formula is one expression. Numbers, arrays, machine code, C,
 Structured Text, derivatives and bounds are readings of it.
 
-The way through: :mod:`.nodes` (expressions as graphs), :mod:`.operations` (the table of what
-an operation is to each reader), :mod:`.op` (the functions that definitions are written
-with), :mod:`.evaluation` (numbers, arrays, derivative, bounds), :mod:`.printing` and
-:mod:`.functions` (source text, compiled functions), :mod:`.records` (what is known of a
-kind), :mod:`.shapes` and :mod:`.norms` (the built-in ones), :mod:`.kinds` (all of them),
-:mod:`.formulas` (what users write).
+Reading order: :mod:`.nodes` (expressions as graphs), :mod:`.operations` (the table of operations),
+:mod:`.op` (the functions in definitions), :mod:`.evaluation` (numbers, arrays, derivative,
+bounds), :mod:`.printing` and :mod:`.functions` (source text, compiled functions),
+:mod:`.records` (the record of a kind), :mod:`.shapes` and :mod:`.norms` (the built-in ones),
+:mod:`.kinds` (all of them), :mod:`.formulas` (formulas of users).
 
 Public are :mod:`.kinds` and :mod:`.op`.
 """

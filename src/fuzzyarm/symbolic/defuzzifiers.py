@@ -1,35 +1,34 @@
-"""Defuzzifiers, a record each: what all of the program knows of one.
+"""Defuzzifiers: one record each, the single definition of a defuzzifier.
 
-``defuzzifier middle-of-maximum`` is one record: its word, its value as one expression, what other
-programs call it, one line of help. The reader, checks, completion and help, the formats of other
-programs, inference at a point, over arrays and as machine code, C, Structured Text, JavaScript,
-traces and proofs read that record, and nothing else says what a defuzzifier is.
+``defuzzifier middle-of-maximum`` is one record: its word, its value as one expression, its names
+in other programs, one line of help. The reader, checks, completion and help, foreign formats,
+inference at a point, over arrays and as machine code, C, Structured Text, JavaScript, traces and
+proofs all read that record.
 
-The value is an expression of numbers that an aggregate has. They are found by their names, and so
-say what the defuzzifier takes of it:
+The value is an expression over figures of the aggregate, found by their names:
 
 ====================  ==============================================================================
-``centroid``          the centre of gravity of the set; of numbers their average
-``half``              the position that halves the area of the set; of numbers the strengths
-``first``, ``last``   the first and the last position at which the set is greatest; of numbers those
-                      of the greatest strength
-``mean``              of all these positions
-``nearest``           of all these positions the one nearest to 0; of two the negative one
-``left``, ``right``   the ends of the centroid of an interval type-2 set, by Karnik and Mendel
-``average``           of the numbers that stand for the consequents, weighed by their strengths
-``weighted``          the sum of these numbers, each times its strength
+``centroid``          the centre of gravity of the set; for numbers their average
+``half``              the position that halves the area; for numbers the sum of strengths
+``first``, ``last``   the first and the last position of the maximum; for numbers those of the
+                      greatest strength
+``mean``              the mean of the positions of the maximum
+``nearest``           the position of the maximum nearest to 0; of two the negative one
+``left``, ``right``   the ends of the centroid of an interval type-2 set (Karnik and Mendel)
+``average``           average of the consequents' numbers, weighted by strength
+``weighted``          the sum of these numbers times their strengths
 ====================  ==============================================================================
 
-Whoever computes with aggregates (:mod:`fuzzyarm.inference`, :mod:`fuzzyarm.proof.map`) has these
-numbers of values, of samples, of straight lines and of panels of curves.
+All evaluators of aggregates (:mod:`fuzzyarm.inference`, :mod:`fuzzyarm.proof.map`) provide these
+figures for values, samples, straight lines and panels of curves.
 
 To add a defuzzifier
 --------------------
-One made of the numbers above is a record here, and nothing else; ``tests/kinds`` tries it. A new
-number is a name in ``ASPECTS``; a ``DefuzzifierProgram`` of the kernel
-(:mod:`fuzzyarm.inference.programs`), from which the exports print it; a
-record in ``WAYS`` of :mod:`fuzzyarm.proof.map.crisp` with its bounds, or it is refused by name;
-and a row of ``tests/inference/test_matrix.py`` and ``tests/proof/test_every_defuzzifier.py``.
+One over the figures above is a record here, and nothing else; ``tests/kinds`` tries it. A new
+figure is a name in ``ASPECTS``; a ``DefuzzifierProgram`` of the kernel
+(:mod:`fuzzyarm.inference.programs`), from which the exports print it; a record in ``WAYS`` of
+:mod:`fuzzyarm.proof.map.crisp` with its bounds, or it is refused by name; and a row of
+``tests/inference/test_matrix.py`` and ``tests/proof/test_every_defuzzifier.py``.
 """
 
 from __future__ import annotations
@@ -51,18 +50,19 @@ X = Any
 
 
 class Aspect(NamedTuple):
-    """A record: what a defuzzifier may take of an aggregate.
+    """A view of an aggregate: a group of figures.
 
     Attributes
     ----------
     figures : tuple of str
-        The numbers that it has.
+        Its figures.
     integrates : bool
-        Whether they are of the area of a set, so that straight lines between samples have them.
+        Whether they depend on the area of a set, so that linear interpolation between samples
+        matters.
     weighs : bool
-        Whether every consequent becomes a number first.
+        Whether consequents are reduced to numbers first.
     jumps : bool
-        Whether they jump where strengths move a little.
+        Whether they are discontinuous in the strengths.
     """
 
     figures: tuple[str, ...]
@@ -79,9 +79,9 @@ ASPECTS = {
     "average": Aspect(("average",), weighs=True),
     "sum": Aspect(("weighted",), weighs=True),
 }
-"""What there is to take; a defuzzifier takes of one of them."""
+"""All aspects; a defuzzifier uses figures of one of them."""
 
-# The names of its arguments are all that a definition says about what it takes.
+# The argument names of a definition determine its aspect.
 _ASPECT_OF = {figure: name for name, aspect in ASPECTS.items() for figure in aspect.figures}
 
 
@@ -92,15 +92,15 @@ class DefuzzifierKind(Kind):
     Attributes
     ----------
     both : bool
-        Of a centroid: whether it is that of the lower and the upper set of an interval type-2 set
-        together.
+        For a centroid: whether it is the mean of the lower and the upper set of an interval type-2
+        set taken together.
     inverts : bool
-        Whether the number of a set is the position at which it reaches its strength, and not the
-        middle of its core.
+        Whether the number of a set is the position at which it reaches its strength (Tsukamoto),
+        not the middle of its core.
     like : str
-        The defuzzifier that is nearest to it, for programs that do not know this one.
+        The most similar one, for programs that lack this one.
     elsewhere : str
-        Words that others have for it, in small letters, with blanks between.
+        Synonyms in other programs, in lower case, separated by blanks.
     """
 
     both: bool = False
@@ -110,51 +110,51 @@ class DefuzzifierKind(Kind):
 
     @cached_property
     def symbols(self) -> tuple[str, ...]:
-        """The numbers that its value is made of, in the order of its arguments."""
+        """The figures in its value, in the order of its arguments."""
         assert self.function is not None
         return argument_names(self.function)
 
     @cached_property
     def of(self) -> str:
-        """What it takes of an aggregate: a key of :data:`ASPECTS`."""
+        """Its view of an aggregate: a key of :data:`ASPECTS`."""
         return _ASPECT_OF[self.symbols[0]]
 
     @property
     def aspect(self) -> Aspect:
-        """What is known of that."""
+        """The aspect's properties."""
         return ASPECTS[self.of]
 
     @cached_property
     def figure(self) -> str:
-        """The one number that its value is; empty where it is made of that, or of several."""
+        """The figure that is its value; empty if the value is an expression of figures."""
         return self.expression.name if isinstance(self.expression, Symbol) else ""
 
     @property
     def type2(self) -> bool:
-        """Whether it takes an interval type-2 set: all between a lower and an upper one."""
+        """Whether it is for interval type-2 sets, with a lower and an upper membership function."""
         return self.both or self.of == "ends"
 
     @property
     def joins(self) -> bool:
-        """Whether it knows joined samples."""
+        """Whether it supports linearly joined samples."""
         return self.aspect.integrates and not self.type2
 
     @property
     def weighs(self) -> bool:
-        """Whether every consequent becomes a number first."""
+        """Whether consequents are reduced to numbers first."""
         return self.aspect.weighs
 
     @cached_property
     def rises(self) -> bool:
-        """Whether its value is known to rise with each of its numbers."""
+        """Whether its value is known to increase with each of its figures."""
         return all(isinstance(slope, Constant) and slope.value >= 0.0 for slope in self._slopes)
 
     @cached_property
     def is_between(self) -> bool:
-        """Whether its value is known to lie between the least and the greatest of positions."""
+        """Whether its value is known to lie between its smallest and its largest figure."""
         if not self.rises or self.of == "sum" or self.inverts:
             return False
-        # Constant slopes of at least 0, value 0 at 0, slopes that add up to 1: a weighted mean.
+        # Constant slopes of at least 0 that sum to 1, and value 0 at 0: a weighted mean.
         nothing = evaluate(self.expression, dict.fromkeys(self.symbols, 0.0))
         return nothing == 0.0 and sum(slope.value for slope in self._slopes) == 1.0  # type: ignore[attr-defined]
 
@@ -163,7 +163,7 @@ class DefuzzifierKind(Kind):
         return gradient(self.expression, self.symbols)
 
     def value(self, figures: Mapping[str, X]) -> X:
-        """Return the value from its numbers by name, which may be floats or arrays."""
+        """Return the value from figures by name: floats or arrays."""
         if self.figure:
             return figures[self.figure]
         arguments = [figures[name] for name in self.symbols]
@@ -173,10 +173,10 @@ class DefuzzifierKind(Kind):
 
 
 class Defuzzifiers(Registry[DefuzzifierKind]):
-    """All defuzzifiers by their words; what is not among them is an error by name."""
+    """All defuzzifiers by their words; an unknown word raises `KindError`."""
 
     def __getitem__(self, name: str) -> DefuzzifierKind:
-        # The test by `in` loads the kinds of other packages, so it comes last.
+        # `in` loads the kinds of other packages, so test it last.
         kind = self._kinds.get(name)
         if kind is None and name not in self:
             raise KindError(f"no defuzzifier is called '{name}'", name)
@@ -184,12 +184,12 @@ class Defuzzifiers(Registry[DefuzzifierKind]):
 
     @property
     def foreign(self) -> dict[str, tuple[str, str]]:
-        """Words that others have, in small letters → the name here."""
+        """Synonyms in lower case → the name here."""
         names = {word: (kind.name, "") for kind in self.values() for word in kind.elsewhere.split()}
         return super().foreign | names
 
     def plain(self, figure: str) -> str:
-        """Return the name of the defuzzifier whose value is one of the numbers, as it is."""
+        """Return the name of the built-in defuzzifier whose value is this figure."""
         return next(n for n, kind in self.items() if kind.figure == figure and not kind.own)
 
 
@@ -198,19 +198,19 @@ DEFUZZIFIERS = Defuzzifiers("defuzzifier")
 
 
 def defuzzifier(name: str, value: Callable[..., X], **facts: Any) -> DefuzzifierKind:
-    """Register a defuzzifier: how an aggregated set, or a list of weighed numbers, becomes one.
+    """Register a defuzzifier: from an aggregated set, or weighted numbers, to one number.
 
     Parameters
     ----------
     name : str
         The word in a file: small letters, digits and hyphens.
     value : callable
-        What it gives, of numbers of the aggregate by their names: ``centroid``; ``half``;
-        ``first``, ``last``, ``mean`` and ``nearest`` of where it is greatest; ``left`` and
-        ``right`` of an interval type-2 set; ``average`` or ``weighted`` of numbers. Written with
-        arithmetic, comparisons and :mod:`fuzzyarm.op`.
+        Its value over figures of the aggregate: ``centroid``; ``half``; ``first``, ``last``,
+        ``mean`` and ``nearest`` of the maximum; ``left`` and ``right`` of an interval type-2 set;
+        ``average`` or ``weighted`` of numbers. With arithmetic, comparisons and
+        :mod:`fuzzyarm.op`.
     **facts
-        What else is known of it, see :class:`DefuzzifierKind`: ``doc``, ``names``, ``like`` …
+        Further fields of :class:`DefuzzifierKind`: ``doc``, ``names``, ``like`` …
 
     Returns
     -------
@@ -220,8 +220,8 @@ def defuzzifier(name: str, value: Callable[..., X], **facts: Any) -> Defuzzifier
     Raises
     ------
     KindError
-        If the name is taken or not a word, the value takes an argument that no aggregate has, or
-        numbers that do not go together, or it cannot be traced.
+        If the name is taken or not a word, an argument is not a figure, figures belong to
+        different aspects, or the value cannot be traced.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""Evaluation of an expression: numbers, arrays and bounds; and its derivative.
+"""Evaluation of an expression: numbers, arrays and bounds; its derivative.
 
-Each is one walk over the graph, arguments first, that looks every operation up in
-:data:`~fuzzyarm.symbolic.operations.OPERATIONS`. Code that runs often is printed
-as source text and compiled instead, see :mod:`fuzzyarm.symbolic.printing`.
+Each is one walk over the graph, arguments first, with a look-up of every operation in
+:data:`~fuzzyarm.symbolic.operations.OPERATIONS`. Frequent evaluations use compiled source text
+instead, see :mod:`fuzzyarm.symbolic.printing`.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def evaluate(root: Node, values: Mapping[str, float]) -> float:
     Returns
     -------
     float
-        NaN or infinite where arithmetic is (1 / 0, the root of -1); it never raises for that.
+        NaN or infinite as in IEEE arithmetic (1 / 0, the root of -1); never raises for these.
 
     Raises
     ------
@@ -68,8 +68,8 @@ def evaluate(root: Node, values: Mapping[str, float]) -> float:
 def specialise(root: Node, values: Mapping[str, float]) -> Node:
     """Return an expression with numbers for some symbols, constants folded.
 
-    A part without symbols becomes its value, with the bits that :func:`evaluate` gives, and
-    a choice by such a condition becomes its branch. Nothing else is simplified: x + 0 stays.
+    A part without symbols becomes its value, with the bits of :func:`evaluate`, and a choice with a
+    constant condition its branch. Nothing else is simplified: x + 0 stays.
     """
     nodes: dict[Node, Node] = {}
     for node in postorder(replace(root, values)):
@@ -108,14 +108,14 @@ def array_function(name: str) -> Callable[..., Any]:
 
 @cache
 def library_function(name: str) -> Callable[..., Any]:
-    """Return a function of the C library over arrays, number by number, with its bits.
+    """Return a function of the C library over arrays, element by element, with its bits.
 
-    NumPy's own take the processor's vectors, and one of twenty differs in the last bit.
+    NumPy's vectorised functions differ in the last bit for one value in twenty.
     """
     import numpy as np
 
     scalar = OPERATIONS[name].scalar
-    plain = getattr(scalar, "__wrapped__", scalar)  # which raises where there is no value
+    plain = getattr(scalar, "__wrapped__", scalar)  # raises outside the domain
 
     def function(*arguments: Any) -> Any:
         arrays = [np.asarray(argument, dtype=float) for argument in arguments]
@@ -138,7 +138,7 @@ def library_function(name: str) -> Callable[..., Any]:
 def _where(condition: Any, then: Any, otherwise: Any) -> Any:
     import numpy as np
 
-    if np.ndim(condition) == 0:  # on parameters only: one branch need not exist
+    if np.ndim(condition) == 0:  # a scalar condition: only its branch is valid
         return then if condition else otherwise
     return np.where(condition, then, otherwise)
 
@@ -147,9 +147,9 @@ Schedule = Sequence[tuple[Node, tuple[Node, ...]]]
 
 
 def schedule(root: Node) -> Schedule:
-    """Return the nodes of an expression, arguments first, with those that it then is done with.
+    """Return the nodes in order, arguments first, each with the nodes last used by it.
 
-    Arrays that are given back at once are still in the cache when they are used again.
+    An array freed at once is still in the cache when its memory is reused.
     """
     order = list(postorder(root))
     last = {argument: node for node in order for argument in children(node)}
@@ -178,17 +178,17 @@ def evaluate_arrays(
     real : type
         Of the constants: ``float``, or ``numpy.float32`` for arithmetic in single precision.
     order : sequence, optional
-        What :func:`schedule` returns, where many calls share it and arrays are large.
+        The result of :func:`schedule`, shared by many calls with large arrays.
     as_floats : bool
-        Evaluate functions such as ``exp`` number by number, which takes fifty times as long.
+        Evaluate functions such as ``exp`` element by element, fifty times slower.
 
     Returns
     -------
     ndarray
-        Equal to :func:`evaluate` at each point bit for bit where an operation is exact or
-        correctly rounded (+ − × ÷, roots, min, max), to about 1e-16 of the value elsewhere;
-        with `as_floats` everywhere.
-        Both branches of a choice are evaluated; NumPy does not warn of the one not taken.
+        Bitwise equal to :func:`evaluate` at each point where an operation is exact or correctly
+        rounded (+ − × ÷, roots, min, max), within about 1e-16 of the value elsewhere; with
+        `as_floats` everywhere. Both branches of a choice are evaluated; NumPy does not warn of
+        the one not taken.
     """
     import numpy as np
 
@@ -217,8 +217,7 @@ _ZERO, _ONE = constant(0.0), constant(1.0)
 def derivative(root: Node, name: str) -> Node:
     """Return the derivative of an expression by one of its symbols, as an expression.
 
-    Where the expression has a corner it is the derivative of one side; where it jumps, that
-    of the branch that holds there.
+    At a corner it is a one-sided derivative; at a jump that of the branch taken there.
     """
     return gradient(root, (name,))[0]
 
@@ -234,7 +233,7 @@ def gradient(root: Node, names: tuple[str, ...]) -> tuple[Node, ...]:
         if node not in adjoint or not isinstance(node, Apply):
             continue
         partials = OPERATIONS[node.operation].partials
-        if partials is None:  # a condition, or a step: flat wherever it has a derivative
+        if partials is None:  # a condition or a step: derivative 0 almost everywhere
             continue
         for argument, partial in zip(node.arguments, partials(*node.arguments), strict=True):
             share = _product(adjoint[node], partial)
@@ -245,7 +244,7 @@ def gradient(root: Node, names: tuple[str, ...]) -> tuple[Node, ...]:
 
 
 def _product(a: Number, b: Number) -> Node:
-    """Return a b without the factors 0 and 1, of which a derivative is full.
+    """Return a b without factors 0 and 1, frequent in derivatives.
 
     A choice between a value and 0 stays a choice: 0 times the other branch may be NaN.
     """
@@ -264,28 +263,27 @@ def _product(a: Number, b: Number) -> Node:
 
 
 def bounds(root: Node, ranges: Mapping[str, tuple[float, float]]) -> Interval:
-    """Return an interval that holds every value of an expression over a box.
+    """Return an enclosure of an expression over a box (interval arithmetic).
 
-    Safe, not tight: parts that depend on the same symbol are taken as independent, except
-    that a choice takes only the branches that can hold.
+    Safe, not tight: repeated symbols count as independent, except that a choice takes only the
+    branches that can hold.
 
     Parameters
     ----------
     root : Node
         The expression.
     ranges : mapping of str to (float, float)
-        The lowest and the highest value of each symbol.
+        Lower and upper end of each symbol.
 
     Returns
     -------
     Interval
-        Rounded outwards: it holds the values of floats and of real numbers. Values that
-        do not exist (the root of -1) need not be contained.
+        Rounded outwards: it encloses values of floats and of real numbers. Undefined values (the
+        root of -1) need not be contained.
 
     References
     ----------
-    R. E. Moore, *Interval Analysis*, 1966: the value over a box lies in the intervals of
-    the operations, one after the other.
+    R. E. Moore, *Interval Analysis*, 1966: natural interval extension, operation by operation.
     """
     return _bounds_of_nodes(root, ranges)[root]
 
@@ -314,7 +312,7 @@ _DOMAINS: dict[str, Callable[..., bool]] = {
     "asin": lambda a: a.low >= -1.0 and a.high <= 1.0,
     "acos": lambda a: a.low >= -1.0 and a.high <= 1.0,
 }
-"""For partial operations: whether they have a value all over some intervals."""
+"""For partial operations: whether they are defined everywhere on given intervals."""
 
 
 def may_lack_values(root: Node) -> bool:
@@ -323,7 +321,7 @@ def may_lack_values(root: Node) -> bool:
 
 
 def has_value(root: Node, ranges: Mapping[str, tuple[float, float]]) -> bool:
-    """Whether an expression is known to have a finite value all over a box."""
+    """Whether an expression is known to be finite everywhere in a box."""
     intervals = _bounds_of_nodes(root, ranges)
     for node, interval in intervals.items():
         if not (math.isfinite(interval.low) and math.isfinite(interval.high)):
@@ -340,7 +338,7 @@ def _rounded(interval: Interval, *, exact: bool) -> Interval:
         return EVERYTHING
     if exact:
         return interval
-    # Two units in the last place: what the functions of a C library may be off.
+    # Two units in the last place: the error of functions of a C library.
     for _ in range(2):
         low, high = math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
     return Interval(low, high)

@@ -1,8 +1,8 @@
-"""Formulas that people write, in the dialects of several programs: read and written.
+"""Formulas of users, in the dialects of several programs: reader and writer.
 
-One parser and one writer serve all dialects; what differs is a :class:`FormulaDialect`, a table.
-A formula becomes the same expression as a built-in shape, so whatever reads expressions
-(arrays, machine code, C, derivatives, bounds) reads formulas.
+One parser and one writer serve all dialects; their differences are a table,
+:class:`FormulaDialect`. A formula becomes the same expression as a built-in shape, so all readings
+of expressions (arrays, machine code, C, derivatives, bounds) apply.
 
 The grammar, from the loosest to the tightest::
 
@@ -50,24 +50,24 @@ __all__ = [
 ]
 
 MAX_DEPTH = 100
-"""How deep parentheses and signs may nest."""
+"""Deepest nesting of parentheses and signs."""
 
 MAX_TOKENS = 20_000
-"""Words and signs of one formula."""
+"""Most tokens of a formula."""
 
 CONSTANTS: dict[str, float] = {"pi": math.pi}
-"""Names with a value of their own, unless a variable has the same name."""
+"""Names with fixed values, unless a variable has the same name."""
 
 
 class FormulaError(FuzzyarmError, ValueError):
-    """A formula that cannot be read or has no value.
+    """A formula that cannot be read or is undefined.
 
     Attributes
     ----------
     text : str
         The formula.
     position : int
-        Index of the character at fault, from 0; the length of the text at its end.
+        Index of the character at fault, from 0; the length of the text for its end.
     """
 
     def __init__(self, message: str, text: str, position: int = 0) -> None:
@@ -91,7 +91,7 @@ _COMPARISONS = {
     "ge": _comparison("less_equal", swapped=True),
     "eq": _comparison("equal"),
 }
-"""Comparisons as functions: 1 where they hold, 0 elsewhere."""
+"""Comparisons as functions: 1 if true, else 0."""
 
 _FUNCTIONS = {
     "abs": "absolute", "exp": "exp", "log": "log", "log10": "log10", "sqrt": "sqrt",
@@ -104,24 +104,24 @@ _FUNCTIONS = {
 
 @dataclass(frozen=True)
 class FormulaDialect:
-    """How one program writes formulas.
+    """The notation of formulas in one program.
 
     Attributes
     ----------
     name : str
-        For messages.
+        Name in messages.
     functions : mapping of str to str
-        Its functions and the operations that they are.
+        Its functions, by their operations here.
     comparisons : bool
         Whether it has ``lt``, ``le``, ``gt``, ``ge`` and ``eq`` as functions.
     signs : mapping of str to str
-        Signs in front of an operand: their meaning is ``-`` or ``+``.
+        Prefix signs: equivalent to ``-`` or ``+``.
     powers_from_left : bool
-        Whether ``^`` and ``%`` bind alike, tighter than ``*``, and from the left.
+        Whether ``^`` and ``%`` bind alike, tighter than ``*``, left-associative.
     any_case : bool
-        Whether names of functions may be in capitals.
+        Whether function names are case-insensitive.
     quotes : bool
-        Whether a name may stand in single quotes, and may have dots.
+        Whether a name may be in single quotes, and may contain dots.
     """
 
     name: str
@@ -134,7 +134,7 @@ class FormulaDialect:
 
     @cached_property
     def words(self) -> dict[str, str]:
-        """The operations and what the dialect calls them."""
+        """The word of the dialect for each operation."""
         words_of_operations: dict[str, str] = {}
         for word, operation in self.functions.items():
             words_of_operations.setdefault(operation, word)
@@ -142,7 +142,7 @@ class FormulaDialect:
 
     @cached_property
     def token(self) -> re.Pattern[str]:
-        """What a word of a formula looks like."""
+        """The pattern of a token."""
         name = r"[^\W\d]\w*(?:\.\w+)*" if self.quotes else r"[^\W\d]\w*"
         quoted = r"|'(?P<quoted>[^']*)'" if self.quotes else ""
         signs = "|".join(map(re.escape, sorted(self.signs, key=len, reverse=True)))
@@ -176,15 +176,15 @@ JFUZZYLOGIC = FormulaDialect(
 
 @dataclass(frozen=True, eq=False)
 class Formula:
-    """A formula that was read.
+    """A parsed formula.
 
     Attributes
     ----------
     text : str
-        As it was written.
+        The source text.
     root : Node
-        What it computes. Its symbols are the names of variables, and of
-        :data:`CONSTANTS` as long as :meth:`with_constants` has not been asked.
+        Its expression. Symbols are the names of variables, and of :data:`CONSTANTS` until
+        :meth:`with_constants` replaces them.
     mentions : tuple of (str, int)
         Every name and its position in the text, in order.
     """
@@ -195,12 +195,12 @@ class Formula:
 
     @cached_property
     def positions(self) -> dict[str, int]:
-        """Where each name stands first in the text."""
+        """First position of each name in the text."""
         return dict(reversed(self.mentions))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """The variables, each once, in order of appearance; constants are among them."""
+        """The variables in order of appearance, each once; constants included."""
         return tuple(dict(self.mentions))
 
     @cached_property
@@ -208,12 +208,12 @@ class Formula:
         return {}
 
     def with_constants(self, variables: Sequence[str]) -> Node:
-        """Return the expression with the value in place of a constant.
+        """Return the expression with constants replaced by their values.
 
         Parameters
         ----------
         variables : sequence of str
-            Names that are variables even where a constant has the same one.
+            Names of variables, which take precedence over constants.
 
         Raises
         ------
@@ -230,7 +230,7 @@ class Formula:
     def function(self, variables: Sequence[str]) -> Callable[..., float]:
         """Return the formula as a function of floats, one for each variable.
 
-        NaN or infinite where arithmetic is (``1 / 0``, ``sqrt(-1)``).
+        NaN or infinite as in IEEE arithmetic (``1 / 0``, ``sqrt(-1)``).
         """
         from fuzzyarm.symbolic.functions import python_function
 
@@ -241,7 +241,7 @@ class Formula:
     def evaluate(self, values: Mapping[str, float]) -> float:
         """Return the value at one point, by the names of the variables.
 
-        Compiled at the first call. `values` may hold more than the formula needs.
+        Compiled at the first call. `values` may have further names.
         """
         names = tuple(name for name in self.names if name in values)
         if names not in self._compiled:
@@ -269,7 +269,7 @@ def read_formula(text: str, dialect: FormulaDialect = FRB) -> Formula:
 
 
 class _Parser:
-    """Recursive descent over the words of one formula."""
+    """Recursive descent over the tokens of one formula."""
 
     def __init__(self, text: str, dialect: FormulaDialect) -> None:
         self.text = text
@@ -305,7 +305,7 @@ class _Parser:
             raise self.fault(f"expected '{sign}' {self.found()}")
 
     def enter(self) -> None:
-        """Count one level; the parser calls itself six deep for each, of the 1000 of Python."""
+        """Count one level; the parser nests six calls for each, of Python's 1000."""
         self.depth += 1
         if self.depth > MAX_DEPTH:
             raise self.fault(f"nested deeper than {MAX_DEPTH} levels")
@@ -420,7 +420,7 @@ def write_formula(
     upper: bool = False,
     minus: str = "-",
 ) -> str:
-    """Return the text of an expression, with parentheses wherever a reader could hesitate."""
+    """Return the text of an expression, with parentheses wherever the precedence is not obvious."""
     return _Writer(dialect, rename or {}, upper=upper, minus=minus).text(root)
 
 
@@ -428,7 +428,7 @@ _SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/"} | {
     "power": "^", "remainder": "%",
 }  # fmt: skip
 _BINDS = {"add": 1, "subtract": 1, "multiply": 2, "divide": 2, "power": 3}
-"""How tightly operators bind in every dialect; ``%`` is not among them, as they differ."""
+"""Precedence of operators in every dialect; ``%`` is missing, as it differs."""
 
 
 @dataclass(frozen=True)
@@ -451,7 +451,7 @@ class _Writer:
         return self._call(node)
 
     def _operator(self, node: Apply) -> str:
-        # Left operands by a loop, from the right end: a chain may be thousands long.
+        # Left operands in a loop, from the right end: a chain may be thousands long.
         text: list[str] = []
         parentheses = 0
         while True:
@@ -487,13 +487,13 @@ class _Writer:
 
 
 def _clear(node: Apply, above: int, *, at_right: bool) -> bool:
-    """Whether an operand needs no parentheses beside an operator that binds so tightly."""
+    """Whether an operand needs no parentheses under an operator of this precedence."""
     binding = _BINDS.get(node.operation, 0)
     return binding > above or (binding == above and not at_right and binding < 3)
 
 
 def _comparison_of(node: Apply) -> tuple[str | None, tuple[Node, ...]]:
-    """Return the comparison that a choice between 1 and 0 is."""
+    """Return the comparison behind a choice between 1 and 0."""
     if node.operation == "where" and node.arguments[1:] == (constant(1.0), constant(0.0)):
         condition = node.arguments[0]
         if isinstance(condition, Apply):

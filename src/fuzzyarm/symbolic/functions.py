@@ -1,9 +1,8 @@
-"""Expressions as Python functions: over floats, and over rows for a compiler to take.
+"""Expressions as Python functions: over floats, and over rows for a compiler.
 
-The text comes from :mod:`fuzzyarm.symbolic.printing`. A function over floats computes with
-the plain operators of Python, which raise where arithmetic has no value; it then answers
-with the slow reading that gives NaN or an infinity there. So the common case is as fast as
-a function written by hand.
+The text comes from :mod:`fuzzyarm.symbolic.printing`. A function over floats uses the plain
+operators of Python; where they raise, it falls back to the slow evaluation, which gives NaN or an
+infinity. So the common case is as fast as a handwritten function.
 """
 
 from __future__ import annotations
@@ -22,11 +21,11 @@ from fuzzyarm.symbolic.printing import PYTHON, printed
 __all__ = ["python_function", "row_source"]
 
 _STEPS = {"floor": "floor", "ceil": "ceil", "rint": "round", "trunc": "truncate"}
-"""Names in the printed text that are not functions of :mod:`math`: their operations."""
+"""Operations by their names in the printed text, where these are not functions of :mod:`math`."""
 
 
 _OWN: dict[str, Callable[..., float]] = {"minimum": min, "maximum": max}
-"""Operations that are functions of Python itself, for the fastest case of all."""
+"""Operations that are builtins of Python, for speed."""
 
 
 def _namespace() -> dict[str, Any]:
@@ -51,7 +50,7 @@ def python_function(root: Node, parameters: Sequence[str]) -> Callable[..., floa
     Returns
     -------
     callable
-        Of as many floats; returns a float, NaN or infinite where arithmetic is.
+        Takes as many floats; returns a float, NaN or infinite as in IEEE arithmetic.
     """
     names = tuple(parameters)
     if isinstance(root, Apply) and root.arguments == tuple(symbol(name) for name in names):
@@ -74,18 +73,18 @@ def python_function(root: Node, parameters: Sequence[str]) -> Callable[..., floa
 
 
 def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: str) -> str:
-    """Return the text of a function over rows, plain enough for a compiler.
+    """Return the text of a function over rows, simple enough for a compiler.
 
     Parameters
     ----------
     root : Node
         The expression.
     rows : sequence of str
-        Symbols that are taken from rows, element by element.
+        Symbols read from rows, element by element.
     numbers : sequence of str
-        Symbols that are the same for all elements; one array ``numbers`` holds them.
+        Symbols constant over all elements, together in one array ``numbers``.
     name : str
-        Of the function.
+        Name of the function.
 
     Returns
     -------
@@ -98,8 +97,9 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
     elements = [f"{row} = {row}_row[i]" for row in rows if row in names]
     body = [*elements, *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
-    # How many numbers there are, used or not, belongs to what the function is: its program of
-    # operations counts them all, and functions of one text are taken for one.
+    # The count of numbers, used or not, is part of the identity: its program of operations counts
+    # them
+    # all, and functions with equal text are treated as one.
     text = [f"def {name}({arguments}):  # numbers: {len(numbers)}"]
     text += [f"    {line}" for line in head]
     text += ["    for i in range(into.shape[0]):", *(f"        {line}" for line in body)]
@@ -107,7 +107,7 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
 
 
 def row_function(source: str, name: str) -> Callable[..., None]:
-    """Return the function of some text from :func:`row_source`, for the interpreter.
+    """Return the function of a text by :func:`row_source`, for the interpreter.
 
     Roundings are those of NumPy, which return floats.
     """

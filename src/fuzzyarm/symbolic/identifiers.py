@@ -1,4 +1,4 @@
-"""Identifiers of the exported languages from the names in a file."""
+"""Identifiers of the exported languages for the names in a file."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ C_FUNCTIONS = frozenset(
     for operation in OPERATIONS.values()
     if operation.c.startswith("@")
 )
-"""Functions of ``math.h`` that expressions are printed with, in double precision."""
+"""Functions of ``math.h`` in printed expressions, in double precision."""
 
 C_RESERVED = frozenset([*_C_WORDS.split(), *C_FUNCTIONS, *(f"{name}f" for name in C_FUNCTIONS)])
-"""Words of C and C++, of the headers that are used, and macros of common compilers."""
+"""Words of C and C++, of the included headers, and macros of common compilers."""
 
 _ST_WORDS = """
     abs abstract acos action add add_dt_time add_time add_tod_time adr adrinst and and_then
@@ -91,7 +91,7 @@ RESERVED: Mapping[str, frozenset[str]] = MappingProxyType({
     "javascript": frozenset(_JAVASCRIPT_WORDS.split()),
     "rust": frozenset(_RUST_WORDS.split()),
 })  # fmt: skip
-"""By language, words that are no names: keywords, and what the exported files use themselves."""
+"""Reserved words by language: keywords, and names in the exported files themselves."""
 
 _ST_TYPE = (
     r"(bool|l?real|u?[sdl]?int|byte|[dl]?word|bcd|w?string|w?char|l?time|l?date|l?dt|l?tod|any)"
@@ -102,7 +102,7 @@ ST_CONVERSION = re.compile(
 """Conversions, as in ``REAL_TO_INT``."""
 
 _PATTERNS = {"st": ST_CONVERSION, "python": re.compile(r"K\d+")}
-"""By language, further names that are taken; those of Python are its constants."""
+"""Further reserved names by language; those of Python are its constants."""
 
 
 ARDUINO_MACROS = re.compile(
@@ -111,26 +111,26 @@ ARDUINO_MACROS = re.compile(
     r"|M_[A-Z]+|(AC|AD|CS|DD|DOR|EE|FE|ICR|ISC|OCR|TC|TOV|TW|UB|UD|WD|WG)[A-Z0-9]*"
     r"|abs|min|max|round|constrain|radians|degrees|sq|bit|map|word|byte|boolean"
 )
-"""Names that the headers of an Arduino sketch define as macros or as types."""
+"""Macros and types in the headers of an Arduino sketch."""
 
 
 DEVICES = frozenset(
     ["CON", "PRN", "AUX", "NUL", *(f"{port}{i}" for port in ("COM", "LPT") for i in range(1, 10))]
 )
-"""Names that no file and no folder has on Windows, whatever its suffix."""
+"""File and folder names forbidden on Windows, with any suffix."""
 
 
 class Names:
-    """Hands out identifiers that are valid and different from each other.
+    """A source of valid, distinct identifiers.
 
     Parameters
     ----------
     language : str
-        Of `RESERVED`; in Structured Text names that differ in case only are the same.
+        Key of `RESERVED`; names in Structured Text are case-insensitive.
     taken : iterable of str
-        Names that are in use already.
+        Names already in use.
     refused : pattern, optional
-        Names that are not handed out either.
+        Pattern of further forbidden names.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class Names:
         return name.lower() if self._folds else name
 
     def new(self, stem: str) -> str:
-        """Return an identifier like `stem` that has not been given out."""
+        """Return a new identifier similar to `stem`."""
         base = identifier(stem)
         patterns = [self._refused, _PATTERNS.get(self._language)]
         refused = any(pattern and pattern.fullmatch(base) for pattern in patterns)
@@ -163,11 +163,11 @@ class Names:
 
     @property
     def used(self) -> frozenset[str]:
-        """Names that are in use, in lower case where the language ignores it."""
+        """Names in use, in lower case for a case-insensitive language."""
         return frozenset(self._used)
 
     def take(self, names: Iterable[str]) -> None:
-        """Hand out names that were chosen elsewhere, among those that were free."""
+        """Reserve names chosen elsewhere."""
         self._used |= {self._key(name) for name in names}
 
     def inner(self) -> Names:
@@ -188,7 +188,7 @@ def identifier(text: str) -> str:
 
 
 def in_ascii(text: str) -> str:
-    """Return text without accents, with Greek letters spelt; what has no such spelling is ``_``."""
+    """Return text without accents, with Greek letters spelt out; anything else becomes ``_``."""
     spelt = "".join(_spell(letter) for letter in text)
     return unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()
 

@@ -1,21 +1,20 @@
-"""Plain functions that run as they stand or as machine code.
+"""Kernels: plain functions that run interpreted or as machine code.
 
-A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
-is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
-other kernels by their bare names. It runs as plain Python, line by line, for a debugger; or as
-machine code, which is printed from its source (:mod:`fuzzyarm.symbolic.translation`) and compiled
-when fuzzyarm is built. Both give the same bits: the compiled code neither reorders nor fuses
-floating-point operations.
+A function marked with :func:`kernel` uses scalars, tuples, named tuples and its array arguments
+(it allocates none, and never indexes from the end), and calls only :mod:`math` and other kernels
+by their bare names. It runs as plain Python, line by line, for a debugger; or as machine code,
+printed from its source (:mod:`fuzzyarm.symbolic.translation`) and compiled when fuzzyarm is
+built. Both give the same bits: the compiled code neither reorders nor fuses floating-point
+operations.
 
-- :func:`address_of` gives an address, under which another kernel may :func:`call` it. So what a
-  program is asked to do with the rows that it holds (a norm, a shape, a control law) is one
-  number in its data.
-- :func:`routine` makes a function for Python of what such an address leads to.
+- :func:`address_of` gives an address, under which another kernel may :func:`call` it. So a
+  function to be applied to rows (a norm, a shape, a control law) is one number in the data.
+- :func:`routine` makes a Python function of a kernel with array arguments.
 - :func:`with_names` runs a kernel as plain Python with other functions under some of its names.
 
-Nothing is compiled at run time. What is not known when fuzzyarm is built (a user's formulas and
-kinds, the equations of a user's plant) is a program of operations
-(:mod:`fuzzyarm.symbolic.programs`), which has an address, too.
+Nothing is compiled at run time. Functions unknown when fuzzyarm is built (a user's formulas and
+kinds, the equations of a user's plant) are programs of operations
+(:mod:`fuzzyarm.symbolic.programs`), which have addresses, too.
 """
 
 from __future__ import annotations
@@ -40,8 +39,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 SWITCH = "FUZZYARM_NATIVE"
-"""Environment variable: ``0`` runs every kernel interpreted, ``baseline`` takes no instructions
-that only newer processors have."""
+"""Environment variable: ``0`` runs every kernel interpreted, ``baseline`` avoids instructions of
+newer processors."""
 
 _MARK = "__fuzzyarm_kernel__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -51,12 +50,12 @@ _Bindings = Mapping[str, Callable[..., Any]]
 
 
 class NotBuiltError(FuzzyarmError, LookupError):
-    """A kernel is not part of the machine code.
+    """A kernel is missing from the machine code.
 
     Attributes
     ----------
     key : str
-        Of the kernel, see :func:`key_of`.
+        Key of the kernel, see :func:`key_of`.
     """
 
     def __init__(self, key: str) -> None:
@@ -65,18 +64,18 @@ class NotBuiltError(FuzzyarmError, LookupError):
 
 
 def kernel(function: _Function) -> _Function:
-    """Mark `function` as one that may run as machine code; it stays plain Python."""
+    """Mark `function` as a kernel; it stays plain Python."""
     setattr(function, _MARK, True)
     return function
 
 
 def is_kernel(function: object) -> bool:
-    """Whether a function is marked as one that may run as machine code."""
+    """Whether a function is marked as a kernel."""
     return hasattr(function, _MARK)
 
 
 def whole_numbers(numbers: Any) -> Any:
-    """Return memory of floats as whole numbers of 64 bits; for kernels, and their blocks."""
+    """Return an array of floats reinterpreted as 64-bit integers; for kernels and their blocks."""
     if isinstance(numbers, memoryview):
         return numbers.cast("B").cast("q")
     import numpy as np
@@ -85,7 +84,7 @@ def whole_numbers(numbers: Any) -> Any:
 
 
 def short(number: float) -> int:
-    """Return a number without its fraction, which is of 32 bits as machine code; for kernels."""
+    """Truncate a number, to 32 bits in machine code; for kernels."""
     return int(number)
 
 
@@ -93,7 +92,7 @@ def short(number: float) -> int:
 
 
 def has_machine_code() -> bool:
-    """Whether kernels run as machine code here: it was built, and the environment allows it."""
+    """Whether kernels run as machine code: built, and not disabled by the environment."""
     return _switch() not in _OFF and _module() is not None
 
 
@@ -106,7 +105,7 @@ def _switch() -> str:
 
 @functools.cache
 def _module() -> ModuleType | None:
-    """Load the module that was built; None where there is none that fits, which is said once."""
+    """Load the compiled module; None if none fits, with one warning."""
     try:
         module = importlib.import_module("fuzzyarm._kernels")
     except ImportError:
@@ -138,13 +137,13 @@ SOURCE_FOLDERS = (
     "symbolic", "symbolic/translation", "inference", "table", "plant", "control/controllers",
     "control/loop", "apps/native",
 )  # fmt: skip
-"""Packages whose modules have kernels or decide how they are printed."""
+"""Packages with kernels, or whose modules determine how kernels are printed."""
 
 
 def digest_of_c() -> str:
-    """Return a digest of the C that the sources at hand are printed as.
+    """Return a digest of the C printed from the present sources.
 
-    Printed once after an edit, by another process; then it is noted beside the package.
+    After an edit it is printed once, by another process, and noted beside the package.
     """
     if noted := _noted_digest():
         return noted
@@ -166,9 +165,9 @@ def _noted_digest() -> str:
 
 
 def note_digest(digest: str) -> None:
-    """Note the digest of the C that the sources at hand are printed as."""
+    """Note the digest of the C printed from the present sources."""
     unfinished = _note().with_name(f".{_note().name}.{os.getpid()}")
-    with contextlib.suppress(OSError):  # a package that cannot be written to is printed anew
+    with contextlib.suppress(OSError):  # in a read-only package it is printed anew
         unfinished.write_text(f"{digest_of_sources()} {digest}\n", encoding="ascii")
         unfinished.replace(_note())
 
@@ -178,7 +177,7 @@ def _note() -> Path:
 
 
 def digest_of_sources() -> str:
-    """Return a digest of the text that the C of kernels is printed from."""
+    """Return a digest of all sources that determine the C of the kernels."""
     from hashlib import sha256
 
     here = _here()
@@ -199,7 +198,7 @@ def _addresses_of_keys() -> dict[str, int]:
 
 
 def key_of(function: Callable[..., Any], types: str, bindings: _Bindings) -> str:
-    """Return the name of a kernel in the machine code: what it is, takes, and is bound to."""
+    """Return the key of a kernel in the machine code: name, types and bindings."""
     printed = _printed_key(function, types)
     if printed:
         return printed
@@ -208,7 +207,7 @@ def key_of(function: Callable[..., Any], types: str, bindings: _Bindings) -> str
 
 
 def _printed_key(function: Callable[..., Any], types: str) -> str:
-    """Return the key of a function that was printed from an expression; empty for others."""
+    """Return the key of a function printed from an expression; empty for others."""
     digest = getattr(function, "__digest__", "")
     return f"{function.__name__}({types}) {digest}" if digest else ""
 
@@ -220,14 +219,14 @@ def _name(function: Callable[..., Any]) -> str:
 # --- Functions by address: arrays in, arrays out ---
 
 _by_address: list[Callable[..., None]] = []
-"""Functions that interpreted kernels call by address: -1 is the first, -2 the second …"""
+"""Functions called by address in interpreted kernels: -1 is the first, -2 the second …"""
 
 _locks: WeakSet[Any] = WeakSet()
-"""Those of :func:`lock`."""
+"""All locks made by :func:`lock`."""
 
 
 def lock() -> Any:
-    """Return a lock of a thread that is free again in a forked process, whoever held it."""
+    """Return a reentrant lock that is free again in a forked child, whoever held it."""
     made = RLock()
     _locks.add(made)
     return made
@@ -236,7 +235,7 @@ def lock() -> Any:
 _addressing = lock()
 
 _addresses: dict[tuple[Any, ...], tuple[int, Any]] = {}
-"""Of a function, its bindings and whether it is machine code: its address, and what must live."""
+"""By function, bindings and mode (compiled or not): the address, and an object to keep alive."""
 
 
 def call(address: int, *arrays: Any) -> None:
@@ -245,9 +244,9 @@ def call(address: int, *arrays: Any) -> None:
     Parameters
     ----------
     address : int
-        From :func:`address_of`, made for the same sort of kernel (machine code or not).
+        From :func:`address_of`, for the same mode (machine code or not).
     *arrays : ndarray of float64 or int64
-        Contiguous, one axis each; of the types that :func:`address_of` was told.
+        Contiguous, one axis each; of the types declared to :func:`address_of`.
     """
     _by_address[-1 - address](*arrays)
 
@@ -264,34 +263,33 @@ def address_of(
     Parameters
     ----------
     function : callable
-        A kernel, or a function printed from an expression, with its text in ``__source__``
-        and in ``__program__`` what gives it as a program of operations.
+        A kernel, or a function printed from an expression, with its text in ``__source__`` and a
+        maker of its program of operations in ``__program__``.
     arrays : int or str
-        How many arrays of float64, or a letter for each array: ``f`` for float64, ``i`` for
-        int64, ``s`` for int32.
+        Number of float64 arrays, or a letter for each array: ``f`` for float64, ``i`` for int64,
+        ``s`` for int32.
     bindings : mapping of str to callable, optional
-        Functions to put in the place of those that the kernel, or a kernel that it
-        calls, knows under these names.
+        Functions bound to these names in the kernel and in all kernels that it calls.
     compiled : bool
-        For kernels that run as machine code, or as plain Python.
+        For calls from machine code, or from plain Python.
 
     Returns
     -------
     int
-        Good as long as the process lives.
+        Valid for the life of the process.
 
     Raises
     ------
     NotBuiltError
-        If `compiled`, and the machine code does not have it.
+        If `compiled`, and the machine code lacks it.
     """
     bindings = bindings or {}
     letters = letters_of(arrays)
-    # One that was printed from an expression may be printed again: it is what it computes.
+    # A printed function may be printed again as a new object: its key is its text.
     who = _printed_key(function, letters) or function
     key = (who, letters, tuple(sorted(bindings.items(), key=lambda pair: pair[0])), compiled)
     if key not in _addresses:
-        with _addressing:  # a program that is made twice would be freed while one of two uses it
+        with _addressing:  # a second program would free the first one in use
             if key not in _addresses:
                 _addresses[key] = _address(function, letters, bindings, compiled=compiled)
     return _addresses[key][0]
@@ -307,7 +305,7 @@ def _address(
 
 
 def _without_errors(function: Callable[..., None]) -> Callable[..., None]:
-    """Return a printed function that gives NaN or an infinity where Python raises an error."""
+    """Return a printed function with NaN or an infinity where Python raises."""
     quiet = getattr(function, "__quiet__", None)
     if quiet is None:
         return function
@@ -334,7 +332,7 @@ def letters_of(arrays: int | str) -> str:
 
 
 def letters_of_parts(block: type[tuple[Any, ...]]) -> str:
-    """Return a letter for each array of a named tuple of arrays, by its annotations."""
+    """Return a letter for each array of a named tuple, from its annotations."""
     letters = {list[float]: "f", list[int]: "i"}
     return "".join(letters[kind] for kind in get_type_hints(block).values())
 
@@ -348,12 +346,12 @@ def _machine_address(
     address = _addresses_of_keys().get(key)
     if address is not None:
         return address, None
-    if hasattr(function, "__address__"):  # compiled elsewhere
+    if hasattr(function, "__address__"):  # compiled by somebody else
         return function.__address__, function
     if not hasattr(function, "__program__"):
         raise NotBuiltError(key)
     program: array[float] = function.__program__()
-    # Floats begin at even addresses; an odd one says that a program of operations begins there.
+    # Floats have even addresses; an odd one marks a program of operations.
     return program.buffer_info()[0] + 1, program
 
 
@@ -364,7 +362,7 @@ def routine(
     *,
     compiled: bool,
 ) -> Callable[..., None]:
-    """Make a function for Python of a kernel that takes arrays; as machine code without the GIL.
+    """Return a Python function for a kernel over arrays; machine code releases the GIL.
 
     Parameters
     ----------
@@ -374,7 +372,7 @@ def routine(
     Returns
     -------
     callable
-        Takes the arrays (contiguous); interpreted, anything that is indexed like them.
+        Takes the arrays (contiguous); interpreted, any indexable buffers.
     """
     if not compiled:
         return with_names(function, bindings or {})
@@ -391,7 +389,7 @@ def bound_routine(
     *,
     brief: bool = False,
 ) -> Callable[[], None]:
-    """Return what runs machine code on the same arrays again and again; it keeps them alive.
+    """Return a call of machine code on fixed arrays, which it keeps alive.
 
     Parameters
     ----------
@@ -400,7 +398,7 @@ def bound_routine(
     arrays : tuple of ndarray
         Contiguous.
     brief : bool
-        Whether it takes less time than to give the interpreter's lock away and to get it back.
+        Whether it takes less time than releasing and reacquiring the GIL.
     """
     module: Any = _module()
     address = address_of(function, types, bindings, compiled=True)
@@ -414,28 +412,28 @@ def point_routines(
     outputs: tuple[int, tuple[str, ...]],
     otherwise: Callable[..., tuple[float, ...]],
 ) -> tuple[Callable[..., tuple[float, ...]], Callable[[Any], dict[str, float] | None]]:
-    """Return what evaluates one point as machine code: by position, and by name.
+    """Return two evaluators of one point as machine code: by position, and by name.
 
     Parameters
     ----------
     function : kernel
-        Of one block.
+        A kernel of one block.
     block : ndarray of float64
-        Its numbers, for all threads.
+        Its numbers, shared by all threads.
     inputs, outputs : tuple
-        Where they begin in the block, and their names.
+        Index of the first one in the block, and their names.
     otherwise : callable
-        Called with the values by position where one is not a number, or an output has none.
+        Fallback, called with the values by position for a NaN input or an undefined output.
 
     Returns
     -------
     tuple of callable
-        The second takes a dictionary, and returns None where the first goes elsewhere.
+        The second takes a dictionary, and returns None where the first falls back.
 
     Raises
     ------
     ValueError
-        For more inputs than it has room for.
+        If there are too many inputs for its buffer.
     """
     module: Any = _module()
     address = address_of(function, 1, compiled=True)
@@ -451,27 +449,27 @@ def sweep_routine(
     outputs: tuple[int, int],
     counts: tuple[int, int],
 ) -> Callable[[tuple[Any, ...], int, int], int]:
-    """Return what evaluates arrays of points as machine code, chunk by chunk.
+    """Return an evaluator of arrays of points as machine code, chunk by chunk.
 
     Parameters
     ----------
     function : kernel
-        Of one block.
+        A kernel of one block.
     block : ndarray of float64
         With room for a chunk of points.
     shape : tuple of int
-        Points of a chunk, and numbers from one row of the block to the next.
+        Points per chunk, and the stride between rows of the block.
     inputs, outputs : tuple of int
-        How many they are, and where in the block their first row begins.
+        Their number, and the index of their first row in the block.
     counts : tuple of int
-        Where in the block, as whole numbers, the number of points and that of outputs without a
-        value are.
+        Indices in the block, as integers, of the number of points and of the number of undefined
+        outputs.
 
     Returns
     -------
     callable
-        Takes the arrays (contiguous, of float64; the inputs, then the outputs), the first element
-        and the one behind the last; returns how many outputs have no value. One at a time: there is
+        Takes the arrays (contiguous, float64; the inputs, then the outputs), the first index and
+        the one after the last; returns the number of undefined outputs. Not reentrant: there is
         one block.
     """
     module: Any = _module()
@@ -485,9 +483,9 @@ def sweep_routine(
 
 @functools.cache
 def processors() -> int:
-    """Return how many processors this process may keep busy.
+    """Return the number of processors available to this process.
 
-    Those it may run on, and no more than the share of them that a container grants it.
+    Its affinity, limited by the quota of a container.
     """
     try:
         count = len(os.sched_getaffinity(0))
@@ -498,7 +496,7 @@ def processors() -> int:
 
 
 def _quota() -> float:
-    """Return how many processors a control group of Linux grants; infinite without a limit."""
+    """Return the processor quota of a Linux control group; infinite without a limit."""
     for limit, period in _QUOTA_FILES:
         try:
             with open(limit, encoding="ascii") as file:
@@ -518,34 +516,34 @@ _QUOTA_FILES = (
     ("/sys/fs/cgroup/cpu.max", ""),
     ("/sys/fs/cgroup/cpu/cpu.cfs_quota_us", "/sys/fs/cgroup/cpu/cpu.cfs_period_us"),
 )
-"""Of control groups of version 2, and of version 1: the time granted, and the period."""
+"""Quota and period files of control groups version 2 and version 1."""
 
 
 def in_threads(
     job: Callable[[Iterator[_Item]], _Result], items: Iterable[_Item], workers: int
 ) -> list[_Result]:
-    """Share items between this thread and others at the same time, which stay for the next call.
+    """Share items between this thread and worker threads, which are kept for the next call.
 
     Parameters
     ----------
     job : callable
-        Takes items from the iterator that it is given, until nothing is left of it.
+        Consumes the iterator until it is exhausted.
     items : iterable
-        What there is to do; in parts so large that taking one costs nothing beside it.
+        Work items, large enough to make taking one negligible.
     workers : int
-        Threads, this one among them.
+        Number of threads, this one included.
 
     Returns
     -------
     list
-        What the jobs returned; one that had not begun when this thread was done is left out.
+        Results of the jobs; one that had not started when this thread finished is dropped.
     """
     left = iter(list(items))
     others = [_threads().submit(job, left) for _ in range(workers - 1)]
     try:
         results = [job(left)]
     except BaseException:
-        list(left)  # so that the others begin nothing more
+        list(left)  # exhausted: the others stop, too
         raise
     finally:
         elsewhere = [other.result() for other in others if not other.cancel()]
@@ -560,7 +558,7 @@ def _threads() -> Any:
 
 
 def _begin_alone() -> None:
-    """Forget other threads in a process that was forked: it has none of them."""
+    """Forget the worker threads in a forked child: it has none."""
     _threads.cache_clear()
     for each in list(_locks):
         each._at_fork_reinit()
@@ -574,15 +572,14 @@ if hasattr(os, "register_at_fork"):
 
 
 def with_names(function: Callable[..., Any], bindings: _Bindings) -> Callable[..., Any]:
-    """Return a kernel as plain Python that knows other functions under some names.
+    """Return a kernel as plain Python with other functions under some names.
 
     Parameters
     ----------
     function : callable
         A kernel.
     bindings : mapping of str to callable
-        Functions to put in the place of those that the kernel, or a kernel that it calls, knows
-        under these names.
+        Functions bound to these names in the kernel and in all kernels that it calls.
     """
     return cast(Callable[..., Any], copied(function, bindings))
 
@@ -593,19 +590,19 @@ def copied(
     finish: Callable[[FunctionType], Any] | None = None,
     done: dict[Callable[..., Any], Any] | None = None,
 ) -> Any:
-    """Copy a kernel and those it calls, each over globals that name the copies.
+    """Copy a kernel and its callees, each with globals that name the copies.
 
     Parameters
     ----------
     function, bindings
         See :func:`with_names`.
     finish : callable, optional
-        What is done to each copy that another one calls.
+        Applied to each copied callee.
     done : dict, optional
-        Copies that were made before.
+        Existing copies.
     """
     if not is_kernel(function):
-        return function  # printed from an expression; or a user's, bound to a name
+        return function  # printed from an expression, or a user's function
     done = {} if done is None else done
     if function not in done:
         plain = cast(FunctionType, function)
@@ -621,7 +618,7 @@ def copied(
 
 
 def called_by(function: FunctionType, bindings: _Bindings) -> dict[str, Callable[..., Any]]:
-    """Return what a kernel calls, by the names under which it does."""
+    """Return the callees of a kernel, by name."""
     functions = {}
     for name in function.__code__.co_names:
         value = bindings.get(name, function.__globals__.get(name))

@@ -1,20 +1,19 @@
-"""Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones and a user's own.
+"""Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones built-in and user-defined.
 
-A kind is one definition, and everything else follows from it::
+A kind is one definition; everything else follows from it::
 
     from fuzzyarm import kinds, op
 
     kinds.tnorm("yager2", lambda a, b: 1 - op.minimum(1, op.sqrt((1 - a) ** 2 + (1 - b) ** 2)))
 
 After that ``and yager2`` works in files, in inference at a point and over arrays, compiled
-and exported. For the command line a package names a module that makes such calls (or a
-function that does) under the entry point ``fuzzyarm.kinds``; it is imported when a file uses
-a kind that is not built in.
+and exported. For the command line a package names a module that makes such calls (or a function)
+under the entry point ``fuzzyarm.kinds``; it is imported when a file uses an unknown kind.
 """
 
 from fuzzyarm.symbolic import defuzzifiers, norms, records, shapes
-from fuzzyarm.symbolic.defuzzifiers import *  # noqa: F403 - whose names those are
-from fuzzyarm.symbolic.records import *  # noqa: F403 - those names, once the kinds stand there
+from fuzzyarm.symbolic.defuzzifiers import *  # noqa: F403 - re-export
+from fuzzyarm.symbolic.records import *  # noqa: F403 - re-export
 
 __all__ = records.__all__ + defuzzifiers.__all__
 

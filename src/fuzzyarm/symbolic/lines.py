@@ -1,20 +1,20 @@
-"""Straight lines through corners: the one way in which the degrees of straight shapes are rounded.
+"""Piecewise linear membership functions, with one definition of their rounding.
 
-A straight shape is known by its corners (x, y). At a corner its degree is the height of the
-corner as it stands, on a vertical edge the greatest; beyond the first and the last it goes on as
-it is there; and between two corners (x₀, y₀) and (x₁, y₁) it is
+A straight shape is given by its corners (x, y). At a corner its degree is exactly the height of
+the corner, on a vertical edge the greatest; it is constant beyond the first and the last; and
+between two corners (x₀, y₀) and (x₁, y₁) it is
 
     max(0, y + (x − x') s)    with    s = (y₁ − y₀) / (x₁ − x₀),
 
-followed from (x', y): the foot of the line where one end of it is 0, so that nothing is left of it
+taken from (x', y): the foot of the line if one end is 0, so that the degree vanishes exactly
 there, else its upper end. Every operation is rounded once, to the nearest double.
 
 The engine for one point, that for arrays, the kernel in a loop, and the programs in C, Structured
-Text and JavaScript all read this, so that they agree to the bit wherever a rounding decides.
+Text and JavaScript all use it, so they agree to the bit wherever a rounding decides.
 
-The samples of an output's set are numbers that are found once, and which all engines share. They
-are rounded by the share of the way, y + (y' − y) (x − x₀) / (x₁ − x₀), as by hand
-(:func:`sampled_degrees`): the published runs are recorded with them.
+The samples of an output's set are precomputed numbers shared by all engines. They use linear
+interpolation, y + (y' − y) (x − x₀) / (x₁ − x₀), as by hand (:func:`sampled_degrees`): the
+published runs were recorded with them.
 """
 
 from __future__ import annotations
@@ -50,16 +50,16 @@ class StraightLine(NamedTuple):
 
 
 class StraightShape(NamedTuple):
-    """A straight shape.
+    """A piecewise linear shape.
 
     Attributes
     ----------
     edges : tuple of float
-        Where its corners stand, ascending, each position once.
+        Positions of its corners, ascending, each once.
     heights : tuple of float
         The degrees there.
     between : tuple of StraightLine
-        In front of the first edge, between two of them, after the last.
+        Before the first edge, between neighbours, after the last.
     """
 
     edges: tuple[float, ...]
@@ -91,9 +91,9 @@ class StraightShape(NamedTuple):
         return values
 
     def _sloping_ends(self) -> tuple[int, int]:
-        """Return the first and the last line that say something of their own.
+        """Return the first and the last line that are needed.
 
-        A line that leaves its foot says by itself that nothing is left after it.
+        A line with its foot at an edge vanishes beyond it by itself.
         """
         first, last = 0, len(self.between) - 1
         if last > 1:
@@ -102,7 +102,7 @@ class StraightShape(NamedTuple):
         return first, last
 
     def _begins(self, line: int, edge: int) -> bool:
-        """Whether a line leaves 0 at an edge, at which there is nothing else."""
+        """Whether a line has its foot at an edge where the degree is 0."""
         height, x_0, slope = self.between[line]
         foot = height == 0.0 and slope != 0.0 and x_0 == self.edges[edge]
         return foot and self.heights[edge] == 0.0
@@ -127,7 +127,7 @@ def lines_through(corners: Sequence[Corner]) -> StraightShape:
     Parameters
     ----------
     corners : sequence of (float, float)
-        From left to right; of those at one position the greatest height holds there.
+        From left to right; at a common position the greatest height counts.
     """
     edges: list[float] = []
     heights: list[float] = []
@@ -144,9 +144,9 @@ def lines_through(corners: Sequence[Corner]) -> StraightShape:
 
 
 def _line(x_0: float, y_0: float, x_1: float, y_1: float) -> StraightLine:
-    """Return the line between two corners, of which the first stands on the left."""
+    """Return the line between two corners in order."""
     slope = (y_1 - y_0) / (x_1 - x_0)
-    if not abs(slope) < math.inf:  # closer than 1e-308: no float between them would tell
+    if not abs(slope) < math.inf:  # a vertical edge: closer than 1e-308
         return StraightLine(max(y_0, y_1), 0.0, 0.0)
     if (slope < 0.0) == (min(y_0, y_1) == 0.0):
         return StraightLine(y_1, x_1, slope)
@@ -154,12 +154,12 @@ def _line(x_0: float, y_0: float, x_1: float, y_1: float) -> StraightLine:
 
 
 def degree_on_corners(corners: Sequence[float], x: float) -> float:
-    """Return the same degree from corners (x, y, x, y …): for rows whose numbers may change.
+    """Return the same degree from corners (x, y, x, y …): for rows with variable numbers.
 
-    Plain enough for a compiler, and for the translator to JavaScript.
+    Simple enough for a compiler, and for the translator to JavaScript.
     """
     count = len(corners) // 2
-    after, end = 0, count  # the first corner that is not in front of x, by bisection
+    after, end = 0, count  # bisection for the first corner at or after x
     while after < end:
         middle = (after + end) // 2
         if corners[2 * middle] < x:
@@ -191,14 +191,14 @@ def sampled_degrees(corners: Sequence[Corner], positions: Sequence[float]) -> li
     Parameters
     ----------
     corners : sequence of (float, float)
-        From left to right; of those at one position the greatest height holds there.
+        From left to right; at a common position the greatest height counts.
     positions : sequence of float
         Ascending.
     """
     lines = lines_through(corners)
     ends = [(a, b) for a, b in pairwise(corners) if a[0] != b[0]]
     values = []
-    i = 0  # of the first edge that is not in front of the sample
+    i = 0  # first edge at or after the sample
     for x in positions:
         while i < len(lines.edges) and lines.edges[i] < x:
             i += 1

@@ -1,9 +1,9 @@
-"""Expressions as graphs: what a formula or the definition of a kind computes, as data.
+"""Expressions as graphs: formulas and definitions of kinds as data.
 
-A node is a constant, a symbol or an operation applied to nodes. Equal nodes are the same
-object, so a part that occurs twice in an expression is one node with two parents: readings
-walk the graph and do each part once. The operations themselves, and their meaning for
-each reader, are in :mod:`fuzzyarm.symbolic.operations`.
+A node is a constant, a symbol or an operation applied to nodes. Equal nodes are one object
+(hash consing), so a common subexpression is one node with two parents, visited once by each
+reading. The meaning of the operations for each reader is in
+:mod:`fuzzyarm.symbolic.operations`.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ __all__ = [
     "trace",
 ]
 
-# Every living node by its content: an equal expression is found here rather than made again. The
-# references are weak, so expressions of rule bases that are gone go as well.
+# Every living node by its content: equal expressions are shared. Weak references, so that
+# expressions of discarded rule bases are freed.
 _nodes: WeakValueDictionary[tuple[object, ...], Node] = WeakValueDictionary()
 
 
 class Node:
     """Base of all nodes: equality is identity, and Python's operators build expressions.
 
-    A comparison gives a node that is a condition; ``op.where`` chooses by it. A condition is
-    joined by ``&`` and ``|`` and denied by ``~``. Equality of values is ``op.equal``: two
-    nodes are ``==`` where they are the same expression.
+    A comparison gives a condition; ``op.where`` chooses by it. Conditions are combined by ``&``,
+    ``|`` and ``~``. Equality of values is ``op.equal``: ``==`` tests whether two nodes are the same
+    expression.
     """
 
     __slots__ = ("__weakref__",)
@@ -78,7 +78,7 @@ class Node:
         return apply("remainder", other, self)
 
     def __pow__(self, exponent: Number) -> Node:
-        # A square is a product: the same bits on every machine, where pow() is not.
+        # A square is a product: the same bits on every machine, unlike pow().
         if isinstance(exponent, int | float) and exponent in {2, 3}:
             square = apply("multiply", self, self)
             return square if exponent == 2 else apply("multiply", square, self)
@@ -168,7 +168,7 @@ Number: TypeAlias = Node | float
 def constant(value: float) -> Constant:
     """Return the node of a number; 0.0 and -0.0 differ."""
     value = float(value)
-    # The bits are the key: 0.0 == -0.0, and NaN does not equal itself.
+    # Keyed by the bits: 0.0 == -0.0, and NaN does not equal itself.
     key = ("constant", struct.pack("d", value))
     node = _nodes.get(key)
     if node is None:
@@ -192,9 +192,9 @@ def symbol(name: str) -> Symbol:
 
 
 def apply(operation: str, *arguments: Number) -> Apply:
-    """Return the node of an operation on nodes or numbers."""
+    """Return the node of an operation applied to nodes or numbers."""
     nodes = tuple(as_node(argument) for argument in arguments)
-    # The arguments are alive as long as the node is, so their identities are unique.
+    # The arguments live as long as the node, so their identities are unique.
     key = (operation, *map(id, nodes))
     node = _nodes.get(key)
     if node is None:
@@ -206,7 +206,7 @@ def apply(operation: str, *arguments: Number) -> Apply:
 
 
 def as_node(value: Number) -> Node:
-    """Return a node as it is and a number as a constant."""
+    """Return a node unchanged and a number as a constant."""
     return value if isinstance(value, Node) else constant(value)
 
 
@@ -216,9 +216,9 @@ def children(node: Node) -> tuple[Node, ...]:
 
 
 def postorder(*roots: Node) -> Iterator[Node]:
-    """Yield every node once, arguments before what uses them.
+    """Yield every node once, arguments before their parents.
 
-    Nothing recurses here: a sum of a thousand terms is a thousand nodes deep.
+    Iterative: a sum of a thousand terms is a thousand nodes deep.
     """
     visited: set[Node] = set()
     for root in roots:
@@ -238,14 +238,14 @@ def postorder(*roots: Node) -> Iterator[Node]:
 
 
 def symbols(*roots: Node) -> tuple[str, ...]:
-    """Return the names in an expression, each once, in the order of their appearance."""
+    """Return the names in an expression, in order of appearance."""
     return tuple(node.name for node in postorder(*roots) if isinstance(node, Symbol))
 
 
 def replace(root: Node, values: Mapping[str, Number]) -> Node:
-    """Return an expression with numbers or expressions in place of some symbols.
+    """Return an expression with numbers or expressions substituted for symbols.
 
-    Nothing is simplified: x + 0 is not x where x is -0.0.
+    Nothing is simplified: x + 0 is not x for x = -0.0.
     """
     nodes: dict[Node, Node] = {}
     for node in postorder(root):
@@ -259,7 +259,7 @@ def replace(root: Node, values: Mapping[str, Number]) -> Node:
 
 
 def substituted(root: Node, part: Node, instead: Node) -> Node:
-    """Return an expression with another part in place of one."""
+    """Return an expression with one part replaced by another."""
     nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if node is part:
@@ -274,7 +274,7 @@ def substituted(root: Node, part: Node, instead: Node) -> Node:
 def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
     """Return the names of the arguments of a definition, in order."""
     code = getattr(function, "__code__", None)
-    if code is not None:  # a plain function says so itself: `inspect` is slow to import
+    if code is not None:  # faster than importing `inspect`
         names: tuple[str, ...] = code.co_varnames[: code.co_argcount]
         return names
     own: tuple[str, ...] | None = getattr(function, "argument_names", None)
@@ -286,7 +286,7 @@ def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
 
 
 def trace(function: Callable[..., Number], names: Iterable[str]) -> Node:
-    """Run a definition on symbols, and return what it computes.
+    """Run a definition on symbols, and return its expression.
 
     Parameters
     ----------

@@ -1,13 +1,13 @@
-"""The built-in T-norms, S-norms and hedges, a record each.
+"""The built-in T-norms, S-norms and hedges: one record each.
 
-Every one maps degrees from 0 to 1 into 0 .. 1, rounding included; the sum alone may exceed
-1, it is for aggregation. Sources: E. P. Klement, R. Mesiar, E. Pap, *Triangular Norms*,
-2000; J. C. Fodor, *Contrapositive symmetry of fuzzy implications*, 1995 (nilpotent).
+Every one maps degrees from 0 to 1 into 0 .. 1, rounding included; only the sum may exceed 1, it
+is for aggregation. Sources: E. P. Klement, R. Mesiar, E. Pap, *Triangular Norms*, 2000; J. C.
+Fodor, *Contrapositive symmetry of fuzzy implications*, 1995 (nilpotent).
 
 To add a norm or a hedge
 ------------------------
-Add its record here, with its source; the rest follows as for shapes (:mod:`.shapes`). An operation
-that no expression has yet is a record of :mod:`.operations`.
+Add its record here, with its source; the rest follows as for shapes (:mod:`.shapes`). A new
+operation is a record of :mod:`.operations`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ X = Any
 
 def _t_hamacher(a: X, b: X) -> X:
     product = a * b
-    # 0 where the product vanishes, by a degree of 0 or by underflow.
+    # 0 if the product vanishes, by a degree of 0 or by underflow.
     return op.where(product > 0.0, product / (a + b - product), 0.0)
 
 
@@ -51,7 +51,7 @@ def _probor(a: X, b: X) -> X:
 
 
 def _s_hamacher(a: X, b: X) -> X:
-    """Return (a + b − 2ab) / (1 − ab), written so that nothing cancels.
+    """Return (a + b − 2ab) / (1 − ab) in a form without cancellation.
 
     With l <= h: a(1 − b) + b(1 − a) over (1 − h) + h(1 − l). The first summand of the
     numerator is at most that of the denominator, rounding included: never above 1.
@@ -269,7 +269,7 @@ def _register_hedges() -> None:
         _intensify,
         bends=(0.5,),
         doc="2d² up to one half, then 1 − 2(1 − d)²",
-        # Another hedge than the `extremely` above: fuzzylite calls this one so.
+        # Not `extremely` above: fuzzylite's word for this hedge.
         names={"fll": "extremely", "fcl": "extremely", "fis": "0.3", "fml": "intensify"},
     )
     kind(

@@ -1,9 +1,9 @@
-"""The functions with which shapes, norms, hedges and other definitions are written.
+"""The functions for definitions of shapes, norms, hedges and other kinds.
 
-Each takes expressions, numbers or arrays, and returns the same: a definition that is traced
-gives an expression, and the same definition called with numbers gives a number. Arithmetic
-is that of Python (``+ - * / **``, ``abs``), comparisons give conditions; ``where`` chooses
-between two values, ``equal`` compares values.
+Each takes expressions, numbers or arrays, and returns the same: tracing a definition gives an
+expression, calling it with numbers gives a number. Arithmetic is that of Python
+(``+ - * / **``, ``abs``), comparisons give conditions; ``where`` chooses between two values,
+``equal`` compares values.
 
 >>> from fuzzyarm import op
 >>> op.where(op.sqrt(4.0) < 3.0, op.minimum(1.0, 2.0), 0.0)
@@ -80,10 +80,10 @@ truncate = _function("truncate", "Return the whole number next towards 0.")
 
 
 def raised(base: Any, exponent: Any) -> Any:
-    """Return a power of what is not negative, a square and a root as such.
+    """Return a power of a non-negative base, with exact forms for squares and roots.
 
-    C compilers write a product for a constant exponent of 2, and one of 0.5 becomes a root in
-    machine code: their last bits are others than those of the library's power.
+    C compilers replace a constant exponent of 2 by a product and one of 0.5 by a root: their last
+    bits differ from the library's power.
     """
     other = where(equal(exponent, 0.5), sqrt(base), power(base, exponent))
     return where(equal(exponent, 2.0), base * base, other)

@@ -1,14 +1,14 @@
 """The table of operations: one record defines an operation for every reader.
 
-Floats, arrays, source text in three languages, derivatives and bounds are all read from
-here, and from nowhere else. To add an operation is to add a record.
+Floats, arrays, source text in four languages, derivatives and bounds are all read from here. A new
+operation is one record.
 
 Conventions
 -----------
-The functions over floats never raise: where arithmetic has no value they give NaN or an
-infinity, as arrays and compiled code do. Of two equal arguments (0.0 and -0.0 are equal)
-``minimum`` and ``maximum`` return the first, also where one of them is NaN: they are
-``b if b < a else a`` in every language.
+The functions over floats never raise: where arithmetic is undefined they give NaN or an infinity,
+as arrays and compiled code do. ``minimum`` and ``maximum`` are ``b if b < a else a`` (``b > a``)
+in every language: of two equal arguments (0.0 and -0.0 are equal) they return the first, also if
+one of them is NaN.
 
 To add a reading of expressions (another language, another kind of number), write a walk as in
 :mod:`.evaluation`, or a ``Language`` of :mod:`.printing`.
@@ -27,7 +27,7 @@ __all__ = ["OPERATIONS", "Interval", "Operation"]
 
 
 class Interval(NamedTuple):
-    """All numbers from `low` to `high`, both included; NaN is in none."""
+    """All numbers from `low` to `high`, both included; never NaN."""
 
     low: float
     high: float
@@ -35,14 +35,14 @@ class Interval(NamedTuple):
 
 EVERYTHING = Interval(-math.inf, math.inf)
 TRUE, FALSE, UNKNOWN = Interval(1.0, 1.0), Interval(0.0, 0.0), Interval(0.0, 1.0)
-"""Bounds of a condition: whether it holds everywhere, nowhere, or in part."""
+"""Bounds of a condition: true everywhere, nowhere, or in part."""
 
 Bounds = Callable[..., Interval]
 Partials = Callable[..., tuple[Number, ...]]
 
 
 class Operation(NamedTuple):
-    """An operation, as each reader needs it.
+    """An operation, with one field for each reader.
 
     Attributes
     ----------
@@ -51,24 +51,24 @@ class Operation(NamedTuple):
     arity : int
         Number of arguments.
     scalar : callable
-        The value of floats; never raises.
+        Value over floats; never raises.
     array : str
-        The function of NumPy; empty if `scalar` serves for arrays, too (``where``).
+        Function of NumPy; empty if `scalar` serves arrays, too (``where``).
     python, c, st, js : str
-        Source text with ``{0}`` and so on for the arguments. Empty where a language has
-        none; in JavaScript it is then that of C. In C a name after ``@`` takes the suffix
-        ``f`` in single precision.
+        Source text with ``{0}`` and so on for the arguments. Empty if the language lacks it; for
+        JavaScript empty means the text of C. In C a name after ``@`` takes the suffix ``f`` in
+        single precision.
     binds : int
-        How tightly the text holds its parts together; 9 for a call.
+        Precedence of its text; 9 for a call.
     partials : callable or None
-        The partial derivatives by each argument, as nodes of the arguments. None for a
-        condition and for steps, whose derivative is 0 where there is one.
+        Partial derivatives by each argument, as nodes. None for conditions and steps, whose
+        derivative is 0 almost everywhere.
     bounds : callable
-        An interval that holds the value for all arguments in given intervals.
+        Enclosure of the values for arguments in given intervals.
     exact : bool
-        Whether the value is one of the arguments, or exact: nothing is rounded.
+        Whether the value is one of the arguments, or exact: no rounding.
     sort : str
-        Its class when the operations of a program are counted.
+        Class in operation counts of programs.
     """
 
     name: str
@@ -92,12 +92,12 @@ class Operation(NamedTuple):
 
     @property
     def of_library(self) -> bool:
-        """Whether its last bit depends on the C library; NumPy's function may differ from that."""
+        """Whether its last bit depends on the C library, and so may differ from NumPy's."""
         return self.sort == "functions" and not self.exact and self.name not in _CORRECTLY_ROUNDED
 
 
 _CORRECTLY_ROUNDED = frozenset({"sqrt", "remainder"})
-"""Functions with the same bits on every machine."""
+"""Functions with the same bits on every machine, being correctly rounded."""
 
 
 # ── floats ───────────────────────────────────────────────────────────────────────────
@@ -118,7 +118,7 @@ def _power(base: float, exponent: float) -> float:
         return math.pow(base, exponent)
     except OverflowError:
         odd = exponent % 2.0 == 1.0
-    except ValueError:  # 0 to a negative power, or a root of a negative number
+    except ValueError:  # 0 to a negative power, or a fractional power of a negative number
         if base != 0.0:
             return math.nan
         odd = exponent % 2.0 == 1.0
@@ -153,7 +153,7 @@ def _logarithm(function: Callable[[float], float]) -> Callable[[float], float]:
 
 
 def _whole(function: Callable[[float], float]) -> Callable[[float], float]:
-    """Return a rounding that keeps infinities, NaN and the sign of zero."""
+    """Return a rounding that preserves infinities, NaN and the sign of zero."""
 
     def rounded(x: float) -> float:
         return math.copysign(float(function(x)), x) if math.isfinite(x) else x
@@ -195,10 +195,10 @@ def _power_bounds(a: Interval, b: Interval) -> Interval:
 
 
 def _rising(function: Callable[[float], float], low: float = -math.inf) -> Bounds:
-    """Return the bounds of a function that never falls, defined from `low` on."""
+    """Return the bounds of a non-decreasing function defined from `low` on."""
 
     def bounds(a: Interval) -> Interval:
-        # Where no argument is in the domain every value is NaN, and any interval will do.
+        # Outside the domain every value is NaN, so any interval encloses them.
         return _hull([function(max(a.low, low)), function(max(a.high, low))])
 
     return bounds
@@ -214,13 +214,13 @@ def _within(function: Callable[[float], float], low: float, high: float) -> Boun
 
 
 def _wave(function: Callable[[float], float], top: float) -> Bounds:
-    """Return the bounds of sin or cos: 1 at `top` and at every 2π from it, -1 half-way."""
+    """Return the bounds of sin or cos: 1 at `top` + 2kπ, -1 half-way."""
 
     def bounds(a: Interval) -> Interval:
         if not (math.isfinite(a.low) and math.isfinite(a.high)) or a.high - a.low >= 2 * math.pi:
             return Interval(-1.0, 1.0)
         values = [function(a.low), function(a.high)]
-        slack = 1e-9 * (1.0 + abs(a.low) + abs(a.high))  # a turn at the very edge counts
+        slack = 1e-9 * (1.0 + abs(a.low) + abs(a.high))  # an extremum at the very edge counts
         for turn, value in ((top, 1.0), (top + math.pi, -1.0)):
             nearest = math.ceil((a.low - slack - turn) / (2 * math.pi))
             if turn + 2 * math.pi * nearest <= a.high + slack:
@@ -231,7 +231,7 @@ def _wave(function: Callable[[float], float], top: float) -> Bounds:
 
 
 def _even(function: Callable[[float], float]) -> Bounds:
-    """Return the bounds of a function of |x| that rises with it."""
+    """Return the bounds of an even function that increases with |x|."""
 
     def bounds(a: Interval) -> Interval:
         values = [function(a.low), function(a.high)]
@@ -287,7 +287,7 @@ def _call(name: str, *arguments: Number) -> Node:
 
 def _power_partials(a: Node, b: Node) -> tuple[Number, ...]:
     by_base = b * _call("power", a, b - 1.0)
-    # aᵇ ln a by the exponent; 0 at a = 0, where the logarithm is infinite.
+    # ∂aᵇ/∂b = aᵇ ln a; 0 at a = 0, where the logarithm is infinite.
     by_exponent = _where_node(a > 0.0, _call("power", a, b) * _call("log", a), 0.0)
     return by_base, by_exponent
 
@@ -321,9 +321,9 @@ def _function(
     exact: bool = False,
     js: str = "",
 ) -> Operation:
-    """Return a record whose text is a call, in the `words` of NumPy, Python, C and Structured Text.
+    """Return an operation printed as a call; `words` are its names in NumPy, Python, C and ST.
 
-    `js` is that of JavaScript, where it is not as in C.
+    `js` is the name in JavaScript, if it differs from C.
     """
     array, python, c, st = words
     holes = ", ".join(f"{{{i}}}" for i in range(arity))
@@ -337,7 +337,7 @@ def _function(
 
 
 _TABLE = (
-    # Arithmetic. Text binds as in each language: or 1, and 2, not 3, < 4, + 5, × 6, - 7.
+    # Arithmetic. Precedence as in each language: or 1, and 2, not 3, < 4, + 5, × 6, - 7.
     Operation(
         "add", 2, lambda a, b: a + b, "add", "{0} + {1}", "{0} + {1}", "{0} + {1}",
         lambda a, b: _hull([a.low + b.low, a.high + b.high]),
@@ -454,7 +454,7 @@ _TABLE = (
         "ceil", _whole(math.ceil), ("ceil", "ceil", "ceil", ""), _rising(_whole(math.ceil)),
         exact=True,
     ),
-    _function(  # of two equally near whole numbers the even one, in every language
+    _function(  # half to even, in every language
         "round", _whole(round), ("round", "rint", "rint", ""), _rising(_whole(round)), exact=True,
         js="rint",
     ),
@@ -462,7 +462,7 @@ _TABLE = (
         "truncate", _whole(math.trunc), ("trunc", "trunc", "trunc", ""),
         _rising(_whole(math.trunc)), exact=True,
     ),
-    # Conditions, and the choice by one. `then` and `otherwise` are evaluated as needed.
+    # Conditions, and the choice. `then` and `otherwise` are evaluated on demand.
     Operation(
         "less", 2, lambda a, b: a < b, "less", "{0} < {1}", "{0} < {1}", "{0} < {1}",
         _less_bounds, binds=4, exact=True, sort=_COMPARISONS,

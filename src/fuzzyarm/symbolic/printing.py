@@ -1,10 +1,10 @@
 """Expressions as source text: Python, C99, Structured Text, JavaScript.
 
-An expression is first written as statements (:func:`statements`): a part that is used twice
-becomes a variable, a choice becomes an ``if``. A variable is set only where every path needs
-it, since a part that stands in one branch may divide by what the condition guards against;
-and a branch that is not taken is not evaluated, which Structured Text has no expression for.
-A :class:`Language` then prints them. The operations bring their own text along.
+An expression is first lowered to statements (:func:`statements`): a part with two uses becomes a
+variable, a choice becomes an ``if``. A variable is set only where every path needs it, since a
+part inside one branch may divide by the quantity that the condition guards; a branch not taken is
+not evaluated, for which Structured Text has no expression. A :class:`Language` then prints them,
+with the text of each operation.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ __all__ = [
 ]
 
 DEEPEST = 24
-"""Nesting of one printed expression before a part goes into a variable."""
+"""Largest nesting of a printed expression before a part moves into a variable."""
 
 
 class NotPrintableError(Exception):
-    """A language has no text for an operation.
+    """A language lacks an operation.
 
     Attributes
     ----------
@@ -89,23 +89,23 @@ Statement = Assign | Choose
 def statements(
     root: Node, *, prefix: str = "t", reserved: Iterable[str] = ()
 ) -> tuple[tuple[Statement, ...], Node]:
-    """Write an expression as statements and a result without choices.
+    """Lower an expression to statements and a result without choices.
 
     Parameters
     ----------
     root : Node
         The expression.
     prefix : str
-        Variables are called `prefix` and a number.
+        Variables are named `prefix` and a number.
     reserved : iterable of str
-        Names that no variable may have.
+        Names not to be used.
 
     Returns
     -------
     statements : tuple of Assign or Choose
         In order.
     result : Node
-        Of the variables that the statements set.
+        Expression over the variables of the statements.
     """
     return _Lowering(root, prefix, frozenset(reserved)).run()
 
@@ -133,15 +133,15 @@ class _Lowering:
         if node.operation == "where":
             nodes = parts[0] | (parts[1] & parts[2])
         elif node.operation in {"both", "either"}:
-            nodes = parts[0]  # the second condition may be guarded by the first
+            nodes = parts[0]  # the second condition may be unguarded alone
         else:
             nodes = frozenset[Node]().union(*parts)
         return nodes | {node} if self.uses[node] > 1 else nodes
 
     def write(self, node: Node, computed: dict[Node, Node], body: list[Statement]) -> Node:
-        """Return `node` in terms of variables; `body` takes the statements that set them.
+        """Return `node` in terms of variables, appending the statements that set them to `body`.
 
-        `computed` holds the parts whose variables are set wherever `body` runs to this point.
+        `computed` holds the parts whose variables are set on every path to this point of `body`.
         """
         waiting: list[tuple[Node, bool]] = [(node, False)]
         while waiting:
@@ -163,7 +163,7 @@ class _Lowering:
 
     def _applied(self, node: Apply, computed: dict[Node, Node], body: list[Statement]) -> Node:
         if node.operation in {"both", "either"}:
-            # What the second condition needs of its own is not set before the first holds.
+            # Parts of the second condition must not be set before the first holds.
             second = self.write(node.arguments[1], dict(computed), body)
             arguments: tuple[Node, ...] = (computed[node.arguments[0]], second)
         else:
@@ -171,7 +171,7 @@ class _Lowering:
         copy = apply(node.operation, *arguments)
         self.depth[copy] = 1 + max(self.depth.get(argument, 0) for argument in arguments)
         shared = self.uses[node] > 1 and not OPERATIONS[node.operation].is_condition
-        # A chain such as a + b + c prints without nesting: its left side costs little depth.
+        # A chain such as a + b + c prints without nesting: its left side hardly counts as depth.
         if OPERATIONS[node.operation].binds < 9 and isinstance(arguments[0], Apply):
             rest = [self.depth.get(argument, 0) + 1 for argument in arguments[1:]]
             self.depth[copy] = max([self.depth.get(arguments[0], 0) + 1 / 8, *rest])
@@ -183,7 +183,7 @@ class _Lowering:
 
     def _choose(self, node: Apply, computed: dict[Node, Node], body: list[Statement]) -> None:
         condition = self.write(node.arguments[0], computed, body)
-        for part in postorder(node):  # what both branches need is set before them
+        for part in postorder(node):  # parts of both branches are set before them
             if part in self.certain[node] and part is not node:
                 self.write(part, computed, body)
         name = next(self.names)
@@ -199,9 +199,9 @@ class _Lowering:
 def setting(
     name: str, body: Sequence[Statement], value: Node, remark: str = ""
 ) -> tuple[Statement, ...]:
-    """Return statements that set a variable to a value that `body` has computed.
+    """Return statements that set a variable to the value computed by `body`.
 
-    Where the last one sets a variable only for this, it sets `name` instead.
+    If the last one sets a variable only for this, it sets `name` instead.
     """
     if body and value is symbol(body[-1].name):
         return (*body[:-1], _renamed(body[-1], name, remark))
@@ -222,32 +222,31 @@ def _renamed(statement: Statement, name: str, remark: str) -> Statement:
 
 
 class Language(NamedTuple):
-    """How a language writes what all languages have.
+    """The syntax of a language.
 
     Attributes
     ----------
     name : str
-        For messages.
+        Name in messages.
     text : callable
-        From an operation to its text with holes, empty where there is none.
+        From an operation to its text with holes, empty if missing.
     number : callable
         From a float to its text.
     assign, declare : str
-        A statement that sets a variable, and one that makes it as well; holes ``name`` and
+        A statement that sets a variable, and one that declares it as well; holes ``name`` and
         ``value``.
     declare_only : str
-        A statement that makes a variable without a value; empty if there is none.
+        A declaration without a value; empty if there is none.
     choose : tuple of str
-        Lines before the branches, between and after them; the first has a hole
-        ``condition``.
+        Lines before, between and after the branches; the first has a hole ``condition``.
     remark : str
-        What follows a statement with a remark.
+        Text after a statement with a remark.
     rename : dict of str to str
-        Texts of symbols that are not written by their names.
+        Texts of symbols not written by their names.
     explicit : bool
-        Whether operators that bind unlike each other stand in parentheses, as MISRA asks of C.
+        Whether operators of different precedence need parentheses, as MISRA C demands.
     leaf : callable, optional
-        From a node that only programs have, and how tightly its text has to bind, to its text.
+        From a node of programs only, and the required precedence, to its text.
     """
 
     name: str
@@ -263,7 +262,7 @@ class Language(NamedTuple):
     leaf: Callable[[Node, int], str] | None = None
 
     def expression(self, node: Node, binds: int = 0) -> str:
-        """Return the text of an expression, in parentheses where it binds less than `binds`."""
+        """Return the text of an expression, in parentheses if it binds less than `binds`."""
         if isinstance(node, Constant):
             text = self.number(node.value)
             return f"({text})" if text.startswith("-") and binds > 5 else text
@@ -283,7 +282,7 @@ class Language(NamedTuple):
         if binding == 9:
             parts = [self.expression(argument) for argument in node.arguments]
             return template.format(*parts)
-        # Left to right: the left side may bind as loosely as the operator, nothing else may.
+        # Left-associative: only the left operand may have the precedence of the operator.
         inner = 3 if operation.sort == "logic" else binding + 1  # && within || in parentheses, too
         if node.operation == "negation":  # in C and Structured Text it binds more than any other
             inner = 8
@@ -328,7 +327,7 @@ class Language(NamedTuple):
 
 
 def _binds_unlike(node: Node, binds: int) -> bool:
-    """Whether a node is an operation of several operands that binds more or less than `binds`."""
+    """Whether a node is an operation of several operands with another precedence than `binds`."""
     if not isinstance(node, Apply):
         return False
     operation = OPERATIONS[node.operation]
@@ -392,7 +391,7 @@ def c_language(real: str = "double") -> Language:
 
 
 def javascript_number(value: float) -> str:
-    """Return a float as JavaScript has it."""
+    """Return a float in JavaScript."""
     if math.isfinite(value):
         return repr(float(value))
     return "NaN" if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
@@ -409,7 +408,7 @@ JAVASCRIPT = Language(
     "  // {}",
     {},
 )
-"""JavaScript; `min`, `max`, `power`, `rint` and `remainder` are functions of the export."""
+"""JavaScript; `min`, `max`, `power`, `rint` and `remainder` are defined by the export."""
 
 
 def _structured_number(value: float) -> str:
@@ -429,7 +428,7 @@ STRUCTURED_TEXT = Language(
     " (* {} *)",
     {},
 )
-"""IEC 61131-3 Structured Text; its variables are declared apart, see `variables`."""
+"""IEC 61131-3 Structured Text; its variables are declared separately, see `variables`."""
 
 
 def variables(body: Sequence[Statement]) -> tuple[str, ...]:

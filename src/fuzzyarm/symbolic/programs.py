@@ -1,19 +1,18 @@
-"""Expressions as short programs of operations: data that machine code walks.
+"""Expressions as short programs of operations: data for an interpreter in machine code.
 
-A shape, a norm or a plant of a user's own is not known when fuzzyarm is built. As a program it is
-an array of floats, and the walker is part of the machine code
-(:mod:`fuzzyarm.apps.native.walker`), so nothing is compiled when it is met. In the order of memory:
+A user's shape, norm or plant is unknown when fuzzyarm is built. As a program it is an array of
+floats, and its interpreter is part of the machine code (:mod:`fuzzyarm.apps.native.walker`), so
+nothing is compiled at run time. In the order of memory:
 
 ============  ==============================================================================
-head          how many rows, numbers, constants, instructions and results
+head          numbers of rows, numbers, constants, instructions and results
 constants     one float each
-instructions  four floats each: the operation by its place in the table, and which values it
-              takes
-results       which values are asked for
+instructions  four floats each: index of the operation in the table, indices of its operands
+results       indices of the results
 ============  ==============================================================================
 
-Values are counted in this order: rows (element by element), numbers (the same for all elements),
-constants, then what each instruction gives.
+Values are numbered in this order: rows (element by element), numbers (constant over the
+elements), constants, then the value of each instruction.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from fuzzyarm.symbolic.operations import OPERATIONS
 __all__ = ["HEAD", "INSTRUCTION", "program_of"]
 
 HEAD = 5
-"""Floats in front of the constants."""
+"""Floats of the head."""
 
 INSTRUCTION = 4
 """Floats of an instruction."""
@@ -38,21 +37,21 @@ _CODES = {name: code for code, name in enumerate(OPERATIONS)}
 def program_of(
     roots: Sequence[Node], rows: Sequence[str], numbers: Sequence[str] = ()
 ) -> array[float]:
-    """Return expressions as one program; a part that several have is computed once.
+    """Return expressions as one program; common parts are computed once.
 
     Parameters
     ----------
     roots : sequence of Node
-        What is asked for; their symbols are among `rows` and `numbers`.
+        The results; their symbols are among `rows` and `numbers`.
     rows : sequence of str
-        Symbols that differ from element to element.
+        Symbols that vary over the elements.
     numbers : sequence of str
-        Symbols that are the same for all elements.
+        Symbols constant over all elements.
 
     Raises
     ------
     KeyError
-        With the name of a symbol that has no value.
+        With the name of a symbol without a value.
     """
     order = dict.fromkeys(node for root in roots for node in postorder(root))
     constants = [node for node in order if isinstance(node, Constant)]

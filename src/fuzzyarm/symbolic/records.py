@@ -1,4 +1,4 @@
-"""Records of kinds: everything about a shape, a norm or a hedge in one place.
+"""Records of kinds: the whole definition of a shape, a norm or a hedge in one place.
 
 The registries hold them by name, and the functions at the end put them there: the built-in
 ones (:mod:`~fuzzyarm.symbolic.shapes`, :mod:`~fuzzyarm.symbolic.norms`) by the same
@@ -39,11 +39,11 @@ __all__ = [
 Definition = Callable[..., Any]
 
 ENTRY_POINT = "fuzzyarm.kinds"
-"""Group of entry points whose modules register kinds."""
+"""Group of entry points for modules that register kinds."""
 
 
 class KindError(FuzzyarmError, ValueError):
-    """A kind that cannot be registered.
+    """An invalid kind.
 
     Attributes
     ----------
@@ -58,29 +58,28 @@ class KindError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """What shapes, norms and hedges have in common.
+    """Common part of shapes, norms and hedges.
 
     Attributes
     ----------
     name : str
         The word in a file.
     parameters : tuple of str
-        Names of its numbers, in order.
+        Names of its parameters, in order.
     function : callable
-        The definition, over nodes: see :attr:`expression`.
+        The definition over nodes, see :attr:`expression`.
     doc : str
         One line for help, completion and the reference.
     names : mapping of str to str
-        What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
-        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``, ``fml``. Several
-        words stand with commas between, the one that is written first. A shape may name the
-        order of its numbers after the word, where it is another one: ``"gaussmf deviation
-        mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
-        named does not know the kind.
+        Its names in other programs: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
+        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``, ``fml``.
+        Alternatives are separated by commas, the one to be written first. A shape may add a
+        different order of parameters after the word: ``"gaussmf deviation mean"``; a hedge of a
+        FIS is the fraction of a term's index. A program not named lacks the kind.
     own : bool
         Whether a user registered it.
     sources : tuple of str
-        Who described it first: keys of :data:`fuzzyarm.base.sources.SOURCES`.
+        Original publications: keys of :data:`fuzzyarm.base.sources.SOURCES`.
     """
 
     name: str
@@ -100,7 +99,7 @@ class Kind:
 
     @cached_property
     def expression(self) -> Node:
-        """The definition as an expression, traced at the first use."""
+        """The definition as an expression, traced on first use."""
         if self.function is None:
             raise TypeError(f"a {self.name} has no expression")
         return trace(self.function, self.symbols)
@@ -113,7 +112,7 @@ class Kind:
         return python_function(self.expression, self.symbols)
 
     def array(self, *arguments: Any) -> Any:
-        """Return the value over arrays: the arguments, then the parameters; bits as of floats."""
+        """Return the value over arrays, arguments before parameters; bits as over floats."""
         from fuzzyarm.symbolic.evaluation import evaluate_arrays
 
         values = dict(zip(self.symbols, arguments, strict=True))
@@ -121,14 +120,14 @@ class Kind:
 
 
 class Misfit(NamedTuple):
-    """What keeps a number from being that of a shape.
+    """Why a parameter of a shape is invalid.
 
     Attributes
     ----------
     which : int
-        The index of the number.
+        Index of the parameter.
     why : str
-        ``nan``, ``infinite``, ``order``, ``positive`` and ``nonzero`` (what it must be),
+        ``nan``, ``infinite``, ``order``, ``positive`` and ``nonzero`` (a violated requirement),
         ``points`` or ``absurd``.
     message : str
         One sentence.
@@ -157,7 +156,7 @@ class ShapeKind(Kind):
     Attributes
     ----------
     ordered : bool
-        Whether its numbers must not decrease.
+        Whether its parameters must not decrease.
     positive : tuple of str
         Parameters that must be greater than 0.
     nonzero : tuple of str
@@ -165,23 +164,23 @@ class ShapeKind(Kind):
     unbounded : tuple of str
         Parameters that may be infinite.
     corners : callable or None
-        From the parameters to the corners (x, y) of a shape of straight pieces, left to
-        right; a vertical edge is two corners at one x, and the first and the last value go
-        on to infinity. None for a curved shape.
+        From the parameters to the corners (x, y) of a piecewise linear shape, left to right; a
+        vertical edge is two corners at one x, and it is constant beyond the first and the last.
+        None for a curved shape.
     bends : callable or None
-        From the parameters to the positions between which a curved shape is smooth, with
-        some that frame its flanks. None: its parameters and the middles between them.
+        From the parameters to positions between which a curved shape is smooth, with some around
+        its flanks. None: its parameters and the midpoints between them.
     turns : callable or None
-        From the parameters to the positions at which it starts, ends or turns. None: its
-        parameters.
+        From the parameters to the positions at which it starts, ends or has an extremum. None:
+        its parameters.
     centre : callable or None
         From the parameters to the middle of its core. None: found by search.
     inverse : callable or None
-        Of a shape that rises or falls throughout: from a degree, 0 to 1, and the parameters
-        to the position where it has that degree (Tsukamoto's consequents). None: by search.
-        Written over nodes, as a definition is, it works in every engine and export.
+        For a monotone shape: from a degree, 0 to 1, and the parameters to the position with that
+        degree (Tsukamoto's consequents). None: by search. Defined over nodes, as a definition
+        is, it works in every engine and export.
     fuzzy : bool
-        False for the consequents of Takagi and Sugeno, which are values rather than sets.
+        False for the consequents of Takagi and Sugeno, which are values, not sets.
     """
 
     ordered: bool = False
@@ -197,7 +196,7 @@ class ShapeKind(Kind):
 
     @property
     def straight(self) -> bool:
-        """Whether it is made of straight pieces."""
+        """Whether it is piecewise linear."""
         return self.corners is not None
 
     @property
@@ -207,7 +206,7 @@ class ShapeKind(Kind):
 
     @cached_property
     def inverse_expression(self) -> Node | None:
-        """The inverse as an expression; None where there is none, or one of plain Python."""
+        """The inverse as an expression; None if there is none, or it is plain Python."""
         if self.inverse is None:
             return None
         try:
@@ -233,44 +232,44 @@ class ShapeKind(Kind):
         return super().scalar
 
     def at(self, *parameters: float) -> Callable[[float], float]:
-        """Return the degree as a function of x alone; lines are found once."""
+        """Return the degree as a function of x; lines are computed once."""
         if self.straight:
             return self.lines(*parameters).at
         scalar = self.scalar
         return lambda x: scalar(x, *parameters)
 
     def lines(self, *parameters: float, height: float = 1.0) -> StraightShape:
-        """Return the lines of a straight shape, which have all its degrees.
+        """Return the lines of a piecewise linear shape, which define all its degrees.
 
         Parameters
         ----------
         *parameters : float
-            Its numbers.
+            Its parameters.
         height : float
-            Of a term: what the heights of the corners are multiplied by.
+            Height of the term: factor of the corner heights.
         """
         assert self.corners is not None
         return lines_through([(x, height * y) for x, y in self.corners(*parameters)])
 
     def fault(self, parameters: Sequence[float]) -> tuple[int, str] | None:
-        """Return what keeps numbers from being those of such a shape; None if nothing does.
+        """Return why these parameters are invalid; None if they are valid.
 
         Parameters
         ----------
         parameters : sequence of float
-            As many as the kind takes; of ``points`` x1, y1, x2, y2, ….
+            As many as the kind has; for ``points`` x1, y1, x2, y2, ….
 
         Returns
         -------
         tuple of (int, str) or None
-            Index of the number at fault and one sentence.
+            Index of the parameter at fault and one sentence.
         """
         always = ("nan", "order", "positive", "nonzero")
         misfits = (misfit for misfit in self.misfits(parameters) if misfit.why in always)
         return next(((misfit.which, misfit.message) for misfit in misfits), None)
 
     def misfits(self, parameters: Sequence[float]) -> Iterator[Misfit]:
-        """Yield everything that is wrong with numbers, the worst first.
+        """Yield all faults of parameters, the worst first.
 
         Parameters
         ----------
@@ -298,7 +297,7 @@ class ShapeKind(Kind):
                 yield Misfit(i, "nonzero", f"{self.number_words(name)} must not be 0")
 
     def _absurdities(self, parameters: Sequence[float]) -> Iterator[Misfit]:
-        """Yield numbers with which no area or moment could be computed."""
+        """Yield parameters that make areas or moments overflow."""
         signed = (*self.positive, *self.nonzero)
         for i, value in enumerate(parameters):
             if MAX_MAGNITUDE < abs(value) < math.inf:
@@ -311,7 +310,7 @@ class ShapeKind(Kind):
         return self.parameters[index] if index < len(self.parameters) else ""
 
     def number_words(self, name: str) -> str:
-        """Return what a message calls one of its numbers: ``the deviation of a gaussian``."""
+        """Return the name of a parameter in a message: ``the deviation of a gaussian``."""
         return f"the {name.replace('-', ' ')} of a {self.name}"
 
     def array(self, *arguments: Any) -> Any:
@@ -330,17 +329,16 @@ class Norm(Kind):
     Attributes
     ----------
     dual : str
-        The norm that goes with it: S(a, b) = 1 − T(1 − a, 1 − b). Empty where there is none.
+        The dual norm: S(a, b) = 1 − T(1 − a, 1 − b). Empty if there is none.
     lines : callable or None
-        Of an implication that keeps straight sets straight: from the strength w to the
-        lines α + β μ, as pairs (α, β), of which the cut set is the smallest. None: it may
-        bend them.
+        For an implication that keeps piecewise linear sets so: from the strength w to lines
+        α + β μ, as pairs (α, β), of which the implied set is the minimum. None: it may bend them.
     aggregates : bool
-        Whether it is for aggregation only, as a sum that may exceed 1 is.
+        Whether it is for aggregation only, as a sum that may exceed 1.
     positive : bool
-        Of a T-norm: whether it is known to be positive wherever both operands are.
+        For a T-norm: whether it is known to be positive for positive operands.
     leaves_ones : bool
-        Of a T-norm: whether, of a set cut below 1, it leaves only where the set is 1.
+        For a T-norm: whether, of a set cut below 1, it keeps only the points of degree 1.
     """
 
     dual: str = ""
@@ -357,7 +355,7 @@ class Norm(Kind):
             if self.expression is apply(name, *map(symbol, self.symbols)):
                 import numpy as np
 
-                # NumPy's own are faster; they differ in NaN and -0.0, which are not degrees.
+                # NumPy's functions are faster; they differ for NaN and -0.0, which are not degrees.
                 return getattr(np, name)(*arguments)
         return super().array(*arguments)
 
@@ -368,12 +366,12 @@ class HedgeKind(Kind):
 
     Attributes
     ----------
-    straight : bool
+    Whether it keeps piecewise linear shapes so.
         Whether it keeps straight pieces straight.
-    bends : tuple of float
+    Degrees at its corners.
         Degrees at which it bends.
     aliases : tuple of str
-        Other words for it.
+        Synonyms.
     """
 
     straight: bool = False
@@ -390,7 +388,7 @@ _emptied: list[Callable[[], object]] = []
 
 
 def emptied_with_kinds(clear: Callable[[], object]) -> None:
-    """Have what was made of kinds cleared whenever a kind is registered or taken back."""
+    """Call `clear`, which empties a cache, whenever a kind is registered or removed."""
     _emptied.append(clear)
 
 
@@ -400,14 +398,14 @@ def _forget() -> None:
 
 
 class Registry(Mapping[str, _Kind], Generic[_Kind]):
-    """Kinds of one sort by name, in the order of their registration.
+    """Kinds of one sort by name, in the order of registration.
 
-    A name that is not built in is looked for among the entry points, once.
+    An unknown name is looked up among the entry points, once.
 
     Attributes
     ----------
     words : dict of str to str
-        Every word that means a kind now, and the name of that kind: aliases are words too.
+        Every word for a kind, aliases included, and the name of that kind.
     """
 
     def __init__(self, sort: str) -> None:
@@ -433,15 +431,16 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
 
     @property
     def foreign(self) -> dict[str, tuple[str, str]]:
-        """What other programs call the kinds, in small letters → the name here.
+        """Names in other programs, in lower case → the name here.
 
-        With it stands the order of the numbers here where it is another one there.
+        With it comes the order of parameters here, if it differs there.
         """
         spellings: dict[str, tuple[str, str]] = {}
         for kind in self._kinds.values():
             for spelling in chain.from_iterable(text.split(",") for text in kind.names.values()):
                 # As in "dsigmf slope1 inflection1 …": the word, then the parameters in the order of
-                # the other program, if that differs.
+                # the other
+                # program, if that differs.
                 word, *order = spelling.casefold().split()
                 if word not in self.words and not word[0].isdigit():
                     spellings.setdefault(
@@ -450,21 +449,21 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         return spellings
 
     def add(self, kind: _Kind) -> _Kind:
-        """Register a kind; one of the user's own may be replaced."""
+        """Register a kind; a user-defined one may be replaced."""
         earlier = self._kinds.get(kind.name)
         if earlier is not None and not earlier.own:
             raise KindError(f"'{kind.name}' is a built-in {self.sort}", kind.name)
         if not _WORD.fullmatch(kind.name):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
             raise KindError(message, kind.name)
-        # A kind of the user may replace an earlier one: what was compiled from that is dropped.
+        # A user-defined kind may replace an earlier one: drop everything compiled from it.
         self._kinds[kind.name] = kind
         _forget()
         self.words |= dict.fromkeys((kind.name, *getattr(kind, "aliases", ())), kind.name)
         return kind
 
     def remove(self, name: str) -> None:
-        """Take back one of the user's own kinds; KeyError if there is none."""
+        """Remove a user-defined kind; KeyError if there is none."""
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
@@ -482,21 +481,21 @@ _WORD = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _PARAMETER = re.compile(r"[a-z][a-z0-9]*([_-][a-z0-9]+)*")
 
 _loaded: list[str] = []
-"""The group of entry points, once it is loaded."""
+"""The group of entry points, once loaded."""
 
 
 failures: list[str] = []
-"""What kept kinds of other packages from being loaded, a sentence each."""
+"""Failures to load kinds of other packages, a sentence each."""
 
 
 def _load_entry_points() -> None:
-    """Import the modules that other packages offer as kinds; once in a process.
+    """Import the modules of entry points, once in a process.
 
-    One that fails does not keep the others away: it is noted in `failures`.
+    A failure does not affect the others: it is noted in `failures`.
     """
     if _loaded:
         return
-    # Noted before the import: a module that looks a kind up while it loads comes back here.
+    # Noted before the import: a module that looks a kind up while loading comes back here.
     _loaded.append(ENTRY_POINT)
     from importlib.metadata import entry_points
 
@@ -505,7 +504,7 @@ def _load_entry_points() -> None:
             registration = point.load()
             if callable(registration):
                 registration()
-        except (Exception, SystemExit) as error:  # whatever the code of other people raises
+        except (Exception, SystemExit) as error:  # foreign code may raise anything
             text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
             failures.append(f"the kinds '{point.name}' ({point.value}) cannot be loaded: {text}")
 
@@ -523,13 +522,13 @@ def shape(
     name : str
         The word in a file: small letters, digits and hyphens.
     parameters : sequence of str
-        Names of its numbers, in order.
+        Names of its parameters, in order.
     function : callable
         ``function(x, *parameters)``, written with arithmetic, comparisons and
         :mod:`fuzzyarm.op`; returns the degree, 0 to 1.
     **facts
-        What else is known of it, see :class:`ShapeKind`: ``doc``, ``ordered``, ``positive``,
-        ``bends``, ``centre`` and so on.
+        Further fields of :class:`ShapeKind`: ``doc``, ``ordered``, ``positive``, ``bends``,
+        ``centre`` and so on.
 
     Returns
     -------
@@ -560,7 +559,7 @@ def shape(
 
 
 def tnorm(name: str, function: Definition, **facts: Any) -> Norm:
-    """Register a T-norm: what *and* means, and how a rule cuts its consequent.
+    """Register a T-norm: conjunction, and implication of a rule.
 
     Parameters
     ----------
@@ -570,7 +569,7 @@ def tnorm(name: str, function: Definition, **facts: Any) -> Norm:
         ``function(a, b)`` of two degrees, written with arithmetic, comparisons and
         :mod:`fuzzyarm.op`.
     **facts
-        What else is known of it, see :class:`Norm`.
+        Further fields of :class:`Norm`.
 
     Returns
     -------
@@ -580,14 +579,14 @@ def tnorm(name: str, function: Definition, **facts: Any) -> Norm:
     Raises
     ------
     KindError
-        If the name is taken or not a word, or the function is not a T-norm: T(1, 1) = 1,
-        T(0, 0) = 0, and every degree lies in 0 .. 1.
+        If the name is taken or not a word, or the function violates T(1, 1) = 1, T(0, 0) = 0 or
+        the range 0 .. 1.
     """
     return TNORMS.add(_norm(name, function, facts))
 
 
 def snorm(name: str, function: Definition, **facts: Any) -> Norm:
-    """Register an S-norm: what *or* means, and how the sets of several rules become one.
+    """Register an S-norm: disjunction, and aggregation of rules.
 
     See :func:`tnorm`.
     """
@@ -602,11 +601,10 @@ def hedge(name: str, function: Definition, **facts: Any) -> HedgeKind:
     name : str
         The word in a file.
     function : callable
-        ``function(d)`` of a degree, or ``function(d, number)`` of a degree and the number
-        in ``name(number)``.
+        ``function(d)`` of a degree, or ``function(d, number)`` with the number in
+        ``name(number)``.
     **facts
-        What else is known of it, see :class:`HedgeKind`; ``parameters=("exponent",)`` names the
-        number.
+        Further fields of :class:`HedgeKind`; ``parameters=("exponent",)`` names the number.
 
     Returns
     -------
@@ -616,7 +614,7 @@ def hedge(name: str, function: Definition, **facts: Any) -> HedgeKind:
     Raises
     ------
     KindError
-        If the name is taken or not a word, or the degree leaves 0 .. 1.
+        If the name is taken or not a word, or a degree leaves 0 .. 1.
     """
     parameters = tuple(facts.pop("parameters", ()))
     kind = HedgeKind(name, parameters, function, **{"own": True, **facts})
@@ -631,7 +629,7 @@ def _norm(name: str, function: Definition, facts: dict[str, Any]) -> Norm:
     if kind.own:
         _check_expression(kind)
         _check_degrees(kind)
-        # Only what T- and S-norms have in common: it is not tested whether a norm is associative.
+        # Only properties common to T- and S-norms; associativity is not tested.
         for end in (0.0, 1.0):
             if kind.scalar(end, end) != end:
                 message = f"'{name}' of {end:g} and {end:g} is not {end:g}"
@@ -640,7 +638,7 @@ def _norm(name: str, function: Definition, facts: dict[str, Any]) -> Norm:
 
 
 def _check_expression(kind: Kind) -> None:
-    """Trace the definition of a user's kind at once, so that a mistake shows where it is."""
+    """Trace a user's definition at once, so that a mistake shows at its place."""
     if not kind.own:
         return
     try:
@@ -654,7 +652,7 @@ def _check_expression(kind: Kind) -> None:
 
 def _check_degrees(kind: Kind) -> None:
     grid = [i / 8 for i in range(9)]
-    # A grid proves nothing; it catches definitions that are clearly not of degrees.
+    # A grid proves nothing; it catches definitions that clearly leave 0 .. 1.
     for arguments in product(grid, repeat=len(kind.arguments)):
         degree = kind.scalar(*arguments)
         if not 0.0 <= degree <= 1.0 and not getattr(kind, "aggregates", False):

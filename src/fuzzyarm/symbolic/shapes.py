@@ -1,13 +1,12 @@
-"""The built-in shapes of membership functions, a record each.
+"""The built-in shapes of membership functions: one record each.
 
-A definition is the whole truth about a shape: what it computes at a point, over arrays, as
-machine code and in exported programs is derived from it, and so are its derivatives and
-bounds. Of a straight shape it is the list of its corners, of which the exact centroid is made,
-too. On a vertical edge the higher value holds.
+A definition is complete: values at a point, over arrays, in machine code and in exported programs
+are derived from it, and so are derivatives and bounds. A piecewise linear shape is the list of its
+corners, from which the exact centroid follows, too. On a vertical edge the higher value holds.
 
 Sources: the shapes of the Fuzzy Logic Toolbox (MathWorks, *Fuzzy Logic Toolbox User's
-Guide*) and those that fuzzylite adds (J. Rada-Vilela, *The FuzzyLite Libraries for Fuzzy
-Logic Control*, 2018).
+Guide*) and those of fuzzylite (J. Rada-Vilela, *The FuzzyLite Libraries for Fuzzy Logic Control*,
+2018).
 
 To add a shape
 --------------
@@ -15,7 +14,7 @@ Add its record here, by the calls that users have (``docs/reference/kinds.md``),
 source in :mod:`fuzzyarm.base.sources`. Scalars, arrays, machine code, every exported language,
 derivatives, bounds, completion, hover and the tables of ``docs/reference/language.md`` follow;
 ``pytest --update-golden`` renews the pages and the editor's grammar.
-``tests/expression/test_readings.py`` and ``tests/kinds`` take it up by themselves. Its name in
+``tests/expression/test_readings.py`` and ``tests/kinds`` include it automatically. Its name in
 another program is a line of that program's dialect.
 """
 
@@ -31,17 +30,17 @@ from fuzzyarm.symbolic.records import ShapeKind, shape
 __all__ = ["parameters_and_middles", "register"]
 
 X = Any
-"""An expression, a number or an array; a definition takes and gives any of them."""
+"""An expression, a number or an array; definitions accept and return any of them."""
 
 # ── straight shapes ──────────────────────────────────────────────────────────────────
 #
-# Their corners are the whole definition; see `lines.py` for the degree between two of them.
+# Defined by their corners alone; see `lines.py` for the degree between two of them.
 
 
 def _trapezoid_corners(*p: float) -> Sequence[tuple[float, float]]:
-    """Return the corners that are finite: a shoulder has no foot."""
+    """Return the finite corners: a shoulder has no foot."""
     corners = zip(p, (0.0, 1.0, 1.0, 0.0), strict=True)
-    # Without any it is 1 everywhere, which one corner on a flat line says.
+    # Without any it is 1 everywhere: a single corner on a flat line.
     return [corner for corner in corners if abs(corner[0]) < op.inf] or [(0.0, 1.0)]
 
 
@@ -56,7 +55,7 @@ def _binary_corners(start: float, direction: float) -> Sequence[tuple[float, flo
 def gaussian(x: X, mean: X, deviation: X) -> X:
     """exp(−(x − mean)² / (2 deviation²))."""
     distance, spread = x - mean, 2.0 * deviation * deviation
-    # A deviation too narrow for a float: 1 at the mean, 0 elsewhere.
+    # If 2 σ² underflows: 1 at the mean, 0 elsewhere.
     needle = op.where(op.equal(distance, 0.0), 1.0, 0.0)
     return op.where(op.equal(spread, 0.0), needle, op.exp(-(distance * distance) / spread))
 
@@ -64,7 +63,7 @@ def gaussian(x: X, mean: X, deviation: X) -> X:
 def _two_sided_gaussian(
     x: X, left_mean: X, left_deviation: X, right_mean: X, right_deviation: X
 ) -> X:
-    """Gaussian flanks outside the two means; their product where the means are crossed."""
+    """Gaussian flanks outside the two means; their product if the means are crossed."""
     left = op.where(x < left_mean, gaussian(x, left_mean, left_deviation), 1.0)
     right = op.where(x > right_mean, gaussian(x, right_mean, right_deviation), 1.0)
     return left * right
@@ -91,7 +90,7 @@ def _sigmoid_product(x: X, inflection1: X, slope1: X, inflection2: X, slope2: X)
 
 
 def _parabolas(t: X) -> X:
-    """Two parabolas from 0 at t = 0 to 1 at t = 1 that meet at one half."""
+    """Two parabolas from (0, 0) to (1, 1) that meet at one half with equal slopes."""
     return op.where(t <= 0.5, 2.0 * t * t, 1.0 - 2.0 * ((1.0 - t) * (1.0 - t)))
 
 
@@ -114,7 +113,7 @@ def concave(x: X, inflection: X, end: X) -> X:
     """Hyperbola that reaches 1 at `end`; rises if `inflection` <= `end`, else falls."""
     rise = op.where(x >= end, 1.0, (end - inflection) / (2.0 * end - inflection - x))
     fall = op.where(x <= end, 1.0, (inflection - end) / (inflection - 2.0 * end + x))
-    return op.minimum(1.0, op.where(inflection <= end, rise, fall))  # rounding may lead above
+    return op.minimum(1.0, op.where(inflection <= end, rise, fall))  # rounding may exceed 1
 
 
 def cosine(x: X, centre: X, width: X) -> X:
@@ -135,18 +134,18 @@ def arc(x: X, zero: X, one: X) -> X:
 
 
 def _semi_ellipse(x: X, start: X, end: X) -> X:
-    """Half an ellipse over the stretch from `start` to `end`."""
+    """Half an ellipse from `start` to `end`."""
     radius, centre = 0.5 * abs(end - start), 0.5 * (start + end)
     share = (x - centre) / radius
     outside = op.either(abs(x - centre) > radius, op.equal(radius, 0.0))
     return op.where(outside, 0.0, op.sqrt(1.0 - share * share))
 
 
-# ── where they bend ──────────────────────────────────────────────────────────────────
+# ── breakpoints for quadrature and bounds ────────────────────────────────────────────
 
 
 def _around(centre: float, width: float) -> list[float]:
-    """Positions that frame a flank, however far it is seen from."""
+    """Positions around a flank, at several scales."""
     return [centre, *(centre + sign * k * width for k in (0.5, 1, 2, 4, 8, 16) for sign in (-1, 1))]
 
 
@@ -165,7 +164,7 @@ def _cosine_ends(centre: float, width: float) -> list[float]:
 
 
 def parameters_and_middles(*parameters: float) -> list[float]:
-    """Bends of a curved shape whose record names none."""
+    """Breakpoints of a curved shape without its own."""
     return [*parameters, *(0.5 * (a + b) for a, b in pairwise(parameters))]
 
 
@@ -173,7 +172,7 @@ def _middle(*p: float) -> float:
     return 0.5 * (p[0] + p[-1])
 
 
-# ── where they have a degree ─────────────────────────────────────────────────────────
+# ── inverses: the position of a degree ───────────────────────────────────────────────
 
 
 def _sigmoid_inverse(degree: Any, inflection: Any, slope: Any) -> Any:
@@ -202,7 +201,7 @@ _TWO_SIGMOIDS_FIS = "slope1 inflection1 slope2 inflection2"
 
 
 def _names(fll: str, mf: str = "", fcl: str = "", *, matlab: bool = False) -> dict[str, str]:
-    """Return what the programs call a shape; `mf` is its word in a FIS."""
+    """Return the names of a shape in other programs; `mf` is its word in a FIS."""
     names = {"fll": fll, "fcl": fll}
     if mf:
         names["fis"] = mf
@@ -285,7 +284,7 @@ def register() -> None:
         ("value",),
         None,
         doc="1 at one value, 0 elsewhere",
-        # Its corners are those of a set without a width: an output takes it as a number.
+        # Corners of a set without width: an output treats it as a number.
         corners=lambda value: [(value, 0.0), (value, 1.0), (value, 0.0)],
         centre=lambda value: value,
         names={"fll": "Constant", "fcl": "Constant", "fis": "constant, singletonmf"}

@@ -1,7 +1,7 @@
-"""Kernels in other languages: read from their own source, printed for a target.
+"""Kernels in other languages: parsed from their source, printed for a target.
 
-:mod:`fuzzyarm.symbolic.translation.functions` reads a kernel and finds the type of every name; a
-:class:`~fuzzyarm.symbolic.translation.targets.Target` says how a language spells what was read.
+:mod:`fuzzyarm.symbolic.translation.functions` parses a kernel and infers the type of every name; a
+:class:`~fuzzyarm.symbolic.translation.targets.Target` has the spelling of a language.
 """
 
 from __future__ import annotations

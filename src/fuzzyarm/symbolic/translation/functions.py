@@ -1,13 +1,11 @@
-"""Kernels in another language: read from their own source, statement by statement.
+"""Translation of kernels from their Python source, statement by statement.
 
 A kernel uses little of Python: assignments, ``if``, ``while``, loops over ranges, slices, tuples,
-calls of each other. Its source is walked until the type of every name is known (a name has one type
-in a function; a whole number that becomes a real one was real from the start), then once more for
-the text. The order of the arithmetic stays. What is not known is refused by name when the text is
-made.
+calls of kernels. Its source is walked until the type of every name is known (a name has one type
+in a function; an integer that is later assigned a float is a float from the start), then once
+more for the text. The order of arithmetic is kept. Anything else is refused by name.
 
-A function is translated once for each set of types that it is called with, and for each set of
-functions that are bound to its names.
+A function is translated once for each set of argument types and for each set of bindings.
 """
 
 from __future__ import annotations
@@ -43,7 +41,7 @@ Bindings = tuple[tuple[str, Callable[..., Any]], ...]
 
 
 class NotTranslatedError(NotImplementedError):
-    """A kernel has a statement that is not translated.
+    """A kernel has a statement without translation.
 
     Attributes
     ----------
@@ -57,7 +55,7 @@ class NotTranslatedError(NotImplementedError):
 
 
 class Translation:
-    """Functions in one language, each after those that it calls.
+    """Functions in one language, in the order callee before caller.
 
     Parameters
     ----------
@@ -67,7 +65,7 @@ class Translation:
     Attributes
     ----------
     structures : list of str
-        Definitions of the types of tuples that were met, in a language that declares types.
+        Definitions of tuple types in use, for a language with type declarations.
     """
 
     def __init__(self, target: Target) -> None:
@@ -84,16 +82,16 @@ class Translation:
         types: Sequence[Type],
         bindings: Mapping[str, Callable[..., Any]] | Bindings = (),
     ) -> _Function:
-        """Translate a function for arguments of some types, with all that it calls.
+        """Translate a function for given argument types, with its callees.
 
         Parameters
         ----------
         function : callable
             A kernel, or a function printed from an expression, with its text in ``__source__``.
         types : sequence of Type
-            Of its arguments.
+            Types of its arguments.
         bindings : mapping of str to callable, optional
-            Functions instead of those that kernels know under these names.
+            Functions bound to these names in the kernels.
         """
         bound = _used_by(function, dict(bindings))
         key = (function, tuple(types), bound)
@@ -107,16 +105,16 @@ class Translation:
     def new_function(
         self, function: Callable[..., Any], types: Sequence[Type], bindings: Bindings
     ) -> _Function:
-        """Return a function that is not translated yet."""
+        """Return a function not yet translated."""
         return _Function(self, function, types, bindings, self.name(function.__name__))
 
     def name(self, name: str) -> str:
-        """Return a name that no function has yet."""
+        """Return an unused name for a function."""
         count = self._names[name] = self._names.get(name, 0) + 1
         return name if count == 1 else f"{name}__{count}"
 
     def type_name(self, type_: Type) -> str:
-        """Return the name of a type; that of a tuple is defined when it is met first."""
+        """Return the name of a type; tuple types are defined on first use."""
         if not self.target.types:
             return ""
         if not isinstance(type_, TupleType):
@@ -125,18 +123,18 @@ class Translation:
             parts = [self.type_name(part) for part in type_.parts]
             name = self._tuples[type_.parts] = f"tuple_{len(self._tuples) + 1}"
             fields = [f"{part} part_{index};" for index, part in enumerate(parts)]
-            if type_.uniform:  # an index may be computed
+            if type_.uniform:  # allows a computed index
                 fields = [f"{parts[0]} part[{len(parts)}];"]
             self.structures.append(self.target.structure.format(fields=" ".join(fields), name=name))
         return self._tuples[type_.parts]
 
     def text(self) -> str:
-        """Return all functions; what calls stands after what is called."""
+        """Return the text of all functions, callees first."""
         return "\n".join(function.text for function in self._finished)
 
 
 def part_name(parameter: str, part: str) -> str:
-    """Return the name of an array that is part of a parameter."""
+    """Return the name of an array that is a field of a parameter."""
     return f"{parameter}.{part}"
 
 
@@ -149,25 +147,25 @@ def _source_of(function: Callable[..., Any]) -> ast.FunctionDef:
 
 
 class _Function:
-    """One kernel, for arguments of some types.
+    """One kernel, for given argument types.
 
     Attributes
     ----------
     name : str
-        In the other language.
+        Name in the target language.
     parameters : list of str
         In order.
     types : dict of str to Type
-        Of all names, parameters first.
+        Types of all names, parameters first.
     returned : Type
-        What it returns.
+        Type of its result.
     text : str
         The definition.
     writes : set of str
-        Arguments that it writes into, or their parts, see :func:`part_name`.
+        Arguments, or fields of them (:func:`part_name`), that it writes to.
     asks : set of tuple of (Array, frozenset of str)
-        For each call by address, the arrays that are handed over: type, and the arguments in which
-        they may lie.
+        For each call by address, the arrays passed: their type, and the arguments whose memory they
+        may share.
     """
 
     def __init__(
@@ -197,7 +195,7 @@ class _Function:
         }
 
     def translate(self) -> None:
-        """Write the text: again, until no name has become wider meanwhile."""
+        """Write the text, again until no name widens its type."""
         before: Any = None
         while before != (self.types, self._returns, self._memory):
             before = dict(self.types), self._returns, dict(self._memory)
@@ -216,7 +214,7 @@ class _Function:
         self.text = "\n".join([head, *declarations, *body, "}", ""])
 
     def declared(self, template: str, name: str) -> str:
-        """Return a declaration of a name."""
+        """Return the declaration of a name."""
         type_ = self.whole.type_name(self.types[name])
         return template.format(type=type_, name=self.variable(name))
 
@@ -261,7 +259,7 @@ class _Function:
     def assigned(self, target: ast.expr, source: ast.expr) -> list[str]:
         if not (isinstance(target, ast.Tuple) and isinstance(source, ast.Tuple)):
             return self.stored(target, self.value(source))
-        # All values first: they may be made of what is assigned.
+        # All values first: they may depend on the targets (a, b = b, a).
         values = [self.value(part) for part in source.elts]
         names = [self.temporary() for _ in values]
         lines = [self.named(*pair) for pair in zip(names, values, strict=True)]
@@ -270,7 +268,7 @@ class _Function:
         return _together(lines)
 
     def stored(self, target: ast.expr, value: TypedText) -> list[str]:
-        """Return the lines that write a value into a name, an element, or several of these."""
+        """Return the lines that store a value in a name, an element, or several of these."""
         if isinstance(target, ast.Name) and target.id == "_":
             return []
         if isinstance(target, ast.Name):
@@ -315,8 +313,9 @@ class _Function:
         start, end = ("0", numbers[0]) if len(numbers) == 1 else numbers[:2]
         step = numbers[2] if len(numbers) == 3 else "1"
         sign = ">" if step.startswith(("-", "(-")) else "<"
-        # The end is found once, as `range` does it: the body may change what it is made of. And
-        # the name keeps the number of the last turn.
+        # The end is evaluated once, as in `range`: the body may change its operands. And the name
+        # keeps its
+        # last value after the loop.
         index = self.temporary()
         head = self.target.counted.format(index=index, start=start, end=end, sign=sign, step=step)
         lines = self.stored(target, TypedText(index, WHOLE))
@@ -335,14 +334,14 @@ class _Function:
     }
 
     def temporary(self) -> str:
-        """Return a name that no variable of the function has."""
+        """Return an unused name for a variable."""
         while True:
             self._temporaries += 1
             if f"t{self._temporaries}" not in self._taken:
                 return f"t{self._temporaries}"
 
     def widen(self, name: str, type_: Type) -> None:
-        """Have a name hold values of one more type."""
+        """Widen the type of a name to include another one."""
         try:
             self.types[name] = wider(self.types.get(name), type_)
         except TypeError as error:
@@ -353,12 +352,12 @@ class _Function:
         return self.target.variable.format(name)
 
     def named(self, name: str, value: TypedText) -> str:
-        """Return the statement that gives a value a name."""
+        """Return the statement that binds a value to a name."""
         type_ = self.whole.type_name(value.type)
         return self.target.constant.format(type=type_, name=name, value=value.text)
 
     def as_type(self, value: TypedText, type_: Type) -> str:
-        """Return the text of a value as one of another type."""
+        """Return the text of a value converted to another type."""
         if value.type == type_:
             return value.text
         if not isinstance(type_, TupleType):
@@ -396,7 +395,7 @@ class _Function:
             type_ = self.types[node.id]
             memory = frozenset() if isinstance(type_, Scalar) else self._memory[node.id]
             return TypedText(self.variable(node.id), type_, memory)
-        return self.number(self.globals.get(node.id), node)  # a constant of the module
+        return self.number(self.globals.get(node.id), node)  # a module constant
 
     def binary(self, node: ast.BinOp) -> TypedText:
         return self.arithmetic(node, self.value(node.left), self.value(node.right))
@@ -534,7 +533,7 @@ class _Function:
         return self.spelled(node, function, arguments)
 
     def handed_over(self, helper: _Function, arguments: Sequence[TypedText]) -> frozenset[str]:
-        """Note what a function does with what it is handed; return where its value may lie."""
+        """Note a callee's effects on its arguments; return the arguments its value may alias."""
         memory = {
             name: value.memory for name, value in zip(helper.parameters, arguments, strict=True)
         }
@@ -546,7 +545,7 @@ class _Function:
         return _together_in(memory, memory) if returns_arrays else frozenset()
 
     def spelled(self, node: ast.Call, function: Any, arguments: Sequence[TypedText]) -> TypedText:
-        """Return a call of a function of Python or NumPy, as the language spells it."""
+        """Return a call of a function of Python or NumPy in the spelling of the language."""
         type_ = widest([argument.type for argument in arguments])
         assert isinstance(type_, Scalar)
         if (function, type_) not in self.target.functions:
@@ -556,7 +555,7 @@ class _Function:
         if function not in {min, max}:
             return TypedText(text.format(", ".join(texts)), returned)
         value = texts[0]
-        for other in texts[1:]:  # two at a time, in their order
+        for other in texts[1:]:  # nested in pairs, in order
             value = text.format(f"{value}, {other}")
         return TypedText(value, returned)
 
@@ -581,17 +580,17 @@ _BUILTINS: dict[str, Any] = {
 
 
 def _together(lines: Sequence[str]) -> list[str]:
-    """Return statements whose names nobody else sees."""
+    """Return statements in a scope of their own."""
     return ["{", *(f"  {line}" for line in lines), "}"]
 
 
 def _together_in(memory: Mapping[str, frozenset[str]], names: Iterable[str]) -> frozenset[str]:
-    """Return all memory that goes by some names."""
+    """Return all memory behind some names."""
     return frozenset(part for name in names for part in memory[name])
 
 
 def _counted(type_: Type) -> Type:
-    """Return the type of a sum: truths are counted in whole numbers."""
+    """Return the type of a sum: truth values count as integers."""
     return WHOLE if type_ is TRUTH else type_
 
 
@@ -603,7 +602,7 @@ def _module(node: ast.Call) -> Any:
 
 
 def _loaded(target: ast.expr) -> ast.expr:
-    """Return what is assigned to as something that is read."""
+    """Return an assignment target as an expression to be read."""
     expression = ast.parse(ast.unparse(target), mode="eval").body
     assert isinstance(expression, ast.expr)
     return expression
@@ -612,7 +611,7 @@ def _loaded(target: ast.expr) -> ast.expr:
 def _used_by(
     function: Callable[..., Any], bindings: dict[str, Callable[..., Any]]
 ) -> tuple[tuple[str, Callable[..., Any]], ...]:
-    """Return the bindings that a function knows, or one that it calls: others change nothing."""
+    """Return the bindings used by a function or its callees: others have no effect."""
     if not bindings or not is_kernel(function):
         return ()
     names = {
@@ -626,7 +625,7 @@ def _used_by(
 def reached(
     function: Callable[..., Any], bindings: Mapping[str, Callable[..., Any]]
 ) -> Iterator[Callable[..., Any]]:
-    """Iterate over a kernel and all that it calls, each once."""
+    """Iterate over a kernel and all its callees, each once."""
     waiting, visited = [function], {function}
     while waiting:
         current: Any = waiting.pop()

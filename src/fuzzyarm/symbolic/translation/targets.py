@@ -1,4 +1,4 @@
-"""Languages that kernels are printed in: a record each says how they spell what was read."""
+"""The target languages of kernels: one record of spellings each."""
 
 from __future__ import annotations
 
@@ -19,53 +19,53 @@ __all__ = ["C99", "JAVASCRIPT", "Target"]
 REAL, WHOLE, SHORT, TRUTH = Scalar.REAL, Scalar.WHOLE, Scalar.SHORT, Scalar.TRUTH
 
 Functions = Mapping[tuple[Any, Scalar], tuple[str, Scalar]]
-"""Of a function of Python and the type of its argument: the text, and the type of its value."""
+"""From a function of Python and the type of its argument to the text and the type of its value."""
 
 
 @dataclass(frozen=True)
 class Target:
     """A language with the statements of C.
 
-    Texts are templates; what stands in their places is named by their fields.
+    Texts are templates; their holes are named by fields.
 
     Attributes
     ----------
     name : str
-        In messages.
+        Name in messages.
     types : mapping of Type to str
-        Names of types; empty in a language that does not declare them.
+        Names of types; empty for a language without type declarations.
     definition, parameter, local : str
         Head of a function, a parameter in it, and the declaration of a local name.
     tuple_prefix : str
-        In front of the head of a function that takes or returns tuples.
+        Prefix of the head of a function with tuples as arguments or result.
     variable : str
-        A name of a kernel as a variable.
+        A name in a kernel as a variable.
     constant : str
-        The statement that gives a value a name, once.
+        The statement that binds a value to a name, once.
     counted : str
         Head of a loop over a range.
     cast : str
-        A number as one of a wider type.
+        A number converted to a wider type.
     operators : mapping
-        Of an operator and the type of its value.
+        By operator and type of its value.
     comparisons : mapping
         Signs.
     functions : mapping
-        See :data:`Functions`; of two arguments for ``min`` and ``max``.
+        See :data:`Functions`; with two arguments for ``min`` and ``max``.
     truths : (str, str)
         False and true.
     real : callable
-        From a float to a text with all its bits.
+        From a float to an exact text.
     structure, record, uniform_record : str
-        Definition of a type of tuples, if the language has them; a tuple, and one of which all
-        parts are numbers of one type.
+        Definition of a tuple type, if the language has them; a tuple, and one whose parts are all
+        numbers of one type.
     part, uniform_part : str
-        A part of a tuple by its index; of a uniform one the index may be computed.
+        A part of a tuple by index; for a uniform one the index may be computed.
     element, length, stretch, wholes : str
-        Of an array: an element, its length, a stretch of it (whose end may lie after the end of
-        the array), and the whole numbers in its memory.
+        For arrays: an element, the length, a slice (whose end may exceed the array's), and the
+        integers in the same memory.
     call : callable
-        From an address and arrays to the call of what stands there.
+        From an address and arrays to the call of the function there.
     """
 
     name: str
@@ -95,7 +95,7 @@ class Target:
     call: Callable[[str, Sequence[TypedText]], str]
 
 
-# ── what the languages have in common ────────────────────────────────────────────────
+# ── common to the languages ──────────────────────────────────────────────────────────
 
 _COMPARISONS: dict[type, str] = {
     ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
@@ -114,7 +114,7 @@ _SAME_EVERYWHERE = tuple(
         "exp", "expm1", "log", "log1p", "log10", "sqrt",
     )
 )  # fmt: skip
-"""Functions of reals that have their names in every language."""
+"""Functions of reals with the same name in every language."""
 
 
 def _functions(
@@ -140,7 +140,7 @@ def _c_real(value: float) -> str:
         return "NAN"
     if math.isinf(value):
         return "INFINITY" if value > 0.0 else "(-INFINITY)"
-    return repr(float(value))  # the shortest text that reads as the same number
+    return repr(float(value))  # the shortest exact text
 
 
 POINTERS = {Array.REALS: "double", Array.WHOLES: "int64_t", Array.SHORTS: "int32_t"}
@@ -153,7 +153,7 @@ def _c_call(address: str, arrays: Sequence[TypedText]) -> str:
     call = f"((void (*)({kinds}))code_at({address}))({passed})"
     if len(arrays) == 1 or {array.type for array in arrays} != {Array.REALS}:
         return call
-    # At an odd address stands a program of operations; machine code never begins there.
+    # An odd address is a program of operations; machine code is aligned.
     listed = ", ".join(array.text for array in arrays)
     walked = f"run_program({address}, (const reals[]){{{listed}}}, {len(arrays)})"
     return f"{address} & 1 ? {walked} : {call}"
@@ -172,11 +172,12 @@ C99 = Target(
         Nothing.NOTHING: "void",
     },
     definition="static inline {returned} {name}({parameters}) {{",
-    # Their parts stay in registers: in memory they would be written one by one and read as a whole.
+    # Inlined, tuples stay in registers; in memory, parts written singly and read as a whole would
+    # stall.
     tuple_prefix="ALWAYS_INLINE ",
     parameter="{type} {name}",
     local="{type} {name};",
-    variable="{}_",  # no word of C, and no function of its libraries
+    variable="{}_",  # neither a keyword of C nor a library function
     constant="const {type} {name} = {value};",
     counted=(
         "for (int64_t {index} = {start}, {index}_end = {end};"
@@ -225,7 +226,7 @@ C99 = Target(
     wholes="(wholes){{(int64_t *){0}.at, {0}.length}}",
     call=_c_call,
 )
-"""C99 over double and 64-bit whole numbers; an array is a pointer with its length."""
+"""C99 over double and 64-bit integers; an array is a pointer with its length."""
 
 HEAD_OF_C = """\
 #include <math.h>
@@ -271,7 +272,7 @@ static inline wholes part_of_wholes(wholes a, int64_t start, int64_t end) {
   return (wholes){a.at + start, (end < a.length ? end : a.length) - start};
 }
 """
-"""What kernels in C stand on."""
+"""Preamble of kernels in C."""
 
 
 # ── JavaScript ───────────────────────────────────────────────────────────────────────
@@ -294,7 +295,7 @@ JAVASCRIPT = Target(
         "for (let {index} = {start}, {index}_end = {end};"
         " {index} {sign} {index}_end; {index} += {step}) {{"
     ),
-    cast="{value}",  # there is one type of numbers
+    cast="{value}",  # only one type of numbers
     operators={
         **_ARITHMETIC,
         (ast.FloorDiv, WHOLE): "Math.floor({0} / {1})",
@@ -327,9 +328,9 @@ JAVASCRIPT = Target(
     wholes="{}.whole",
     call=_javascript_call,
 )
-"""JavaScript: it computes in double precision too, without fusing or reordering.
+"""JavaScript: it computes in double precision, too, without fusing or reordering.
 
-An array of reals is a ``Float64Array``. The block has its whole numbers beside it, in an
-``Int32Array`` of the same length under ``whole``: JavaScript reads the same memory as whole
-numbers of 64 bits only as ``BigInt``, which is slow.
+An array of reals is a ``Float64Array``. The integers of a block are beside it, in an
+``Int32Array`` of the same length under ``whole``: JavaScript reads the same memory as 64-bit
+integers only as ``BigInt``, which is slow.
 """

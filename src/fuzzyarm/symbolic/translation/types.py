@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 
 class Scalar(Enum):
-    """A number; of two of them the wider one, which stands further down, holds both.
+    """A number type; the wider of two, further down, holds values of both.
 
-    Whole numbers have 64 bits; short ones have 32, of which a vector holds twice as many.
+    Integers have 64 bits; short ones have 32, of which a vector holds twice as many.
     """
 
     TRUTH = "truth"
@@ -20,7 +20,7 @@ class Scalar(Enum):
 
 
 class Array(Enum):
-    """An array of one axis, by its elements; constants are reals that nothing writes."""
+    """A one-dimensional array, by its elements; constants are read-only reals."""
 
     REALS = "reals"
     CONSTANTS = "constants"
@@ -42,14 +42,14 @@ _ELEMENTS = {
 
 
 class TupleType(NamedTuple):
-    """A tuple; of a named tuple it knows the names.
+    """A tuple; with names for a named tuple.
 
     Attributes
     ----------
     parts : tuple of Type
-        In order.
+        Types of its parts, in order.
     names : tuple of str
-        Of the parts; empty for a plain tuple.
+        Names of its parts; empty for a plain tuple.
     """
 
     parts: tuple[Type, ...]
@@ -62,7 +62,7 @@ class TupleType(NamedTuple):
 
 
 class Nothing(Enum):
-    """What a function returns that returns nothing."""
+    """The result of a function without one."""
 
     NOTHING = "nothing"
 
@@ -71,16 +71,16 @@ Type = Scalar | Array | TupleType | Nothing
 
 
 class TypedText(NamedTuple):
-    """The text of an expression in some language, its type, and whose memory it is.
+    """The text of an expression in some language, its type, and the memory it may alias.
 
     Attributes
     ----------
     text : str
-        In the language.
+        Text in the language.
     type : Type
-        Of the value.
+        Type of the value.
     memory : frozenset of str
-        Arguments of the function in which arrays of the value may lie.
+        Arguments of the function whose arrays the value may alias.
     """
 
     text: str
@@ -92,7 +92,7 @@ _WIDTH = list(Scalar)
 
 
 def wider(one: Type | None, other: Type) -> Type:
-    """Return the type that holds values of both; None holds none."""
+    """Return the common type of two; None is the empty type."""
     if one is None or one == other:
         return other
     if isinstance(one, Scalar) and isinstance(other, Scalar):
@@ -106,7 +106,7 @@ def wider(one: Type | None, other: Type) -> Type:
 
 
 def widest(types: Sequence[Type]) -> Type:
-    """Return the type that holds values of all."""
+    """Return the common type of all."""
     result = types[0]
     for one in types[1:]:
         result = wider(result, one)
