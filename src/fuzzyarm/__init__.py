@@ -5,12 +5,12 @@
     >>> pd7(e=1.3, ce=-2.2)
     {'u': -1.0677966101694918}
 
-Importing this page is instant: what a name needs is loaded when the name is used. Public is
-what is named here and in the ``__all__`` of the packages; everything else is private.
+Importing the package is instant: names load their modules on first use. Public are the names
+below and those in ``__all__`` of the packages; everything else is private.
 
 Read, check, write
-    load                Return the rule base, controller or lookup table in the file at path, by
-                        its suffix.
+    load                Return the rule base, controller or lookup table in the file at path,
+                        by its suffix.
     load_rulebase       Return the rule base in the file at path, by its suffix.
     load_controller     Return the controller in the .frb file at path, with the files that it
                         uses.
@@ -22,18 +22,18 @@ Read, check, write
     shipped             Return the path of the shipped file name, for instance pd7.frb.
 
 Rule bases and controllers in Python
-    RuleBase            A whole fuzzy system as a value: variables, rules, and how the rules are
-                        evaluated.
+    RuleBase            A whole fuzzy system as a value: variables, rules, and how the rules
+                        are evaluated.
     RuleBaseBuilder     A rule base that is being written; what it means by now is its model.
-    AnyRuleBase         A rule base: the immutable value that a file means, or one that is being
-                        written.
+    AnyRuleBase         A rule base: the immutable value that a file means, or one that is
+                        being written.
     ControllerText      A controller as text, with the rule bases and tables that it uses.
     Shape               The membership function of a term, or the value of a consequent.
     from_live           Return the rule base that a live object of another fuzzy library is.
-    kinds               Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones and a
-                        user's own.
-    op                  The functions with which shapes, norms, hedges and other definitions are
-                        written.
+    kinds               Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones
+                        built-in and user-defined.
+    op                  The functions for definitions of shapes, norms, hedges and other
+                        kinds.
 
 Evaluate
     infer               Evaluate a rule base.
@@ -47,35 +47,39 @@ Lookup tables
     LookupTable         A grid of values over one or more inputs, with its meaning and its
                         origin.
     read_table          Return the table in a .lut, .csv, .npz or .json file.
-    export_file         Write a rule base, a table or a controller as source text or as a program.
+    export_file         Write a rule base, a table or a controller as source text or as a
+                        program.
     write_table         Write table whole or not at all; read_table gives back an equal table.
 
 Prove, and run on a plant
-    prove               Prove or refute properties of a rule base, or of a controller in its loop.
+    prove               Prove or refute properties of a rule base, or of a controller in its
+                        loop.
     simulate            Run a controller on a plant, along a trajectory or references.
     simulate_many       Run a controller many times.
 
 Tune
-    tune                Tune the gains of a controller and the terms of its rule bases, or of a
-                        rule base alone.
+    tune                Tune the gains of a controller and the terms of its rule bases, or of
+                        a rule base alone.
 
 What goes wrong
-    FuzzyarmError       What went wrong, in one clear sentence to a person.
+    FuzzyarmError       An error with one clear sentence for a person.
     RuleBaseError       A file or a model that cannot be used.
     FileWarning         A warning of load about a file of another program.
 
 Rooms, each with public names of its own; every one imports only those before it
-    base                What every room needs, and what knows of no fuzzy logic.
-    symbolic            Everything mathematical that the language can name, each written once.
-    language            The language of .frb files: model, reading, canonical printing, checks.
-    requests            What can be asked for, field by field: a frozen record for each job.
+    base                Foundations of every room, without fuzzy logic.
+    symbolic            The mathematics of the language, each definition once.
+    language            The language of .frb files: model, reading, canonical printing,
+                        checks.
+    requests            Requests: one frozen record for each job, field by field.
     inference           Inference: memberships, norms, defuzzifiers, the engines and the trace
                         of one inference.
     table               Lookup tables: the table, the compiler that fills it, and its files.
     plant               Plants: the protocol, the two-link arm of the study and its
                         trajectories, shipped ones.
     control             The closed loop: control laws, and runs of them on a plant.
-    proof               Proofs: of a rule base at every point, and of a controller in its loop.
+    proof               Proofs: of a rule base at every point, and of a controller in its
+                        loop.
     learning            Rule bases from samples, and judged by samples; controllers that learn
                         along a trajectory.
     exchange            Files and objects of other programs, and programs for other machines.

@@ -59,8 +59,8 @@ def shipped(name: str) -> Path:
 
     Parameters
     ----------
-    File name with suffix.
-        Of the file, with its suffix.
+    name : str
+        File name with suffix.
 
     Raises
     ------
