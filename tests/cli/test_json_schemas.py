@@ -127,7 +127,7 @@ CALLS = {
         ["convert", PD7, THERMOSTAT, "d.frb", "--connect", "pd7/u -> thermostat/error"],
     ],
     "compile-board": [["compile", PD7, "--for", "arduino", "-o", "board"]],
-    "convert-script": [["convert", "script.py", "-o", "systems", "--run"]],
+    "convert-script": [["convert", "script.py", "-o", "systems"]],
     "diff-tables": [["diff", "a.lut", "b.lut"], ["diff", "a.lut", "a.lut"]],
     "diff-rules": [["diff", PD7, THERMOSTAT]],
     "diff-controllers": [["diff", SERVO, TANKS]],

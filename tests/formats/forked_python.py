@@ -4,8 +4,7 @@
 NumPy, SciPy, networkx and matplotlib before the first line of a script says anything: 0.6 s of a
 processor. The program that :func:`forked_python` writes asks a server by a socket, which has
 loaded them, forks, and runs ``gather.py`` in the child with the streams, the folder and the
-environment of whoever asked. What ``gather.py`` changes in a module as it is loaded, it changes in
-those that are loaded already; the libraries of fuzzy systems themselves are loaded by the script.
+environment of whoever asked. The libraries of fuzzy systems themselves are loaded by the script.
 """
 
 from __future__ import annotations
@@ -129,18 +128,8 @@ def end_with(line: socket.socket) -> None:
 if __name__ == "__main__":
     words, line = asked(sys.argv[1])
     threading.Thread(target=end_with, args=(line,), daemon=True).start()
+    sys.stdin = open(0, closefd=False)  # noqa: SIM115 - a thread of the server waits in the other
     sys.argv, sys.path[0] = words, str(Path(words[0]).parent)
     names: dict[str, Any] = {"__name__": "gather", "__file__": words[0]}
     exec(compile(Path(words[0]).read_bytes(), words[0], "exec"), names)
-    watch = names["_Finder"]
-
-    class Finder(watch):
-        """Begins with what is loaded already."""
-
-        def __init__(self) -> None:
-            for name, change in names["_AFTER_IMPORT"].items():
-                if name in sys.modules:
-                    change(sys.modules[name])
-
-    names["_Finder"] = Finder
     names["main"]()

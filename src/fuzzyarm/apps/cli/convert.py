@@ -22,12 +22,11 @@ of one to an input of another, or joins two inputs. Files are called by their na
 
     fuzzyarm convert project.py -o rules/
 
-A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run, in a process of its
-own and after a question (--run answers it), and each fuzzy system that it makes becomes a .frb,
-named after the variable. What it needs and is not there (modules, windows, answers) has a stand-in;
-what it has made by its end, or by the end of its time, is taken. --call NAME calls a function or a
-class of it that builds a system. Numbers are compared at 100 points with those of the library's
-own object: they are the same to 1e-9 of the range, or the greatest difference is said.
+A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run as python does it,
+with all your permissions, in a process of its own, and each fuzzy system that it makes becomes a
+.frb, named after the variable; what it has made by the end of its time is taken. Numbers are
+compared at 100 points with those of the library's own object: they are the same to 1e-9 of the
+range, or the greatest difference is said.
 """
 
 from __future__ import annotations
@@ -260,17 +259,12 @@ def _convert_script(arguments: argparse.Namespace) -> int:
     if arguments.target is not None and suffix_of(arguments.target) != ".frb":
         hint = "then convert the .frb"
         raise WordError("what a script makes is written as .frb only", hint=hint)
-    with Path(source).open("rb"):  # before a question about a file that is not there
-        pass
-    if not _may_run(arguments):
-        return 1
     try:
         with busy(f"running {source}"):
             systems, diagnostics = read_script(
                 source,
                 seconds=arguments.seconds,
                 python=arguments.python,
-                call=arguments.call,
                 points=arguments.points,
                 lossy=arguments.lossy,
                 strict=arguments.strict,
@@ -297,26 +291,6 @@ def _convert_script(arguments: argparse.Namespace) -> int:
     for system, target, is_written in zip(systems, targets, successes, strict=True):
         _say_system(arguments, system, target, written=is_written)
     return int(not all(successes))
-
-
-def _may_run(arguments: argparse.Namespace) -> bool:
-    """Say that a script will be run, and ask whether it may be."""
-    if arguments.run:
-        return True
-    source = arguments.source
-    if not (sys.stdin.isatty() and sys.stderr.isatty()):
-        print_error(f"{source} is a script, and converting means running it")
-        say("  hint: --run allows that", to_errors=True)
-        return False
-    say(
-        f"{source} is a script: converting runs it as python does, with all your permissions.",
-        to_errors=True,
-    )
-    print("Run it? [y/N] ", end="", file=sys.stderr, flush=True)
-    if sys.stdin.readline().strip().lower() in ("y", "yes"):
-        return True
-    print_error(f"{source}: not run")
-    return False
 
 
 def _targets(arguments: argparse.Namespace, systems: Sequence[System]) -> list[Path]:
@@ -473,7 +447,6 @@ COMMANDS = (
         *group(
             "scripts",
             argument("-o --out DIR", "where the rule bases go; here by default"),
-            flag("--run", "run the script without asking"),
             argument(
                 "--seconds S",
                 f"time for the script (default: {SECONDS:g})",
@@ -481,7 +454,6 @@ COMMANDS = (
                 default=SECONDS,
             ),
             argument("--python PATH", "run it by another Python, 3.11 or newer"),
-            argument("--call NAME", "call a function or class of it that builds a system"),
             flag("--points", "keep scikit-fuzzy's straight lines between points"),
         ),
     ),

@@ -1,19 +1,16 @@
-"""Run a script in a separate process and gather the fuzzy systems that it makes.
+"""Run a script in a process of its own and gather the fuzzy systems that it makes.
 
-This file is started by its path (see :mod:`fuzzyarm.exchange.live`), maybe by another Python than
-the one that has fuzzyarm: the script may need libraries that do not go with ours. Until the script
-has ended nothing but the standard library is loaded; then the package beside this file is, which
-takes no array library to read live objects. What was found goes into a file as JSON.
+This file is started by its path (see :mod:`fuzzyarm.exchange.live.systems`), maybe by another
+Python than the one that has fuzzyarm: the script may need libraries that do not go with ours. Until
+the script has ended nothing but the standard library is loaded; then the package beside this file
+is, which takes no array library to read live objects. What was found goes into a file as JSON.
 """
 
 from __future__ import annotations
 
-import ast
+import _thread
 import builtins
-import importlib.abc
-import importlib.machinery
 import importlib.util
-import inspect
 import json
 import os
 import signal
@@ -21,47 +18,33 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any, NamedTuple
 
-GRACE = 5.0
-"""Seconds between the interrupt of a script that does not end and the end of its process, at most;
-a script that is given less than that waits no longer than it was given."""
-
-LOADING = 30.0
-"""Seconds for the libraries of a script, which do not count as its own, at most."""
-
-GLANCE = 0.1
-"""Seconds from one look at what the script does to the next."""
-
-MOST_MADE = 1000
-"""Systems that are kept alive though the script has dropped them."""
-
 MEASURING = 40.0
 """Seconds for the numbers of all systems."""
 
-DEEPEST = 3
-"""How deep in objects of the script systems are looked for."""
+MOST_MADE, DEEPEST = 1000, 3
+"""Systems that are kept though the script has dropped them; how deep in its objects they are."""
 
 CALL = "_fuzzyarm_call"
 """Attribute of a system whose settings are the arguments of its evaluation: the last of them, or
 the first that tells the order of the arguments of its functions."""
 
+# --- What is remembered of the libraries' objects ---
 
-def _beside(name: str) -> Any:
-    """Load a module of this folder without its package."""
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-# --- What happens at imports ---
+SYSTEMS = {
+    "skfuzzy.control.controlsystem": {"ControlSystem": "", "ControlSystemSimulation": ""},
+    "fuzzylite.engine": {"Engine": "process"},
+    "simpful.simpful": {"FuzzySystem": "inference"},
+    "fuzzylogic.classes": {"Rule": ""},
+    "pyit2fls.pyit2fls": dict.fromkeys(
+        ("IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK"), "evaluate"
+    ),
+}
+"""Module → class → the method that computes, empty where an object is complete when it is made."""
 
 
 class _Made(NamedTuple):
@@ -71,24 +54,25 @@ class _Made(NamedTuple):
     frame: FrameType
 
 
-_creations: list[_Made] = []
-_computed: set[int] = set()  # systems that have computed something: they are complete
+_made: list[_Made] = []
+_complete: set[int] = set()  # systems that have computed something, or are complete at once
 
 
-def _keep(**classes: str) -> Callable[[ModuleType], None]:
-    """Return what makes some classes of a module remember their objects.
+def watch_imports() -> None:
+    """Let the classes of :data:`SYSTEMS` remember their objects from the import that loads them."""
+    plain, waiting = builtins.__import__, dict(SYSTEMS)
 
-    The word of a class is its method that computes, empty where an object is complete as soon as
-    it is made.
-    """
+    def imports(*arguments: Any, **options: Any) -> Any:
+        module = plain(*arguments, **options)
+        for name in waiting.keys() & sys.modules.keys():
+            loaded = sys.modules[name]
+            if not getattr(loaded.__spec__, "_initializing", False):
+                for kind, method in waiting.pop(name).items():
+                    if hasattr(loaded, kind):
+                        _remember(getattr(loaded, kind), method)
+        return module
 
-    def change(module: ModuleType) -> None:
-        for name, method in classes.items():
-            kind = getattr(module, name, None)
-            if kind is not None:
-                _remember(kind, method)
-
-    return change
+    builtins.__import__ = imports
 
 
 def _remember(kind: Any, method: str) -> None:
@@ -99,14 +83,14 @@ def _remember(kind: Any, method: str) -> None:
         frame: FrameType | None = sys._getframe(1)
         while frame is not None and _top_module(frame.f_globals.get("__name__")) == home:
             frame = frame.f_back  # the library itself: whoever has called it
-        if frame is not None and len(_creations) < MOST_MADE:
-            _creations.append(_Made(self, frame))
+        if frame is not None and len(_made) < MOST_MADE:
+            _made.append(_Made(self, frame))
         if not method:
-            _computed.add(id(self))
+            _complete.add(id(self))
         elif method in vars(self):  # bound to the object by its constructor
-            vars(self)[method] = _noted(vars(self)[method], self)
+            bound = vars(self)[method]
+            vars(self)[method] = _noting(lambda _, *a, **k: bound(*a, **k)).__get__(self)
 
-    init.__doc__ = make.__doc__
     kind.__init__ = init
     if method and hasattr(kind, method):
         setattr(kind, method, _noting(getattr(kind, method)))
@@ -117,12 +101,11 @@ def _noting(compute: Callable[..., Any]) -> Callable[..., Any]:
 
     def method(self: Any, *arguments: Any, **options: Any) -> Any:
         result = compute(self, *arguments, **options)
-        _computed.add(id(self))
+        _complete.add(id(self))
         if not _tells_order(*vars(self).get(CALL, ((), {}))):
             vars(self)[CALL] = (arguments, options)
         return result
 
-    method.__doc__ = compute.__doc__
     return method
 
 
@@ -138,226 +121,18 @@ def _tells_order(arguments: tuple[Any, ...], options: dict[str, Any]) -> bool:
         return False
 
 
-def _noted(compute: Callable[..., Any], system: Any) -> Callable[..., Any]:
-    def function(*arguments: Any, **options: Any) -> Any:
-        result = compute(*arguments, **options)
-        _computed.add(id(system))
-        return result
-
-    return function
-
-
 def _top_module(name: object) -> str:
     return str(name).partition(".")[0]
-
-
-def _no_windows(matplotlib: Any) -> None:
-    """Let a figure have no window, whatever the script asks for."""
-    matplotlib.rcParams["backend"] = "Agg"
-    matplotlib.use = lambda *_, **__: None
-
-
-def _old_names(numpy: Any) -> None:
-    """Give NumPy the names back that it has dropped."""
-    sys.modules["stand_ins"].old_names(numpy)
-
-
-def _no_files(figures: Any) -> None:
-    """Let a figure be saved nowhere: what the script shows is dropped."""
-    figures.Figure.savefig = lambda *_, **__: None
-
-
-def _no_views(pictures: Any) -> None:
-    """Let rules and systems be shown nowhere: some releases of scikit-fuzzy fail at it."""
-    stand_in = sys.modules["stand_ins"].StandIn("view()")
-    for name in ("view", "view_n"):
-        setattr(pictures.ControlSystemVisualizer, name, lambda *_: (stand_in, stand_in))
-
-
-_AFTER_IMPORT: dict[str, Callable[[ModuleType], None]] = {
-    "numpy": _old_names,
-    "matplotlib": _no_windows,
-    "matplotlib.figure": _no_files,
-    "skfuzzy.control.visualization": _no_views,
-    "skfuzzy.control.controlsystem": _keep(ControlSystem="", ControlSystemSimulation=""),
-    "fuzzylite.engine": _keep(Engine="process"),
-    "simpful.simpful": _keep(FuzzySystem="inference"),
-    "fuzzylogic.classes": _keep(Rule=""),
-    "pyit2fls.pyit2fls": _keep(
-        IT2Mamdani="evaluate",
-        IT2TSK="evaluate",
-        IT2FLS="evaluate",
-        T1Mamdani="evaluate",
-        T1TSK="evaluate",
-    ),
-}
-"""Module → what is changed in it as soon as it is loaded."""
-
-
-class _Finder(importlib.abc.MetaPathFinder):
-    """Finds the modules of :data:`_AFTER_IMPORT` where everybody does, and changes them."""
-
-    def find_spec(
-        self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
-    ) -> importlib.machinery.ModuleSpec | None:
-        change = _AFTER_IMPORT.get(name)
-        if change is None:
-            return None
-        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
-        loader = spec.loader if spec is not None else None
-        if spec is None or loader is None:
-            return None
-        load = loader.exec_module
-
-        def load_and_change(module: ModuleType) -> None:
-            load(module)
-            try:
-                change(module)
-            except Exception:  # another release: its objects are found by their names only
-                traceback.print_exc()
-
-        loader.exec_module = load_and_change  # type: ignore[method-assign]
-        return spec
 
 
 # --- The script ---
 
 
-class _Interrupt:
-    """Interrupts the script after `seconds`; if that does not help, holds it and calls `end`.
-
-    The time begins when the script has loaded its libraries: on a busy machine they alone may
-    take it, and an interrupt among them leaves nothing to gather.
-    """
-
-    def __init__(self, seconds: float, end: Callable[[], None]) -> None:
-        self.happened = False
-        self._end = end
-        self._seconds = seconds
-        self._deadline = time.monotonic() + seconds
-        self._loading_ends = time.monotonic() + LOADING
-        self._over = False
-        # A process started in the background of a shell ignores interrupts.
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        self._released = threading.Event()
-        if hasattr(signal, "pthread_kill"):
-            signal.signal(signal.SIGUSR1, self._hold)
-        self._watch()
-
-    def _later(self, seconds: float, act: Callable[[], None]) -> None:
-        self._timer = threading.Timer(seconds, act)
-        self._timer.daemon = True
-        self._timer.start()
-
-    def _watch(self) -> None:
-        now = time.monotonic()
-        if _is_importing() and now < self._loading_ends:
-            self._deadline = now + self._seconds
-        if now < self._deadline:
-            self._later(min(GLANCE, self._deadline - now), self._watch)
-        elif not self._over:
-            self._interrupt()
-
-    def _interrupt(self) -> None:
-        import _thread
-
-        self.happened = True
-        self._later(min(GRACE, self._seconds), self._take_over)
-        if hasattr(signal, "pthread_kill"):
-            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-        else:
-            _thread.interrupt_main()
-
-    def _take_over(self) -> None:
-        if self._over:
-            return
-        # The numbers of a system are false while the script computes with it in another thread.
-        if hasattr(signal, "pthread_kill"):
-            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)
-            self._released.wait(1.0)
-        self._end()
-
-    def _hold(self, *_: object) -> None:
-        self._released.set()
-        while True:
-            time.sleep(GRACE)
-
-    def cancel(self) -> None:
-        """Let the process go on."""
-        self._over = True
-        self._timer.cancel()
-
-
-def _is_importing() -> bool:
-    """Whether the script is within an import."""
-    frame = sys._current_frames().get(threading.main_thread().ident or 0)
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False
-
-
-def _run(script: Path, module: ModuleType, call: str | None) -> dict[str, Any] | None:
-    """Run a script as Python would, and call what was asked for; return what ended it early."""
-    ended = _ending(lambda: exec(_code(script), module.__dict__), str(script))
-    if call is None or (ended and ended["kind"] == "SyntaxError"):
-        return ended
-    outcome = _ending(lambda: _called(call, module), str(script))
-    return {**outcome, "called": call} if outcome else ended
-
-
-def _code(script: Path) -> Any:
-    return sys.modules["stand_ins"].compiled(script.read_bytes(), str(script))
-
-
-def _ending(act: Callable[[], None], script: str) -> dict[str, Any] | None:
-    """Return what ended an act early, if anything did."""
-    try:
-        act()
-    except SystemExit as error:
-        if error.code in (None, 0):
-            return None
-        return {**_as_data(error, script), "kind": "SystemExit"}
-    except BaseException as error:
-        return _as_data(error, script)
-    return None
-
-
-def _called(call: str, module: ModuleType) -> None:
-    """Call a function or a class of the script, and keep what it gives by its name.
-
-    What asks for arguments gets ones, unless they stand in parentheses.
-    """
-    names = vars(module)
-    if "(" in call:
-        label = call.partition("(")[0].rpartition(".")[2]
-        names[label] = eval(call, names)
-        return
-    head, *others = call.split(".")
-    if head not in names:
-        raise NameError(f"the script has no '{head}'")
-    value, label = names[head], head
-    for name in others:
-        if isinstance(value, type):
-            value = _with_ones(value)
-            names[f"{label}_object"] = value
-        value, label = getattr(value, name), name
-    result = _with_ones(value)
-    if result is not None:
-        names[label] = result
-
-
-def _with_ones(function: Any) -> Any:
-    """Call a function with 1 for each argument that it demands."""
-    try:
-        parameters = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):
-        return function()
-    positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    demanded = [p for p in parameters if p.default is inspect.Parameter.empty]
-    keywords = {p.name: 1 for p in demanded if p.kind is inspect.Parameter.KEYWORD_ONLY}
-    return function(*[1 for p in demanded if p.kind in positional], **keywords)
+def _interrupt() -> None:
+    if hasattr(signal, "pthread_kill"):  # wakes a sleep, too
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
 
 
 def _as_data(error: BaseException, script: str) -> dict[str, Any]:
@@ -387,9 +162,9 @@ def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
     visited: set[int] = set()
     variables = {n: v for n, v in vars(module).items() if not n.startswith("__")}
     yield from _in_scope(variables, own_modules, visited)
-    for creation in reversed(_creations):
-        if creation.frame.f_locals is not vars(module):
-            yield from _in_scope(dict(creation.frame.f_locals), own_modules, visited)
+    for made in reversed(_made):
+        if made.frame.f_locals is not vars(module):
+            yield from _in_scope(dict(made.frame.f_locals), own_modules, visited)
 
 
 def _own_modules(module: ModuleType) -> frozenset[str]:
@@ -439,9 +214,9 @@ def _systems(
     simulations: dict[int, tuple[str, Any]] = {}
     left_out: dict[int, str] = {}
     candidates = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
-    for name, value in candidates or [(stem, creation.system) for creation in _creations]:
+    for name, value in candidates or [(stem, made.system) for made in _made]:
         system = getattr(value, "ctrl", value)
-        if whole and id(value) not in _computed and id(system) not in _computed:
+        if whole and id(value) not in _complete and id(system) not in _complete:
             left_out.setdefault(id(system), name)
         elif system is not value:
             simulations.setdefault(id(system), (name, value))
@@ -541,63 +316,38 @@ def _as_found(name: str, system: Any, options: dict[str, Any], deadline: float) 
     return record
 
 
-def _told_by_text(script: Path) -> dict[str, Any]:
-    """Return what a script would build if it were called, and whether it computes by hand."""
+def main() -> None:
+    """Run ``gather.py SCRIPT ANSWER OPTIONS`` and end the process."""
+    script, target, options = Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3])
+    module = ModuleType("__main__")
+    module.__dict__.update(__file__=str(script), __builtins__=builtins)
+    sys.modules["__main__"] = module
+    sys.argv, sys.path[0] = [str(script)], str(script.parent)
+    watch_imports()
+    raised: dict[str, Any] | None = None
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
+    timer = threading.Timer(options["seconds"], _interrupt)
+    timer.daemon = True
+    timer.start()
     try:
-        tree = ast.parse(script.read_bytes())
-    except (SyntaxError, ValueError, RecursionError):
-        return {"builders": [], "by_hand": False}
-    module = _beside("builders")
-    calls = [builder.call for builder in module.builders(tree)]
-    return {"builders": calls, "by_hand": module.is_by_hand(tree)}
+        exec(compile(script.read_bytes(), str(script), "exec", dont_inherit=True), vars(module))
+    except BaseException as error:
+        if not isinstance(error, SystemExit) or error.code not in (None, 0):
+            raised = _as_data(error, str(script))
+    timer.cancel()
+    os.chdir(script.parent)
+    failed = raised is not None and raised["kind"] not in HARMLESS
+    answer: dict[str, Any] = {"raised": raised, "found": [], "left_out": []}
+    try:
+        answer |= _gathered(module, script.stem, options, whole=failed and not options["lossy"])
+    except BaseException as error:
+        answer["refused"] = f"{type(error).__name__}: {error}"[:500]
+    target.write_text(json.dumps(answer), encoding="utf-8")
+    os._exit(0)  # whatever threads the script has left behind
 
 
 HARMLESS = ("EOFError", "SystemExit", "KeyboardInterrupt")
 """What ends a script that has done what it could: no answer, no time."""
-
-
-def main() -> None:
-    """Run ``gather.py SCRIPT ANSWER OPTIONS`` and end the process."""
-    script, target, options = Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3])
-
-    def answer(data: dict[str, Any]) -> None:
-        target.write_text(json.dumps(data), encoding="utf-8")
-        os._exit(0)  # whatever threads the script has left behind
-
-    if sys.version_info < (3, 11):  # noqa: UP036 - another Python may run this file
-        answer({"refused": f"Python {sys.version.split()[0]} is too old; 3.11 is needed"})
-    module = ModuleType("__main__")
-    module.__dict__.update(__file__=str(script), __builtins__=builtins)
-    sys.modules["__main__"] = module
-    sys.argv = [str(script)]
-    sys.path[0] = str(script.parent)
-    stand_ins = _beside("stand_ins")
-    answers = stand_ins.prepare(str(script.parent))
-    sys.meta_path.insert(0, _Finder())
-    record_of_text = _told_by_text(script)
-
-    def finish(ended_by: dict[str, Any] | None, *, endless: bool) -> None:
-        os.chdir(script.parent)
-        data = {
-            "raised": None if endless else ended_by,
-            "endless": endless,
-            "stand_ins": sorted(set(stand_ins.used)),
-            "answers": answers.count,
-            **record_of_text,
-        }
-        failed = not endless and ended_by is not None and ended_by["kind"] not in HARMLESS
-        try:
-            whole = failed and not options["lossy"]
-            answer({**data, **_gathered(module, script.stem, options, whole=whole)})
-        except BaseException as error:
-            answer({**data, "found": [], "refused": f"{type(error).__name__}: {error}"[:500]})
-
-    # A script that catches every interrupt is held while its systems are gathered.
-    interrupt = _Interrupt(options["seconds"], lambda: finish(None, endless=True))
-    ended_by = _run(script, module, options.get("call"))
-    interrupt.cancel()
-    finish(ended_by, endless=interrupt.happened)
-
 
 if __name__ == "__main__":
     main()

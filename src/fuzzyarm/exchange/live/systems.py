@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity, Span
 from fuzzyarm.base.errors import FuzzyarmError
@@ -140,30 +141,25 @@ def read_script(
     *,
     seconds: float = 60.0,
     python: str | os.PathLike[str] | None = None,
-    call: str | None = None,
     points: bool = False,
     lossy: bool = False,
     strict: bool = False,
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
     """Run a script in a separate process and return the fuzzy systems that it makes.
 
-    The script is run as ``python SCRIPT`` does it, in its own folder, without a terminal, windows,
-    servers or devices: a stand-in that does nothing takes the place of their modules, and of those
-    that are not installed. ``input()`` is answered with 1, what the script prints or saves as a
-    figure is dropped. It can do whatever its user may do: run only what you trust.
+    The script is run as ``python SCRIPT`` does it, with what is installed, in its own folder,
+    without a terminal and windows; what it prints is dropped. It can do whatever its user may do:
+    run only what you trust.
 
     Parameters
     ----------
     path : path-like
         A Python script.
     seconds : float
-        Time for the script; what it imports takes 30 s more, at most.
+        Time for the script, after which it is interrupted.
     python : path-like, optional
         Another interpreter (3.11 or newer), for libraries that cannot be installed beside
         fuzzyarm; this one by default.
-    call : str, optional
-        A function, a class or a `Class.method` of the script that is called when it has run, with
-        1 for each argument that it demands; or a call with its arguments, as `fan(20, "low")`.
     points, lossy, strict : bool
         As for :func:`from_live`, and for :func:`fuzzyarm.exchange.formats.read`. `lossy` also
         takes what a script has made before it failed and not yet used.
@@ -185,7 +181,7 @@ def read_script(
     script = Path(path).resolve()
     with script.open("rb"):  # a clear error before any process
         pass
-    options = {"seconds": seconds, "call": call, "points": points, "lossy": lossy, "strict": strict}
+    options = {"seconds": seconds, "points": points, "lossy": lossy, "strict": strict}
     try:
         data, last_words = _answer(script, os.fspath(python or sys.executable), options)
     except ScriptError as error:
@@ -194,17 +190,37 @@ def read_script(
     systems = tuple(_system(record, lossy=lossy, strict=strict) for record in data["found"])
     if systems:
         return systems, diagnostics
-    if data.get("refused"):
-        raise ScriptError(f"{os.fspath(path)}: {data['refused']}", last_words, diagnostics)
-    raise ScriptError(f"{os.fspath(path)}: no fuzzy system found", _what_to_do(data), diagnostics)
+    reason, hint = data.get("refused", "no fuzzy system found"), last_words
+    raise ScriptError(
+        f"{os.fspath(path)}: {reason}", hint if "refused" in data else _NOTHING, diagnostics
+    )
 
+
+_NOTHING = (
+    "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful, a Rule "
+    "of fuzzylogic or a system of pyit2fls must be there when the script has run: call what builds "
+    "it at the end; functions such as interp_membership leave no object that holds rules"
+)
 
 _HINTS = {
-    "EOFError": "input() is answered with 1: write the value into the script",
-    "ModuleNotFoundError": "--python names an interpreter that has it",
-    "SystemExit": "a script that needs arguments gets none: --call NAME calls a function of it",
+    "EOFError": "input() has no answer: write the value into the script",
+    "SystemExit": "the script gets no arguments: write the values into it",
 }
 """What helps against some exceptions of a script."""
+
+_PACKAGES = {
+    "cv2": "opencv-python", "fuzzylite": "pyfuzzylite", "PIL": "Pillow", "RPi": "RPi.GPIO",
+    "serial": "pyserial", "skfuzzy": "scikit-fuzzy", "sklearn": "scikit-learn", "yaml": "PyYAML",
+}  # fmt: skip
+"""Packages that are called otherwise than their module."""
+
+
+def _hint(raised: Mapping[str, Any]) -> str:
+    missing = re.match(r"No module named '(\w+)", raised["message"])
+    if missing is None or raised["kind"] != "ModuleNotFoundError":
+        return _HINTS.get(raised["kind"], "")
+    package = _PACKAGES.get(missing[1], missing[1])
+    return f"pip install {package} ; --python names another interpreter that has it"
 
 
 def _about_script(
@@ -215,55 +231,30 @@ def _about_script(
     What had been made before a script ended early is taken, with a warning.
     """
     findings = Findings(path, lossy=lossy, strict=strict)
-    if names := data.get("stand_ins"):
-        message = f"a stand-in that does nothing took the place of {', '.join(names)}"
-        findings.warn("stand-in", message)
-    if times := data.get("answers"):
-        message = f"input() was answered with 1, {times} {'time' if times == 1 else 'times'}"
-        findings.loss("answered-input", message, slight=True)
     has_systems = bool(data["found"])
     so_far = "; what it had made by then is taken" if has_systems else ""
-    raised = data.get("raised")
-    if data.get("endless"):
+    raised = data["raised"]
+    say = partial(findings.loss, slight=True) if has_systems else findings.error
+    if raised and raised["kind"] == "KeyboardInterrupt":
         message = f"the script has not ended within {seconds:g} s{so_far}"
-        findings.loss("endless-script", message, hint="--seconds gives it more", slight=has_systems)
+        say("endless-script", message, hint="--seconds gives it more")
     elif raised and not (has_systems and raised["kind"] == "SystemExit"):
         line, column = max(1, raised["line"]), max(1, raised["column"])
         at = Span(line, column, line, column + 1) if raised["line"] else NOWHERE
-        what = f"'{raised['called']}'" if raised.get("called") else "the script"
         detail = f": {raised['message']}" if raised["message"] else ""
-        message = f"{what} ends with {raised['kind']}{detail}{so_far}"
-        findings.loss(
-            "failed-script", message, at, _HINTS.get(raised["kind"], ""), slight=has_systems
-        )
-    if left_out := data.get("left_out"):
+        message = f"the script ends with {raised['kind']}{detail}{so_far}"
+        say("failed-script", message, at, _hint(raised))
+    if left_out := data["left_out"]:
         message = (
             f"{', '.join(left_out)} had not computed anything before that and may lack rules; "
             "left out"
         )
         findings.warn("failed-script", message, hint="--lossy takes it all the same")
-    diagnostics = findings.all()
-    if findings.failed and not data.get("refused"):
-        name = "does not end" if data.get("endless") else "ends with an error"
-        hint = _what_to_do(data) if data.get("builders") else ""
-        raise ScriptError(f"{path}: the script {name}; nothing is gathered", hint, diagnostics)
-    return diagnostics
-
-
-def _what_to_do(data: Mapping[str, Any]) -> str:
-    """Return what helps where a script has made no system."""
-    if builders := data.get("builders"):
-        names = ", ".join(builders[:6]) + (", …" if len(builders) > 6 else "")
-        return f"--call NAME calls what would build one: {names}"
-    if data.get("by_hand"):
-        return (
-            "the script computes by itself, with interp_membership and the like: its rules are in "
-            "no object; a ControlSystem of skfuzzy.control would hold them"
+    if findings.failed and "refused" not in data:
+        raise ScriptError(
+            f"{path}: the script ends early; nothing is gathered", diagnostics=findings.all()
         )
-    return (
-        "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful, a "
-        "Rule of fuzzylogic or a system of pyit2fls must be there when the script has run"
-    )
+    return findings.all()
 
 
 def _system(objects: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
@@ -288,61 +279,33 @@ def _system(objects: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
 _MEASURING = gather.MEASURING + 60.0
 """Seconds for what comes after the script, before the process is ended from outside."""
 
-_LAST_WORDS = 2000
-"""Characters of the errors' end that are kept of a script that dies."""
-
 
 def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """Run the script and return what the process has gathered, and the end of its errors."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
-        target = Path(folder) / "answer.json"
-        words = [python, os.fspath(gather.__file__), str(script), str(target), json.dumps(options)]
-        process = subprocess.Popen(
-            words,
-            cwd=script.parent,
-            env=_environment(),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            start_new_session=True,
-        )
-        assert process.stderr is not None
-        tail = bytearray()
-        reader = threading.Thread(target=_read_tail, args=(process.stderr, tail), daemon=True)
-        reader.start()
-        try:
-            process.wait(options["seconds"] + gather.LOADING + gather.GRACE + _MEASURING)
-        except subprocess.TimeoutExpired:
-            pass
-        finally:
-            _end(process)
-        reader.join(1.0)
-        last_words = tail.decode(errors="replace").strip().rpartition("\n")[2]
+        target, errors = Path(folder) / "answer.json", Path(folder) / "errors"
+        with errors.open("wb") as stream:
+            process = subprocess.Popen(
+                [python, gather.__file__, str(script), str(target), json.dumps(options)],
+                cwd=script.parent,
+                env=os.environ | {"MPLBACKEND": "Agg", "PYTHONIOENCODING": "utf-8"},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=stream,
+                start_new_session=True,
+            )
+            try:
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(options["seconds"] + _MEASURING)
+            finally:
+                _end(process)
+        last_words = errors.read_text("utf-8", "replace").strip().rpartition("\n")[2][-2000:]
         try:
             return json.loads(target.read_text(encoding="utf-8")), last_words
         except (OSError, ValueError):
             status = process.returncode
             how = f"signal {-status}" if status < 0 else f"status {status}"
             raise ScriptError(f"its process ended with {how}", last_words) from None
-
-
-def _environment() -> dict[str, str]:
-    """Return an environment in which nothing can open a window."""
-    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    return environment | {
-        "MPLBACKEND": "Agg",
-        "QT_QPA_PLATFORM": "offscreen",
-        "SDL_VIDEODRIVER": "dummy",
-        "BROWSER": "true",
-        "PYTHONIOENCODING": "utf-8",
-    }
-
-
-def _read_tail(stream: IO[bytes], tail: bytearray) -> None:
-    with suppress(OSError, ValueError), stream:
-        while part := stream.read1(65536):  # type: ignore[attr-defined]
-            tail += part
-            del tail[:-_LAST_WORDS]
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
