@@ -75,8 +75,8 @@ Rooms, each with public names of its own; every one imports only those before it
     inference           Inference: memberships, norms, defuzzifiers, the engines and the trace
                         of one inference.
     table               Lookup tables: the table, the compiler that fills it, and its files.
-    plant               Plants: the protocol, the two-link arm of the study and its
-                        trajectories, shipped ones.
+    plant               Plants: the protocol, the two-link arm of the study with its
+                        trajectories, shipped plants.
     control             The closed loop: control laws, and runs of them on a plant.
     proof               Proofs: of a rule base at every point, and of a controller in its
                         loop.

@@ -1,8 +1,7 @@
-"""Plants: the protocol, the two-link arm of the study and its trajectories, shipped ones.
+"""Plants: the protocol, the two-link arm of the study with its trajectories, shipped plants.
 
-Angles are degrees where people write them (trajectories, errors) and radians inside;
-everything else is SI. See ``docs/explanation/arm.md`` and ``docs/reference/plants.md`` for the
-equations.
+Angles are degrees in the notation of people (trajectories, errors) and radians inside; everything
+else is SI. The equations are in ``docs/explanation/arm.md`` and ``docs/reference/plants.md``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Plants of other packages: python-control, Gymnasium, FMUs; and python-control systems of ours.
+"""Plants of other packages: python-control, Gymnasium, FMUs; and the export to python-control.
 
-Each package is imported when it is used; together they are the extra ``plants``.
+Each package is imported on first use; together they are the extra ``plants``.
 """
 
 from __future__ import annotations

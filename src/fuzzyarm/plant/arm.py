@@ -1,4 +1,4 @@
-"""The two-link arm: parameters, equations of motion, integration over a control period, motor."""
+"""The two-link arm: parameters, equations of motion, integration over a control period, motors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzyarm.plant.setting import ArmError, Pair, Pose, Reference, State, pose_of, stored
 from fuzzyarm.symbolic.kernels import kernel
 
-# --- The parameters of the two-link arm, with and without its load ---
+# --- Parameters of the two-link arm, with and without its load ---
 #
 # Symbols, units and values: Tables 3.2.1, 4.3.1.2 and 5.2.2 of the study.
 
@@ -90,21 +90,21 @@ class ArmParameters:
 
 
 UNLOADED = ArmParameters()
-"""The arm as it is (Table 3.2.1)."""
+"""The arm without a load (Table 3.2.1)."""
 
 LOADED = ArmParameters(m_1=3.0, m_2=3.0, x_1=0.15, x_2=0.16, I_1=1.5)
-"""The arm that has picked up its load (Table 4.3.1.2)."""
+"""The arm with its load (Table 4.3.1.2)."""
 
 
 ESTIMATE = ArmParameters(m_1=1.0, m_2=1.0, x_1=0.11, x_2=0.12, I_1=0.05, I_2=0.05, F_1=2.0, F_2=2.0)
-"""What adaptive controllers believe at a warm start (Table 5.2.2)."""
+"""The initial model of adaptive controllers at a warm start (Table 5.2.2)."""
 
 INEXACT = ArmParameters(m_1=1.8, m_2=1.8)
 """The slightly wrong model of Table 4.2.5.2."""
 
 
 def constants(arm: ArmParameters, *, single: bool = False) -> NDArray[np.float64]:
-    """Reduce the arm to the numbers its equations of motion need.
+    """Return the constants of the equations of motion.
 
     Parameters
     ----------
@@ -134,15 +134,14 @@ def constants(arm: ArmParameters, *, single: bool = False) -> NDArray[np.float64
         g * (m_1 * x_1 + m_2 * l_1),
         m_2 * x_2 * g,
     )
-    # The programs wrote the motor inertia as a double literal into their expressions.
+    # The programs had the motor inertia as a double literal: it is not rounded.
     return np.array([*map(hold, values), arm.J_1, arm.J_2])
 
 
 # --- Equations of motion: mass matrix, Coriolis, friction, gravity (equation 3.2.20) ---
 #
-# `τ = (M(θ) + J) θ̈ + V(θ, θ̇) θ̇ + F θ̇ + G(θ)`, all in SI units. The matrix
-# functions take arrays and are for reading and checking; the kernels are what the
-# closed loop runs.
+# `τ = (M(θ) + J) θ̈ + V(θ, θ̇) θ̇ + F θ̇ + G(θ)`, all in SI units. The matrix functions over
+# arrays are for reading and checking; the closed loop runs the kernels.
 
 Vector = NDArray[np.float64]
 
@@ -159,25 +158,25 @@ def model_torque(
     Parameters
     ----------
     motion : Reference
-        Velocity that Coriolis and friction terms multiply, and acceleration.
+        Acceleration, and the velocity that multiplies Coriolis and friction terms.
     velocity : pair of float
-        Velocity inside the Coriolis matrix, rad/s.
+        Velocity in the Coriolis matrix, rad/s.
     pose : Pose
-        Where the model is evaluated.
+        Trigonometric values of the position.
     numbers : sequence of float
-        Holds the nine constants of the model from index `at` on.
+        Constants, the model's nine starting at index `at`.
     at : int
-        See `numbers`.
+        Index of the first one.
 
     Returns
     -------
     pair of float
         Joint torques, N m.
     """
-    # (3.2.20) with P1 … P7 and both motor inertias from numbers[at] on; half of P2 is m₂ l₁ x₂,
-    # by which one joint feels the other. Coriolis terms are products of two velocities, and laws
-    # differ in which: computed torque takes the actual one twice, FFID actual and desired, CDID
-    # actual and reference.
+    # (3.2.20) with P1 … P7 and both motor inertias at numbers[at] and following; half of P2 is
+    # m₂ l₁ x₂, the coupling of the joints. Coriolis terms are products of two velocities, and laws
+    # differ in their choice: computed torque takes the actual one twice, FFID actual and desired,
+    # CDID actual and reference.
     half = 0.5 * numbers[at + 1]
     coupling = numbers[at + 2] + half * pose.cos_2
     a_1, a_2 = motion.acceleration
@@ -204,9 +203,9 @@ def model_torque(
 def joint_acceleration(
     velocity: Pair, torque: Pair, pose: Pose, numbers: list[float], at: int, single: bool
 ) -> Pair:
-    """Evaluate the forward dynamics of an arm whose constants start at `at`; rad/s²."""
-    # (3.2.20) solved for θ̈. The torques that are there without acceleration first; each sum is
-    # rounded as a whole, where the study's programs kept it in a variable.
+    """Evaluate the forward dynamics with the arm's constants at index `at`; rad/s²."""
+    # (3.2.20) solved for θ̈. First the torques at zero acceleration; each sum is rounded as a
+    # whole, where the study's programs stored it in a variable.
     half = 0.5 * numbers[at + 1]
     rest_1 = stored(
         (numbers[at + 3] - numbers[at + 1] * pose.sin_2 * velocity[1]) * velocity[0]
@@ -226,7 +225,7 @@ def joint_acceleration(
     m_22 = stored(numbers[at + 2] + numbers[at + 8], single)
     first = torque[0] - rest_1
     second = torque[1] - rest_2
-    # Cramer's rule; the mass matrix is positive definite, so this is above zero in any pose.
+    # Cramer's rule; the mass matrix is positive definite, so its determinant is positive.
     determinant = m_11 * m_22 - m_12 * m_12
     return (
         stored((first * m_22 - second * m_12) / determinant, single),
@@ -283,7 +282,7 @@ def gravity_torque(arm: ArmParameters, position: ArrayLike) -> Vector:
 def inverse_dynamics(
     arm: ArmParameters, position: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
 ) -> Vector:
-    """Return the torque that moves the arm so; arrays of shape (..., 2), N m."""
+    """Return the torque for a motion; arrays of shape (..., 2), N m."""
     speed = np.asarray(velocity, float)[..., None]
     inertia = mass_matrix(arm, position) @ np.asarray(acceleration, float)[..., None]
     other = (coriolis_matrix(arm, position, velocity) + friction_matrix(arm)) @ speed
@@ -306,7 +305,7 @@ def kinetic_energy(arm: ArmParameters, state: State) -> float:
 
 
 def potential_energy(arm: ArmParameters, state: State) -> float:
-    """Return the energy of height over the base, J."""
+    """Return the potential energy relative to the base, J."""
     p = constants(arm)
     first, second = state.position
     return float(p[5] * np.sin(first) + p[6] * np.sin(first + second))
@@ -316,7 +315,7 @@ def potential_energy(arm: ArmParameters, state: State) -> float:
 
 
 def parameter_vector(arm: ArmParameters) -> NDArray[np.float64]:
-    """Return P1 … P7, shape (7,); motor inertia is not among them."""
+    """Return P1 … P7, shape (7,), without the motor inertias."""
     return constants(arm)[:7]
 
 
@@ -333,8 +332,8 @@ def regressor(
     Returns
     -------
     ndarray, shape (..., 2, 7)
-        Equation 3.2.28; its W12 is taken from the matrix form (3.2.20), because the
-        printed one has the signs and factors of a velocity product wrong.
+        Equation 3.2.28; its W12 is derived from the matrix form (3.2.20), because the printed one
+        has wrong signs and factors in a velocity product.
     """
     q, v, a = np.broadcast_arrays(
         np.asarray(position, float), np.asarray(velocity, float), np.asarray(acceleration, float)
@@ -350,9 +349,9 @@ def regressor(
     return np.stack([np.stack(first, axis=-1), np.stack(second, axis=-1)], axis=-2)
 
 
-# --- One control period of the arm under a constant torque ---
+# --- One control period of the arm under constant torque ---
 #
-# `semi_implicit` is what the study's programs do; `runge_kutta` checks it.
+# `semi_implicit` is the study's integrator; `runge_kutta` checks it.
 
 
 @kernel
@@ -373,7 +372,7 @@ def semi_implicit(
         Before the step.
     torque : pair of float
         N m, constant over the step.
-    pose : Pose
+    Pose of `state`.
         Of `state`.
     numbers, at
         The constants of the arm, see :func:`joint_acceleration`.
@@ -388,9 +387,9 @@ def semi_implicit(
         After the step.
     """
     acceleration = joint_acceleration(state.velocity, torque, pose, numbers, at, single)
-    # The order is the study's: velocity first, then the position with the new one. Together that
-    # moves a joint by v dt + 3/2 a dt², where a constant acceleration would give 1/2. In single
-    # precision a position stands still when the sum is below its last bit.
+    # The study's order: first the velocity, then the position with the new velocity. A joint moves
+    # by v dt + 3/2 a dt², where exact integration gives 1/2. In single precision a position does
+    # not move while the increment is below its last bit.
     v_1 = stored(acceleration[0] * step + state.velocity[0], single)
     v_2 = stored(acceleration[1] * step + state.velocity[1], single)
     q_1 = stored(state.position[0] + v_1 * step + 0.5 * acceleration[0] * step * step, single)
@@ -409,8 +408,8 @@ def runge_kutta(
     single: bool,
 ) -> State:
     """Advance by `parts` classical fourth-order steps; arguments as above."""
-    # Slopes at the start, twice in the middle and at the end of each step, with the torque held
-    # and nothing rounded between: this is what the integrator above is checked against.
+    # Slopes at the start, twice at the midpoint and at the end of each step, with constant torque
+    # and without intermediate rounding: the reference for the integrator above.
     h = step / parts
     now = state
     for _ in range(parts):
@@ -443,7 +442,7 @@ def _moved(state: State, speed: Pair, acceleration: Pair, h: float) -> State:
 
 @kernel
 def _weighted(a: Pair, b: Pair, c: Pair, d: Pair) -> Pair:
-    # Simpson's rule over the step, as the classical method has it.
+    # Simpson weights of the classical method.
     return (
         (a[0] + 2.0 * b[0] + 2.0 * c[0] + d[0]) / 6.0,
         (a[1] + 2.0 * b[1] + 2.0 * c[1] + d[1]) / 6.0,
@@ -453,16 +452,16 @@ def _weighted(a: Pair, b: Pair, c: Pair, d: Pair) -> Pair:
 # --- Direct-current motor with back-EMF: from voltage to joint torque (chapter 6) ---
 
 TORQUE_CONSTANT = 0.066
-"""Of both motors, N m/A, and, in V s/rad, their back-EMF constant."""
+"""Torque constant of both motors, N m/A; equal to their back-EMF constant, V s/rad."""
 
 RESISTANCE = 2.32
-"""Of the armatures, Ω."""
+"""Armature resistance, Ω."""
 
 RATIOS = (80.0, 70.0)
 """Gear ratio N of each joint."""
 
 TORQUE_LIMITS = (55.44, 48.51)
-"""Largest torques that the study's programs name and do not apply, N m."""
+"""Torque limits named but not applied in the study's programs, N m."""
 
 
 @kernel
@@ -472,18 +471,18 @@ def motor_torque(voltage: float, velocity: float, ratio: float) -> float:
     Parameters
     ----------
     voltage : float
-        At the armature, V.
+        Armature voltage, V.
     velocity : float
-        Of the joint, rad/s.
+        Joint velocity, rad/s.
     ratio : float
         N, turns of the motor per turn of the joint.
 
     Returns
     -------
     float
-        At the joint, N m.
+        Joint torque, N m.
     """
-    # The motor turns `ratio` times as fast as the joint; what is left of the voltage drives the
-    # current (the armature's inductance is neglected), and the gears multiply its torque.
+    # The motor turns `ratio` times as fast as the joint; the voltage minus the back-EMF drives the
+    # current (armature inductance neglected), and the gears multiply its torque.
     back_emf = TORQUE_CONSTANT * (velocity * ratio)
     return (voltage - back_emf) * TORQUE_CONSTANT / RESISTANCE * ratio

@@ -25,41 +25,41 @@ from fuzzyarm.plant.plant import (
 from fuzzyarm.plant.setting import RunArithmetic
 
 RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
-"""Outputs that are the rate of another, by the names that people give them."""
+"""Outputs that are rates of others, by their usual names."""
 
 
 # --- From python-control ---
 
 
 def is_control_system(thing: Any) -> bool:
-    """Whether a thing is an input/output system of python-control, which need not be installed."""
+    """Whether an object is a system of python-control, which need not be installed."""
     return all(hasattr(thing, name) for name in ("ninputs", "noutputs", "input_labels", "dt"))
 
 
 class ControlPlant(Plant):
     """A python-control system as a plant.
 
-    A continuous system is moved by Runge-Kutta steps of fourth order with its inputs held, a
-    discrete one by its own equation, at its own period. What passes straight from an input to an
-    output is the input of the period before: a controller never sees what it causes at once.
+    A continuous system is integrated by fourth-order Runge-Kutta steps with constant inputs, a
+    discrete one by its own difference equation and period. Direct feedthrough uses the input of the
+    period before, which avoids an algebraic loop.
 
     Parameters
     ----------
     system : StateSpace, TransferFunction or NonlinearIOSystem
         With at least one input, one output and one state. The labels of its signals are the
-        names of the ports, without brackets; ``u[0]`` alone is ``u``.
+        names of the ports, without brackets; a single ``u[0]`` is ``u``.
     limits : mapping of str to pair of float, optional
-        By input: the limits of the actuator; none by default.
+        Limits of the actuators, by input; none by default.
     start : sequence of float, optional
-        The states at the start; zeros by default.
+        Initial states; zeros by default.
     longest_step : float, optional
-        Of the integrator, s; by default half of the shortest time constant of a linear system,
-        and no limit for a nonlinear one, where a control period is one step.
+        Of the integrator, s; by default half of the shortest time constant of a linear system. A
+        nonlinear system takes one step for each control period.
 
     Raises
     ------
     PlantError
-        If it is not such a system, or an improper transfer function.
+        If the object is no such system, or an improper transfer function.
     MissingExtraError
         If python-control is not installed.
 
@@ -83,7 +83,7 @@ class ControlPlant(Plant):
         system = _with_states(system)
         self.system = system
         self.name = re.sub(r"[^\w+-]+", "", system.name) or "system"
-        # Interpreted, a linear system is two nests of loops; numpy takes ten times as long here.
+        # Linear systems in plain loops: for such sizes NumPy takes ten times as long.
         linear = hasattr(system, "A")
         self._rows = [_rows(getattr(system, matrix)) for matrix in "ABCD"] if linear else []
         self._start = None if start is None else [float(matrix) for matrix in start]
@@ -110,7 +110,7 @@ class ControlPlant(Plant):
             self.longest_step = self.period or math.inf
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
-        """Return the states at the start."""
+        """Return the initial states."""
         return [0.0] * len(self.states) if self._start is None else self._start
 
     def _params(self, p: Sequence[float]) -> dict[str, Any]:
@@ -141,7 +141,7 @@ class ControlPlant(Plant):
 
 
 def _with_states(system: Any) -> Any:
-    """Return a system with states, of a transfer function where it is one."""
+    """Return a system with states, converting a transfer function."""
     demand_extra("control", "plants", "a python-control system")
     import control
 
@@ -153,7 +153,7 @@ def _with_states(system: Any) -> Any:
                 outputs=system.output_labels,
                 name=system.name,
             )
-        except Exception as error:  # of several inputs without slycot, or improper
+        except Exception as error:  # MIMO without slycot, or improper
             message = f"the transfer function has no state space: {error}"
             raise PlantError(message, name=str(system.name)) from error
     if not is_control_system(system) or not hasattr(system, "dynamics"):
@@ -170,14 +170,14 @@ def _with_states(system: Any) -> Any:
 
 
 def _names(labels: Sequence[str]) -> list[str]:
-    """Return the names of ports: ``u[0]`` and ``u[1]`` are ``u0`` and ``u1``, alone it is ``u``."""
+    """Return port names: ``u[0]`` and ``u[1]`` become ``u0`` and ``u1``, a single one ``u``."""
     if len(labels) == 1:
         return [re.sub(r"\[0\]$", "", labels[0])]
     return [re.sub(r"\[(\d+)\]", r"\1", label) for label in labels]
 
 
 def rate_of(name: str, outputs: Sequence[str]) -> str:
-    """Return the output whose rate one is, as their names say, or an empty text."""
+    """Return the output of which another is the rate by their names, or ""."""
     axis, dot, port = name.rpartition(".")
     source = RATES.get(port, "")
     return source if source and axis + dot + source in outputs else ""
@@ -190,7 +190,7 @@ def _rows(matrix: Any) -> list[list[float]]:
 def _product(
     first: list[list[float]], x: Sequence[float], second: list[list[float]], u: Sequence[float]
 ) -> list[float]:
-    """Return ``first x + second u``, each row from left to right."""
+    """Return ``first x + second u``, each row summed from left to right."""
     values = []
     for a, b in zip(first, second, strict=True):
         total = 0.0
@@ -203,7 +203,7 @@ def _product(
 
 
 def _parameters(system: Any) -> dict[str, Parameter | float]:
-    """Return the numbers among the parameters of a system."""
+    """Return the numeric parameters of a system."""
     return {
         name: Parameter(float(value))
         for name, value in system.params.items()
@@ -215,7 +215,7 @@ def _longest_step(system: Any) -> float:
     """Return half of the shortest time constant of a linear system."""
     if not hasattr(system, "A"):
         return math.inf
-    # Classical Runge-Kutta is stable up to |λ| h = 2.78 on the real axis; at ½ it is accurate.
+    # RK4 is stable up to |λ| h = 2.78 on the negative real axis; ½ is accurate.
     fastest = float(np.max(np.abs(np.linalg.eigvals(np.asarray(system.A, float)))))
     return 0.5 / fastest if fastest > 0 else math.inf
 
@@ -226,20 +226,20 @@ def _longest_step(system: Any) -> float:
 def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
     """Return a plant or a controller as text as a discrete-time python-control system.
 
-    Signals are called as ports are, ``axis_port`` where there are several axes; what a controller
-    takes as a reference is ``reference_`` and its name. So ``control.interconnect([plant,
-    controller])`` joins them by name.
+    Signals have the names of ports, ``axis_port`` with several axes; the reference of a controller
+    is ``reference_`` and its name. So ``control.interconnect([plant, controller])`` joins them by
+    name.
 
     Parameters
     ----------
     thing : Plant or ControllerText
-        A plant is sampled: Runge-Kutta steps of fourth order with held inputs, which its limits
-        hold within their range. A controller keeps what it remembers in the states of the
-        system: 0 in the first of them (as by default) starts it anew.
+        A plant is sampled: fourth-order Runge-Kutta steps with held inputs, limited to their
+        range. A controller has its states in those of the system: 0 in the first one (the default)
+        resets it.
     period : float, optional
-        Of a plant, s. A controller has its own.
+        Sampling period of a plant, s. A controller has its own.
     **options
-        Of a controller: ``gains`` and ``single``, see
+        ``gains`` and ``single`` of a controller, see
         :class:`~fuzzyarm.control.controllers.text.ControllerRun`.
 
     Returns
@@ -250,7 +250,7 @@ def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
     Raises
     ------
     PlantError
-        If a plant has no `period`, or is the arm, whose integrator is its own.
+        If a plant has no `period`, or is the arm, which has its own integrator.
     MissingExtraError
         If python-control is not installed.
     """
@@ -270,7 +270,7 @@ def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
 
 
 def signal_name(port: str) -> str:
-    """Return the name of a port as python-control allows it: without dots."""
+    """Return the name of a port for python-control: without dots."""
     return port.replace(".", "_")
 
 
@@ -288,11 +288,11 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
     numbers = numbers_of(plant, (), RunArithmetic())
     parts = max(1, math.ceil(period / plant.longest_step - 1e-9))
     ports = list(interface.inputs.values())
-    # The states of the system: those of the plant, then the last value of each of these.
+    # States of the system: those of the plant, then the last values of slew-limited inputs.
     slewed = [index for index, port in enumerate(ports) if port.slew < math.inf]
 
     def felt(x: Any, u: Any) -> Any:
-        """Hold the inputs within their limits, and near their last values."""
+        """Limit the inputs in range and slew."""
         values = np.array([min(max(v, p.low), p.high) for v, p in zip(u, ports, strict=True)])
         for at, index in enumerate(slewed):
             most = ports[index].slew * period
@@ -330,14 +330,14 @@ def _labels(interface: Any, kind: str) -> list[str]:
 
 
 def _system_of_controller(run: Any, period: float) -> Any:
-    # `run` is a fuzzyarm.control.controllers.text.ControllerRun, which stands above the plants.
+    # `run` is a fuzzyarm.control.controllers.text.ControllerRun, of a room below this one.
     import control
 
     cache: dict[str, Any] = {}
     references, measured = run.references, run.inputs
 
     def period_of(x: Any, u: Any) -> tuple[list[float], tuple[float, ...]]:
-        """Run one period; python-control asks for its outputs and its states apart."""
+        """Run one period; python-control calls for outputs and states separately."""
         key = (np.asarray(x, float).tobytes(), np.asarray(u, float).tobytes())
         if cache.get("key") != key:
             run.state = tuple(float(value) for value in x)

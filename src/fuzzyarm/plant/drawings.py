@@ -1,8 +1,7 @@
-"""How plants are drawn, to scale: a sample of a run as lines, areas, marks and words.
+"""Drawings of plants to scale: a sample of a run as lines, areas, marks and words.
 
-A plant has a method ``draw(scene)`` that returns a :class:`fuzzyarm.base.picture.Drawing`; the
-shipped ones have the functions below. Animations, ``--watch`` and the designer draw what it
-returns.
+A plant has a method ``draw(scene)`` that returns a :class:`fuzzyarm.base.picture.Drawing`; those
+of the shipped plants are below. Animations, ``--watch`` and the designer draw the result.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ __all__ = ["DrawnRun", "PlantScene", "drawing_of", "is_drawn"]
 
 
 class DrawnRun(Protocol):
-    """What is drawn of a run, whole or so far: see :class:`fuzzyarm.control.loop.run.Run`."""
+    """The data of a run for drawing: see :class:`fuzzyarm.control.loop.run.Run`."""
 
     @property
     def outputs(self) -> Mapping[str, NDArray[np.float64]]:
@@ -44,19 +43,19 @@ class DrawnRun(Protocol):
 
     @property
     def loaded(self) -> Sequence[bool]:
-        """Return of each sample whether the arm carries another load than at first."""
+        """Return for each sample whether the load differs from that at the start."""
 
 
 @dataclass(frozen=True)
 class PlantScene:
-    """A sample of a run, to be drawn.
+    """One sample of a run.
 
     Attributes
     ----------
     run : DrawnRun
-        The run, whole or so far.
+        The run, complete or so far.
     index : int
-        Of the sample.
+        Index of the sample.
     """
 
     run: DrawnRun
@@ -67,7 +66,7 @@ class PlantScene:
         return float(self.run.outputs[name][self.index])
 
     def wanted(self, name: str) -> float | None:
-        """Return the reference of an output; None where it is not tracked."""
+        """Return the reference of an output; None if it is not tracked."""
         values = self.run.wanted.get(name)
         return None if values is None else float(values[self.index])
 
@@ -84,12 +83,12 @@ HINT = (
 
 
 def is_drawn(plant: object) -> bool:
-    """Whether a plant has a drawing; the others have curves alone."""
+    """Whether a plant has a drawing; others have curves alone."""
     return getattr(plant, "draw", None) is not None
 
 
 def drawing_of(plant: Plant, scene: PlantScene) -> Drawing | None:
-    """Return what a plant looks like at a sample of a run; None where it has no drawing."""
+    """Return the drawing of a plant at a sample; None without one."""
     if not is_drawn(plant):
         return None
     draw: Any = plant.draw
@@ -111,13 +110,13 @@ def _name(plant: object) -> str:
 # --- The shipped plants ---
 
 LONGEST_TRAIL = 300
-"""Points of the way of the arm's tip."""
+"""Points of the trail of the arm's tip."""
 
 
 def draw_arm(plant: Plant, scene: PlantScene) -> Drawing:
-    """Draw both links, what is wanted in grey, and the way of the tip so far."""
+    """Draw both links, their reference in grey, and the trail of the tip."""
     first = parameter(plant, "l_1").value
-    second = 2.0 * parameter(plant, "x_2").value  # the centre of mass is in the middle
+    second = 2.0 * parameter(plant, "x_2").value  # centre of mass at the middle
     reach = 1.15 * (first + second)
     run, angles = scene.run, ("joint1.position", "joint2.position")
 
@@ -171,7 +170,7 @@ def draw_cartpole(plant: Plant, scene: PlantScene) -> Drawing:
 
 
 def draw_tanks(plant: Plant, scene: PlantScene) -> Drawing:
-    """Draw both tanks with their water, one below the other, levels wanted as marks."""
+    """Draw both tanks with their water, one below the other, reference levels as marks."""
     height, below = 0.35, -0.45
     parts: list[Part] = []
     levels = {name: max(0.0, scene.output(name)) for name in ("level1", "level2")}
@@ -189,7 +188,7 @@ def draw_tanks(plant: Plant, scene: PlantScene) -> Drawing:
 
 
 def draw_beam(plant: Plant, scene: PlantScene) -> Drawing:
-    """Draw the beam at its angle, downhill to positive positions, and the ball on it."""
+    """Draw the beam at its angle, positive positions downhill, and the ball on it."""
     place, angle = scene.output("position"), scene.output("angle")
     along, up = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
 
@@ -212,13 +211,13 @@ def draw_beam(plant: Plant, scene: PlantScene) -> Drawing:
 
 
 SCALE = 5.0
-"""A thermometer begins and ends at multiples of so many degrees."""
+"""Ends of a thermometer are multiples of this, degrees."""
 
 
 def draw_room(plant: Plant, scene: PlantScene) -> Drawing:
     """Draw a thermometer and the heater's power."""
     set_point = scene.wanted("temperature")
-    # Of all samples that there are: the scale of a run that is over never changes.
+    # From all samples: the scale of a completed run never changes.
     curves = (scene.run.outputs, scene.run.wanted)
     temperatures = np.concatenate(
         [curve["temperature"] for curve in curves if "temperature" in curve]

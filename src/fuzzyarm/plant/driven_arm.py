@@ -1,4 +1,4 @@
-"""The arm with its motors as a plant: torque or voltage in, positions and velocities out."""
+"""The arm with its motors as a plant: torques or voltages in, positions and velocities out."""
 
 from __future__ import annotations
 
@@ -60,44 +60,44 @@ from fuzzyarm.symbolic.kernels import kernel
 JOINTS = ("joint1", "joint2")
 
 ERROR_BOUND = 20.0 * math.pi
-"""A tracking error beyond ten turns has diverged, rad."""
+"""Largest tracking error without divergence: ten turns, rad."""
 
 SPEED_BOUND = 1e5
-"""So has a joint faster than this, rad/s."""
+"""Largest joint velocity without divergence, rad/s."""
 
 FARTHEST = 60.0
-"""Largest angle of a way point that is drawn, degrees."""
+"""Largest angle of a random way point, degrees."""
 
 PACES = (15.0, 25.0)
-"""Mean speeds of the longest part of a drawn move, degrees a second; the study's moves have 18 and
-22.5. Faster ones ask for more voltage than the motors have, and tell nothing of a controller."""
+"""Mean speeds of the longest part of a random move, degrees a second; the study's moves have 18 and
+22.5. Faster ones need more voltage than the motors have, and say nothing about a controller."""
 
 UNLIMITED = (math.inf, math.inf)
-"""Torque limits of the study's joints: none."""
+"""The study's joints have no torque limits."""
 
 POSITION = Port("rad", -2 * math.pi, 2 * math.pi, bound=math.inf, error_bound=ERROR_BOUND)
 
 ROOM = 10
-"""Numbers of the states and of the room behind them, see the kernels."""
+"""Numbers of the states and the scratch after them, see the kernels."""
 
 POSES = 4
-"""Outputs behind the ports: cos θ1, sin θ2, cos θ2, cos(θ1 + θ2), which the laws share."""
+"""Outputs after the ports: cos θ1, sin θ2, cos θ2, cos(θ1 + θ2), shared by the laws."""
 
 
 class Arm(Plant):
-    """The two-link arm of the study; its motors take a voltage, or the joints a torque.
+    """The two-link arm of the study, driven by motor voltages or joint torques.
 
     Parameters
     ----------
     arm : ArmParameters, optional
         Masses, lengths, inertias, friction.
     torque_limits : pair of float, optional
-        Of the joints, N m.
+        Joint torque limits, N m.
     inductance : float, optional
-        Of each motor's armature, H; 0 for a current that follows at once.
+        Armature inductance of each motor, H; 0 for an immediate current.
     supply : float, optional
-        Largest voltage at a motor, V. A torque that is asked for is given by the motor, too: its
-        voltage is the one that would make this torque, were there no inductance.
+        Largest motor voltage, V. A commanded torque then passes through the motor, too: as the
+        voltage that would produce it without inductance.
     """
 
     name = "arm"
@@ -126,7 +126,7 @@ class Arm(Plant):
         }
         values = {field.name: getattr(arm, field.name) for field in fields(ArmParameters)}
         self.parameters = {name: Parameter(value, UNITS[name]) for name, value in values.items()}
-        # What is given of the arm holds with its load, too.
+        # Parameters set by the user hold for the loaded arm, too.
         self.loaded_parameters = {
             name: getattr(LOADED, name)
             for name, value in values.items()
@@ -134,7 +134,7 @@ class Arm(Plant):
         }
 
     def _equip(self, torque_limits: Pair, inductance: float, supply: float) -> None:
-        """Give it joints and motors."""
+        """Set the limits of joints and motors."""
         self.torque_limits = torque_limits
         self.inductance = inductance
         self.supply = supply
@@ -148,7 +148,7 @@ class Arm(Plant):
             self.states |= {"i_1": "A", "i_2": "A"}
 
     def with_options(self, options: DriveOptions) -> Self:
-        """Return it with the joints and motors that the options of a run ask for."""
+        """Return the arm with the joints and motors of the run options."""
         limits, inductance, supply = options.torque_limits, options.inductance, options.supply
         if (limits, inductance, supply) == (UNLIMITED, 0.0, math.inf):
             return self
@@ -166,7 +166,7 @@ class Arm(Plant):
         return [cls(), cls(inductance=1e-3)]
 
     def random_trajectory(self, rng: np.random.Generator) -> Trajectory:
-        """Draw two or three way points and a pace."""
+        """Draw two or three way points and a speed."""
         points = np.round(rng.uniform(-FARTHEST, FARTHEST, (int(rng.integers(2, 4)), 2)))
         longest = np.abs(np.diff(points, axis=0, prepend=np.zeros((1, 2)))).max()
         duration = round(max(float(longest / rng.uniform(*PACES)), 1.0), 2)
@@ -174,18 +174,18 @@ class Arm(Plant):
 
     @property
     def arm(self) -> ArmParameters:
-        """Its parameters as the equations have them."""
+        """The parameters of its equations."""
         return ArmParameters(**{name: parameter(self, name).value for name in self.parameters})
 
     def pack(self, driven: Collection[Address], arithmetic: RunArithmetic) -> NDArray[np.float64]:
-        """Return the numbers that the kernels read.
+        """Return the constants of the kernels.
 
         Parameters
         ----------
         driven : collection of (str, str)
-            Axes and ports that the controller drives.
+            Axes and ports driven by the controller.
         arithmetic : RunArithmetic
-            Of the run.
+            Arithmetic of the run.
         """
         powered = [float((joint, "voltage") in driven) for joint in JOINTS]
         limits = [float(limit) for limit in self.torque_limits]
@@ -195,9 +195,10 @@ class Arm(Plant):
     def dynamics(
         self, arithmetic: RunArithmetic, address: Callable[..., int], *, finely: bool
     ) -> Dynamics:
-        """Give the kernel an address; each precision has its own.
+        """Register the kernel; each precision has its own.
 
-        With `finely` the arm moves by Runge-Kutta steps, which check the study's integrator.
+        With `finely` the arm is integrated by Runge-Kutta steps, which check the study's
+        integrator.
         """
         bindings: dict[str, Callable[..., Any]] = {
             "stored": stored_single if arithmetic.single else stored_double
@@ -221,30 +222,28 @@ class Arm(Plant):
 
 # --- Its kernels ---
 #
-# x: q_1, q_2, v_1, v_2, then the currents where there is inductance, then (from ASKED on) what the
-# last driving was asked for and made. y: the first four of x as they are measured, then the pose.
-# u: both torques, both voltages; driving leaves in u[0], u[1] the torques that act. p: see below.
-# clock: time, control period, steps in it of the finer integrator, whether floats are single, and
-# what is to be done.
+# x: q_1, q_2, v_1, v_2, then the currents with inductance, then (from ASKED on) the commanded and
+# the actual torques. y: the measured first four of x, then the pose. u: both torques, both
+# voltages; ACTUATE leaves the joint torques in u[0], u[1]. p: see below. clock: time, control
+# period, steps of the finer integrator, single precision, task.
 #
 # Angles are in rad from the horizontal, velocities in rad/s, torques in N m at the joints, voltages
-# in V at the motors (before the gears), currents in A. A period goes: MEASURE, the controller,
-# ACTUATE (what is asked for becomes torques), loads on u[0] and u[1], ADVANCE. No NaN is made here:
-# the mass matrix can be inverted in every pose. A torque that is not a number passes the limits and
-# makes the state one, at which the loop ends the run.
+# in V at the motors (before the gears), currents in A. A period is: MEASURE, the controller,
+# ACTUATE (commands become torques), loads on u[0] and u[1], ADVANCE. No NaN arises here: the mass
+# matrix is invertible in every pose. A NaN torque passes the limits into the state, and the loop
+# ends the run.
 
 POWERED, LIMITS, MOTOR = PLANT_SIZE, PLANT_SIZE + 2, PLANT_SIZE + 4
-"""Behind the constants of the arm: which motors are driven, the torque limits, and inductance and
-supply of the motors."""
+"""After the constants of the arm: driven motors, torque limits, motor inductance and supply."""
 
 CURRENTS = 4
-"""State from which on the currents stand, where there is inductance."""
+"""First state of the currents, with inductance."""
 
 ASKED, MADE = 6, 8
-"""Torques that were asked for beside the voltages; torques that driving made of both."""
+"""Commanded torques beside the voltages; joint torques made of both."""
 
-# A control period that is longer than the study's is divided, and the motors' torques follow the
-# velocity from step to step, at the voltage of the period.
+# A control period longer than the study's is divided; the motors' torques then follow the velocity
+# from step to step, at constant voltage.
 LONGEST_STEP = STUDY_TIMING.period
 
 FIRST_RATIO, SECOND_RATIO = RATIOS
@@ -254,8 +253,8 @@ FIRST_RATIO, SECOND_RATIO = RATIOS
 def run_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Do what the clock says."""
-    # One address serves all four: a plant is one number in the flat program of the loop.
+    """Run the task in `clock[TASK]`."""
+    # One address for all four tasks: a plant is one number in the program of the loop.
     if clock[TASK] == ADVANCE:
         advance_arm(x, y, u, p, clock)
     elif clock[TASK] == ACTUATE:
@@ -270,9 +269,9 @@ def run_arm(
 def measure_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Give positions, velocities and the pose."""
-    # The pose is part of what is measured: laws, model and equations of motion share its four
-    # values, which cost more than all the rest of a period of the arm.
+    """Measure positions, velocities and the pose."""
+    # The pose is a measurement: laws, model and equations of motion share its four trigonometric
+    # values, the most expensive part of a period of the arm.
     for i in range(4):
         y[i] = x[i]
     y[4], y[5], y[6], y[7] = pose_of((x[0], x[1]))
@@ -282,7 +281,7 @@ def measure_arm(
 def derive_pose(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Give the pose of positions as sensors have them."""
+    """Derive the pose from measured positions."""
     y[4], y[5], y[6], y[7] = pose_of((y[0], y[1]))
 
 
@@ -290,9 +289,9 @@ def derive_pose(
 def drive_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Make the torque of each joint of the torque asked for and that of its motor."""
-    # What was asked for is kept: where a period is divided, the motors' part follows the velocity
-    # from step to step, and loads, which come behind this, are told by their difference from MADE.
+    """Turn torque commands and motor voltages into joint torques."""
+    # The commands are stored: in a divided period the motors' part follows the velocity from step
+    # to step, and loads, added after this, are the difference to MADE.
     x[ASKED], x[ASKED + 1] = u[0], u[1]
     u[0], u[1] = torques_of_motors(x, u, p, clock)
     x[MADE], x[MADE + 1] = u[0], u[1]
@@ -300,9 +299,9 @@ def drive_arm(
 
 @kernel
 def torques_of_motors(x: list[float], u: list[float], p: list[float], clock: list[float]) -> Pair:
-    """Return what acts on the joints: the torques asked for, and those of driven motors."""
-    # τ = k N (V - k ω N)/R for each motor that is driven by a voltage (equation 3.3.3 without L).
-    # Every sum is rounded to the precision of the run: the study's programs stored floats.
+    """Return the joint torques: commands plus those of driven motors."""
+    # τ = k N (V - k ω N)/R for each motor driven by a voltage (equation 3.3.3 without L). Every sum
+    # is rounded to the precision of the run: the study's programs stored floats.
     single = clock[IN_SINGLE] != 0.0
     first, second = x[ASKED], x[ASKED + 1]
     if p[POWERED] != 0.0:
@@ -325,9 +324,9 @@ def torques_later(x: list[float], u: list[float], p: list[float], clock: list[fl
 def drive_armatures(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Make the torque of each joint with motors that have inductance or a supply that ends."""
-    # The supply bounds the sum of all that is asked of a motor, so a torque is turned into the
-    # voltage that would make it, and both motors are driven by voltages from here on.
+    """As `drive_arm`, for motors with inductance or a limited supply."""
+    # The supply limits the total voltage of a motor, so a torque command becomes the voltage that
+    # would produce it; from here on both motors are driven by voltages.
     x[ASKED], x[ASKED + 1] = u[0], u[1]
     u[2] = armature_voltage(u[0], u[2], x[2], FIRST_RATIO, p[POWERED], p[MOTOR + 1])
     u[3] = armature_voltage(u[1], u[3], x[3], SECOND_RATIO, p[POWERED + 1], p[MOTOR + 1])
@@ -339,10 +338,9 @@ def drive_armatures(
 def torques_of_armatures(
     x: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> Pair:
-    """Return the torques of a later step of the same period, and move the currents on.
+    """Return the torques of a later step of the same period, and advance the currents.
 
-    A voltage stands still over the period; an amplifier that is asked for a torque makes up for
-    the back-EMF as it goes.
+    A voltage is constant over the period; an amplifier with a torque command tracks the back-EMF.
     """
     first, second = u[2], u[3]
     if p[POWERED] == 0.0:
@@ -356,7 +354,7 @@ def torques_of_armatures(
 def torques_at(
     x: list[float], first: float, second: float, p: list[float], clock: list[float]
 ) -> Pair:
-    """Return the torques of both motors at their voltages, and move the currents on."""
+    """Return the torques of both motors at their voltages, and advance the currents."""
     single = clock[IN_SINGLE] != 0.0
     step = clock[STEP] / steps_of(clock[STEP])
     one = armature_torque(x, CURRENTS, first, x[2], FIRST_RATIO, p[MOTOR], step)
@@ -366,8 +364,8 @@ def torques_at(
 
 @kernel
 def steps_of(period: float) -> int:
-    """Return into how many steps a control period is divided; the clock has finer ones as well."""
-    # In single precision 0.6 ms are a little more than that.
+    """Return the number of steps in a control period (`clock` has the finer integrator's)."""
+    # In single precision 0.6 ms is slightly more: hence the margin.
     return max(1, math.ceil(period / LONGEST_STEP - 1e-3))
 
 
@@ -375,11 +373,11 @@ def steps_of(period: float) -> int:
 def armature_voltage(
     torque: float, voltage: float, velocity: float, ratio: float, powered: float, supply: float
 ) -> float:
-    """Return the voltage for a torque beside one that is asked for, within the supply.
+    """Return the motor voltage for a torque command beside a voltage command, within the supply.
 
-    Without a voltage of its own the motor gets what makes up for its back-EMF.
+    Without a voltage command the motor gets compensation of its back-EMF.
     """
-    # The torque stands for a current, and this for a voltage across R: V = k ω N + R τ/(k N).
+    # The voltage of a torque is that across R: V = k ω N + R τ/(k N).
     wanted = voltage if powered != 0.0 else TORQUE_CONSTANT * (velocity * ratio)
     return clipped(wanted + torque * RESISTANCE / (TORQUE_CONSTANT * ratio), supply)
 
@@ -394,16 +392,16 @@ def armature_torque(
     inductance: float,
     step: float,
 ) -> float:
-    """Return the mean torque of a motor over a control period, and move its current on.
+    """Return the mean torque of a motor over a control period, and advance its current.
 
-    ``L di/dt + R i = V - k ω N`` (equation 3.3.3), solved for a voltage and a velocity that
-    stand still over the period: no step is too long for it.
+    Exact solution of ``L di/dt + R i = V - k ω N`` (equation 3.3.3) for constant voltage and
+    velocity: stable for any step.
     """
     steady = (voltage - TORQUE_CONSTANT * (velocity * ratio)) / RESISTANCE
     mean = steady
     if inductance > 0.0:
         periods = RESISTANCE * step / inductance
-        # i(t) = steady + away e^(-Rt/L); its mean over the period is what moves the joint.
+        # i(t) = steady + away e^(-Rt/L); the joint sees its mean over the period.
         decay = math.exp(-periods)
         away = x[current] - steady
         mean = steady + away * (1.0 - decay) / periods
@@ -413,8 +411,8 @@ def armature_torque(
 
 @kernel
 def clipped(torque: float, limit: float) -> float:
-    """Bound a torque or a voltage; not a number passes."""
-    # It fails both comparisons; so does the state that it leads to, which ends the run.
+    """Limit a torque or a voltage; NaN passes."""
+    # NaN fails both comparisons; the NaN state that follows ends the run.
     if torque > limit:
         return limit
     if torque < -limit:
@@ -426,8 +424,8 @@ def clipped(torque: float, limit: float) -> float:
 def advance_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Advance by a control period, as the study's programs do; a longer one step by step."""
-    # The pose stands in y already: x has been measured since it moved.
+    """Advance by a control period with the study's integrator; a longer one in several steps."""
+    # The pose in y is current: x was measured after its last change.
     pose = Pose(y[4], y[5], y[6], y[7])
     state = State((x[0], x[1]), (x[2], x[3]))
     step = clock[STEP]
@@ -464,6 +462,6 @@ def advance_arm_finely(
 
 @kernel
 def pushed_torques(x: list[float], u: list[float], p: list[float], clock: list[float]) -> Pair:
-    """Return the torques of a later step, with the loads that were added behind the motors."""
+    """Return the torques of a later step, with the loads added after the motors."""
     first, second = torques_later(x, u, p, clock)
     return first + (u[0] - x[MADE]), second + (u[1] - x[MADE + 1])

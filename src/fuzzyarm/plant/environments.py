@@ -1,4 +1,4 @@
-"""A Gymnasium environment as a plant: observations are measured, the action is driven."""
+"""A Gymnasium environment as a plant: observations are outputs, actions inputs."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ import numpy as np
 from fuzzyarm.base.errors import demand_extra
 from fuzzyarm.plant.plant import Plant, PlantError, Port
 
-# --- Names that an environment itself does not give ---
+# --- Names missing in the environments ---
 
 
 @dataclass(frozen=True)
 class SpaceNames:
-    """What the numbers of an environment are called.
+    """Names of the quantities of an environment.
 
     Attributes
     ----------
     outputs : mapping of str to str
         Name and unit of each observation, in order.
     inputs : mapping of str to Port
-        Of each action, in order; a discrete one has the range that its thresholds divide.
+        Port of each action, in order; a discrete one has a range divided by thresholds.
     rates : mapping of str to str
-        Outputs that are the rate of another.
+        Outputs that are rates of others.
     angles : mapping of str to (str, str)
-        Further outputs: the angle of a cosine and a sine.
+        Additional outputs: the angle of a cosine and a sine.
     """
 
     outputs: Mapping[str, str]
@@ -37,7 +37,7 @@ class SpaceNames:
     angles: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
 
-# The two poles are called as those of the plant `cartpole`, so that a controller runs on all.
+# Both poles have the names of the plant `cartpole`, so that a controller runs on all.
 _POLE = {"v": "x", "omega": "theta"}
 ENVIRONMENTS: dict[str, SpaceNames] = {
     "CartPole": SpaceNames(
@@ -80,20 +80,20 @@ ENVIRONMENTS: dict[str, SpaceNames] = {
 class EnvironmentPlant(Plant):
     """A Gymnasium environment as a plant.
 
-    An episode that ends, ends the run. A limit of time is not an end: the run lasts as long as
-    is asked for, by default as long as the limit says. A number of the action is a port with its
-    limits. One of several choices is made by thresholds, which divide the range of the port
-    evenly: of two choices, the drive's sign decides.
+    The end of an episode ends the run, but not a time limit: the run has the requested duration,
+    by default that of the limit. A continuous action is a port with its limits. A discrete action
+    is chosen by thresholds that divide the range of the port evenly: of two choices, the sign of
+    the drive decides.
 
     Parameters
     ----------
     environment : str or gymnasium.Env
-        An id, as ``CartPole-v1``, or an environment that is made already.
+        An id, as ``CartPole-v1``, or an existing environment.
 
     Raises
     ------
     PlantError
-        If there is no such environment, or its observations or actions are not numbers.
+        If there is no such environment, or its observations or actions are not numeric.
     MissingExtraError
         If Gymnasium is not installed.
 
@@ -133,8 +133,8 @@ class EnvironmentPlant(Plant):
         self._observation: list[float] = []
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
-        """Begin an episode with the seed of the run; return what is observed."""
-        # The generator was made of that seed: `--seed 7` is `env.reset(seed=7)`.
+        """Begin an episode with the seed of the run; return the observation."""
+        # The generator was created from that seed: `--seed 7` is `env.reset(seed=7)`.
         seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
         random_seed = int(rng.integers(2**31))
         observed, _ = self.environment.reset(seed=seed if isinstance(seed, int) else random_seed)
@@ -143,7 +143,7 @@ class EnvironmentPlant(Plant):
         return self._observation
 
     def step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> Sequence[float]:
-        """Take one step; return what is observed."""
+        """Take one step; return the observation."""
         if self._period is not None and not math.isclose(dt, self._period, rel_tol=1e-6):
             raise PlantError(
                 f"{self.name} steps every {self._period:g} s, not every {dt:g} s",
@@ -161,7 +161,7 @@ class EnvironmentPlant(Plant):
 
 
 def made(name: str) -> Any:
-    """Make an environment by its id, without the limit of its time."""
+    """Make an environment by its id, without its time limit."""
     import gymnasium
 
     try:
@@ -172,7 +172,7 @@ def made(name: str) -> Any:
 
 
 def _limit(spec: Any) -> int | None:
-    """Return after how many steps an episode is cut off, as its id says."""
+    """Return the number of steps of an episode by its id."""
     import gymnasium
 
     is_registered = spec is not None and spec.id in gymnasium.registry
@@ -180,7 +180,7 @@ def _limit(spec: Any) -> int | None:
 
 
 def _period(unwrapped: Any) -> float | None:
-    """Return the time of a step, s, under the names that environments give it."""
+    """Return the time step, s, under the names used by environments."""
     for name in ("tau", "dt"):
         period = getattr(unwrapped, name, None)
         if isinstance(period, (int, float)) and period > 0:
@@ -208,7 +208,7 @@ def _size(space: Any, name: str) -> int:
 def _actions(
     space: Any, names: SpaceNames, name: str
 ) -> tuple[Callable[[Sequence[float]], Any], dict[str, Port]]:
-    """Return what makes an action of the drives, and the ports that are driven."""
+    """Return a function from drives to an action, and the driven ports."""
     import gymnasium
 
     if isinstance(space, gymnasium.spaces.Discrete):

@@ -1,11 +1,10 @@
 """Equations of a user's plant as machine code, without a compiler: traced into programs.
 
-A plant in plain Python is asked for its rates with symbols in place of numbers. Where it answers
-with arithmetic and functions of :mod:`math`, the answer is an expression, and as a program of
-operations (:mod:`fuzzyarm.symbolic.programs`) it runs in the loop as machine code. What asks a
-symbol for its value (``if x[0] > 0``), and what answers differently when it is asked again, is not
-traced and is called as Python; or compiled by numba, where that is installed and the equations are
-marked as kernels.
+A plant in plain Python is evaluated on symbols instead of numbers. If it uses only arithmetic and
+functions of :mod:`math`, the result is an expression, which runs in the loop as machine code as a
+program of operations (:mod:`fuzzyarm.symbolic.programs`). Equations that branch on a value
+(``if x[0] > 0``), or differ when evaluated again, are not traced but called as Python; or
+compiled by numba, if that is installed and they are marked as kernels.
 """
 
 from __future__ import annotations
@@ -51,31 +50,31 @@ __all__ = [
 
 
 USERS = (Exception, SystemExit)
-"""What a user's code may raise: one that calls ``sys.exit`` does not end the command."""
+"""Exceptions of a user's code; ``sys.exit`` in it must not end the command."""
 
 
 def is_of_package(kind: type) -> bool:
-    """Whether a class, of a plant or of what it is derived from, comes with the package.
+    """Whether the class of a plant, or of its base, belongs to the package.
 
-    The others are a user's, or another package's.
+    Others belong to a user or another package.
     """
     return kind.__module__.startswith("fuzzyarm.")
 
 
 def begins_by_itself(plant: Any) -> bool:
-    """Whether the start of a plant is a user's code, which knows nothing of threads."""
+    """Whether the start of a plant is a user's code, not written for threads."""
     return not type(plant).start.__module__.startswith("fuzzyarm.")
 
 
 class Equations(NamedTuple):
-    """What a plant computes, as programs of time, states, inputs and parameters in a row.
+    """The equations of a plant as programs over time, states, inputs and parameters in a row.
 
     Attributes
     ----------
     rates : array of float
-        Of the states.
+        Rates of the states.
     outputs : array of float or None
-        What is measured; None where it is the first states.
+        Outputs; None if they are the first states.
     """
 
     rates: array[float]
@@ -83,25 +82,25 @@ class Equations(NamedTuple):
 
     @property
     def addresses(self) -> tuple[float, float]:
-        """Where the programs stand, as kernels call them; 0 for none. Good while this lives."""
+        """Addresses of the programs for kernels; 0 for none. Valid while this lives."""
         return _address(self.rates), _address(self.outputs)
 
 
 def _address(program: array[float] | None) -> float:
-    """Return the odd address of a program; a float holds it exactly."""
+    """Return the odd address of a program; a float represents it exactly."""
     return 0.0 if program is None else float(program.buffer_info()[0] + 1)
 
 
 TRACED = "_fuzzyarm_traced"
-"""Under which a plant has the attributes that it was traced with, and what came of it.
+"""Attribute for the result of tracing a plant, with the plant's attributes at that time.
 
-None for attributes: it holds whatever becomes of them, since a run has its addresses. It stands in
-the plant, which need not be hashable (a dataclass is not).
+None for attributes: valid whatever becomes of them, since a run has its addresses. Stored in the
+plant, which need not be hashable (a dataclass is not).
 """
 
 
 def traced(plant: Any) -> Equations | None:
-    """Return the equations of a plant as programs; None where they cannot be traced.
+    """Return the equations of a plant as programs; None if they cannot be traced.
 
     Parameters
     ----------
@@ -119,7 +118,7 @@ def traced(plant: Any) -> Equations | None:
 
 
 def keep_traced(plant: Any) -> None:
-    """Let what a plant is traced to hold for as long as the plant lives, as a run needs it."""
+    """Keep the traced programs for the life of the plant, as a run needs."""
     vars(plant)[TRACED] = None, traced(plant)
 
 
@@ -130,49 +129,49 @@ def _is_alike(
 
 
 def _is_same(before: object, after: object) -> bool:
-    """Whether an attribute is what it was, all the way down."""
+    """Whether an attribute is unchanged, recursively."""
     if before is after:
         return True
     try:
         return pickle.dumps(before) == pickle.dumps(after)
-    except Exception:  # whatever a class of a user raises
+    except Exception:  # user code may raise anything
         return type(before) is type(after)
 
 
 def expressions_of(plant: Any) -> Roots | None:
-    """Return rates and outputs of a plant as expressions; None where they cannot be traced.
+    """Return rates and outputs of a plant as expressions; None if they cannot be traced.
 
     Parameters
     ----------
     plant : Plant
-        Any; one that brings its own kernels, and one with a `step`, has no equations to trace.
+        Any; plants with kernels or with a `step` have no equations to trace.
 
     Returns
     -------
     rates : list of Node
         Over ``t``, the states ``x0`` …, the inputs ``u0`` … and the parameters ``p0`` ….
     outputs : list of Node or None
-        None where they are the first states.
+        None if they are the first states.
     """
     if plant.derivative is None or plant.step is not None or plant.dynamics is not None:
         return None
     seeds = (0, 1) if begins_by_itself(plant) else (0,)
     first, *again = (_begun_roots(apart(plant), seed) for seed in seeds)
-    if first is None or any(first != other for other in again):  # its start draws what they read
+    if first is None or any(first != other for other in again):  # they depend on a random start
         return None
     return first if _agrees(plant, first) else None
 
 
 def has_queue(plant: Any) -> bool:
-    """Return whether a plant keeps a queue, as a delay of its own does."""
+    """Whether a plant keeps a queue, for instance for a delay."""
     plant = apart(plant)
-    plant.start(np.random.default_rng(0))  # many make it there
+    plant.start(np.random.default_rng(0))  # usually created there
     kept = [*vars(plant).values(), *vars(type(plant)).values()]
     return any(isinstance(value, deque | Queue) for value in kept)
 
 
 def _traced(plant: Any) -> Equations | None:
-    # Those of the package are kernels already, or run the code of others (a unit, a system).
+    # Those of the package are kernels, or run foreign code (an FMU, a system).
     if is_of_package(type(plant)):
         return None
     first = expressions_of(plant)
@@ -185,17 +184,17 @@ def _traced(plant: Any) -> Equations | None:
 
 
 _agreed: WeakKeyDictionary[type, set[tuple[Node, ...]]] = WeakKeyDictionary()
-"""What plants of a class are known to be, so that runs with other parameters need not ask again."""
+"""Verified traces of each class, so that runs with other parameters need no verification."""
 
 MOST_AGREED = 1000
-"""Of a class."""
+"""Largest number for a class."""
 
 
 def _agrees(plant: Any, roots: Roots) -> bool:
-    """Whether what was traced has the values of the equations themselves, at points of all sorts.
+    """Whether traced expressions agree with the equations at various points.
 
-    A symbol equals no number, is not a float, and has a remainder of its own sign: where a
-    method asks such things, symbols go another way than numbers do.
+    A symbol equals no number, is not a float, and has a remainder of another sign: code that tests
+    such things treats symbols differently from numbers.
     """
     rates, outputs = roots
     key = (*rates, *(outputs or ()))
@@ -229,7 +228,7 @@ def _is_answer(
 ) -> bool:
     try:
         answers = [float(value) for value in method(t, *map(list, groups))]
-    except USERS:  # beyond what it is made for: the square root of a negative level
+    except USERS:  # outside its domain: the square root of a negative level
         return True
     traced_answers = [evaluate(root, values) for root in roots]
     return all(
@@ -239,7 +238,7 @@ def _is_answer(
 
 
 def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], ...]]:
-    """Yield times, states, inputs and parameters: at rest, at limits, at whole numbers, drawn."""
+    """Yield times, states, inputs and parameters: at rest, at limits, integers, random ones."""
     parameters = [
         float(getattr(parameter, "value", parameter)) for parameter in plant.parameters.values()
     ]
@@ -260,14 +259,14 @@ def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], .
 
 
 Roots = tuple[list[Node], list[Node] | None]
-"""What a plant answers to symbols: its rates, and its outputs where it has a measure."""
+"""The results over symbols: rates, and outputs if the plant has a `measure`."""
 
 
 def _begun_roots(plant: Any, seed: int) -> Roots | None:
-    """Return what a started plant answers; None where it is not an expression, or changes."""
+    """Return the traced results of a started plant; None if not a reproducible expression."""
     try:
         plant.start(np.random.default_rng(seed))
-    except USERS:  # the run says it
+    except USERS:  # the run will raise it
         return None
     before, shared = dict(vars(apart(plant))), _class_attributes(plant)
     rates = _roots(plant.derivative, _names_of(plant), len(plant.states))
@@ -278,11 +277,11 @@ def _begun_roots(plant: Any, seed: int) -> Roots | None:
     is_unchanged = _is_alike(before, vars(plant), _is_same) and shared == _class_attributes(plant)
     return (
         (rates, outputs) if rates is not None and is_unchanged else None
-    )  # what counts is not traced
+    )  # counters are not traced
 
 
 def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
-    """Return what the classes of a user's plant share that may change, as it is now."""
+    """Snapshot the mutable class attributes of a user's plant."""
     contents = {}
     for kind in type(plant).__mro__:
         if not is_of_package(kind):
@@ -298,7 +297,7 @@ PORTS = ("inputs", "outputs", "states", "parameters")
 
 
 def _names_of(plant: Any) -> list[list[str]]:
-    """Return the names of what equations are asked with: the time, states, inputs, parameters."""
+    """Return the names of the arguments of equations: time, states, inputs, parameters."""
     sizes = len(plant.states), len(plant.inputs), len(plant.parameters)
     return [
         ["t"],
@@ -309,20 +308,20 @@ def _names_of(plant: Any) -> list[list[str]]:
 def _roots(
     function: Callable[..., Any], names: Sequence[Sequence[str]], count: int
 ) -> list[Node] | None:
-    """Return what a function answers to symbols; None where it is not an expression of them."""
+    """Return the result of a function over symbols; None if it is not an expression of them."""
     (time,), *groups = names
     arguments = (symbol(time), *([symbol(name) for name in group] for group in groups))
     symbolic = over_symbols(function)
     try:
         first, again = ([as_node(rate) for rate in symbolic(*arguments)] for _ in range(2))
-    except USERS:  # whatever it raises when it meets no numbers
+    except USERS:  # anything may be raised on symbols
         return None
-    # What draws at random, or counts its calls, answers differently.
+    # A function with random numbers or counters differs between two calls.
     return first if first == again and len(first) == count else None
 
 
 def over_symbols(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function that knows the functions of :mod:`math` for symbols, too."""
+    """Return a copy of a function in whose globals :mod:`math` accepts symbols."""
     plain = getattr(function, "__func__", function)
     if not isinstance(plain, FunctionType):
         return function
@@ -368,7 +367,7 @@ def _folded(norm: Callable[..., Any], *values: Any) -> Any:
     return first
 
 
-# --- Kernels of a user, compiled by numba ---
+# --- A user's kernels, compiled by numba ---
 
 
 def has_numba() -> bool:
@@ -405,17 +404,17 @@ def _compiled(
 def compiled_by_numba(
     function: Callable[..., None], types: str, bindings: Mapping[str, Callable[..., Any]]
 ) -> Callable[..., None]:
-    """Return a kernel that numba compiles now, with an address for the loop."""
+    """Compile a kernel by numba, with an address for the loop."""
     return _compiled(function, types, tuple(sorted(bindings.items(), key=lambda pair: pair[0])))
 
 
-# --- What a plant keeps for itself ---
+# --- Attributes of a plant ---
 
 
 def apart(plant: Any) -> Any:
-    """Return a copy of a plant; what is done with it leaves the attributes of the plant alone.
+    """Return a deep copy of a plant, so that the original keeps its attributes.
 
-    What cannot be copied (a lock, a file, a socket) is shared.
+    Attributes that cannot be copied (a lock, a file, a socket) are shared.
     """
     other = copy(plant)
     fill(other, plant)
@@ -423,12 +422,12 @@ def apart(plant: Any) -> Any:
 
 
 def fill(plant: Any, source: Any) -> None:
-    """Give a plant the attributes of another one, copied; it loses its own."""
-    copies = {id(source): plant}  # what refers to the one refers to the other
+    """Replace the attributes of a plant by copies of another's."""
+    copies = {id(source): plant}  # references to the source become references to the plant
     attributes = dict(vars(source))
     vars(plant).clear()
     attributes.pop(TRACED, None)
     for name, value in attributes.items():
         vars(plant)[name] = value
-        with contextlib.suppress(Exception):  # whatever a class of a user raises when it is copied
+        with contextlib.suppress(Exception):  # user classes may fail to copy
             vars(plant)[name] = deepcopy(value, copies)

@@ -18,33 +18,33 @@ from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, parameter
 
 REAL = ("Real", "Float64", "Float32")
-"""Types of variables that are ports; FMI 2 has one, FMI 3 two."""
+"""Types of port variables; FMI 2 has one, FMI 3 two."""
 
 MOST_EVENTS = 100
-"""Iterations of discrete states at the start."""
+"""Largest number of event iterations at the start."""
 
 
 class UnitPlant(Plant):
-    """An FMU as a plant: co-simulation where it has it, otherwise model exchange.
+    """An FMU as a plant: co-simulation if supported, otherwise model exchange.
 
-    In co-simulation the unit moves itself from period to period. In model exchange Runge-Kutta
-    steps of fourth order move its continuous states; units with events are not supported there.
-    Real variables of causality ``input`` and ``output`` are the ports, real parameters the
-    parameters; what passes from an input to an output is the input of the period before.
+    In co-simulation the FMU advances itself from period to period. In model exchange its continuous
+    states are integrated by fourth-order Runge-Kutta steps; events are not supported there. Real
+    variables of causality ``input`` and ``output`` are the ports, real parameters the parameters;
+    direct feedthrough uses the input of the period before.
 
     Parameters
     ----------
     path : str
-        Of the ``.fmu`` file.
+        Path of the ``.fmu`` file.
     longest_step : float, optional
-        Of the communication, or of the integrator, s; a control period by default.
+        Communication or integration step, s; a control period by default.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     PlantError
-        If it is not a unit for this machine that FMPy can run, or has no real input and output.
+        If FMPy cannot run it on this machine, or it has no real input or output.
     MissingExtraError
         If FMPy is not installed.
     """
@@ -104,7 +104,7 @@ class UnitPlant(Plant):
         self.derivative = self._slope
         self.measure = self._measure
 
-    # Copies (of other parameters) and other processes start an instance of their own.
+    # Copies (with other parameters) and other processes start their own instance.
 
     def __copy__(self) -> UnitPlant:
         other = UnitPlant(self.path, longest_step=self.longest_step)
@@ -138,7 +138,7 @@ class UnitPlant(Plant):
         return list(self._states)
 
     def _settle(self, unit: Any) -> None:
-        """Leave the event mode, in which a unit for model exchange begins."""
+        """Leave the event mode, the initial one in model exchange."""
         for _ in range(MOST_EVENTS):
             news = unit.newDiscreteStates if hasattr(unit, "newDiscreteStates") else None
             again = (news or unit.updateDiscreteStates)()[0]
@@ -156,7 +156,7 @@ class UnitPlant(Plant):
             self._free()
             kind = "ModelExchange" if self.exchanges else "CoSimulation"
             self._instance = fmpy.instantiate_fmu(self._folder, self.description, kind)
-        except Exception as error:  # FMPy raises Exception itself, and what the loader raises
+        except Exception as error:  # FMPy raises plain Exception, the loader anything
             message = f"{self.path} cannot be started: {_in_one_line(error)}"
             raise PlantError(message, name=self.name) from error
         weakref.finalize(self, _freed, self._instance)
@@ -170,7 +170,7 @@ class UnitPlant(Plant):
     def _do_step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> Sequence[float]:
         self._of_inputs.write(self._instance, u)
         status = self._instance.doStep(currentCommunicationPoint=t, communicationStepSize=dt)
-        self.ended = bool(status and status[1])  # FMI 3 says whether it is over
+        self.ended = bool(status and status[1])  # FMI 3: termination requested
         return self._of_outputs.read(self._instance)
 
     def _put(self, t: float, x: Any, u: Any) -> Any:
@@ -193,7 +193,7 @@ class UnitPlant(Plant):
 
 
 class _References:
-    """Value references of some variables, by the type under which they are asked."""
+    """Value references of variables, grouped by type for the calls."""
 
     def __init__(self, variables: Sequence[Any]) -> None:
         self._kinds: dict[str, list[int]] = {}
@@ -223,7 +223,7 @@ def _described(path: str) -> Any:
         raise FileNotFoundError(2, "No such file or directory", path)
     try:
         description = fmpy.read_model_description(path)
-    except Exception as error:  # a damaged archive raises whatever its reader does
+    except Exception as error:  # a damaged archive may raise anything
         raise PlantError(f"{path} is not an FMU: {_in_one_line(error)}", name=path) from error
     if description.fmiVersion != "2.0" and not description.fmiVersion.startswith("3."):
         raise PlantError(f"{path} uses FMI {description.fmiVersion}, not 2.0 or 3", name=path)
@@ -244,13 +244,13 @@ def _is_parameter(variable: Any) -> bool:
 
 
 def _in_one_line(error: Exception) -> str:
-    """Return the first sentences of what FMPy says, which may be a list."""
+    """Return the first sentences of an error of FMPy, which may be a list."""
     lines = [line.strip(" -.") for line in str(error).splitlines() if line.strip()]
     return " ".join(lines[:2]) or type(error).__name__
 
 
 def _freed(unit: Any) -> None:
-    """End an instance; a second time nothing happens."""
+    """Free an instance; idempotent."""
     if getattr(unit, "component", None):
         unit.terminate()
         unit.freeInstance()

@@ -1,6 +1,6 @@
-"""What a plant can follow by name, with which outputs, and what it carries along.
+"""Trajectories of a plant by name, their outputs, and the load.
 
-A plant says it of itself: ``trajectories``, ``compared_along``, ``random_trajectory`` and
+The plant declares them: ``trajectories``, ``compared_along``, ``random_trajectory`` and
 ``loaded_parameters`` of :class:`fuzzyarm.plant.Plant`.
 """
 
@@ -37,7 +37,7 @@ class UnknownTrajectoryError(PlantError):
 
 
 def follower_of(trajectory: Trajectory) -> Plant:
-    """Return the plant that follows a trajectory where none is named: the study's arm."""
+    """Return the default plant for a trajectory: the study's arm."""
     return Arm()
 
 
@@ -51,14 +51,14 @@ def trajectory_of(plant: Plant, name: str = "", **options: Any) -> Trajectory:
     name : str, optional
         By default its first one.
     **options
-        Arguments of the function that makes it, as ``segment=1.5``.
+        Arguments of its maker, as ``segment=1.5``.
 
     Raises
     ------
     UnknownTrajectoryError
-        If the plant has none of this name.
+        If the name is unknown.
     ArmError
-        If it does not take what is given, or a number is out of range.
+        If an argument is unknown, or a number out of range.
     """
     names = plant.trajectories
     if not names:
@@ -84,7 +84,7 @@ def _port_words(plant: Plant) -> str:
 
 
 def _arguments_of(make: Callable[..., Trajectory]) -> Iterable[str]:
-    """Return the names of what a function takes; none where it cannot be asked."""
+    """Return the parameter names of a function; none if they cannot be inspected."""
     try:
         return inspect.signature(make).parameters
     except (TypeError, ValueError):
@@ -94,7 +94,7 @@ def _arguments_of(make: Callable[..., Trajectory]) -> Iterable[str]:
 def _made(
     plant: Plant, name: str, make: Callable[..., Trajectory], options: Mapping[str, Any]
 ) -> Trajectory:
-    """Call the function of a trajectory, which may be a user's."""
+    """Call the maker of a trajectory, which may be a user's."""
     try:
         trajectory: Any = make(**options)
     except ArmError:
@@ -109,13 +109,13 @@ def _made(
 
 
 def compared_trajectories(plant: Plant, **options: Any) -> tuple[Trajectory, ...]:
-    """Return those by which controllers are compared and tuned; `given` as trajectories take it."""
+    """Return the trajectories for comparing and tuning; `options` as for their makers."""
     names = plant.compared_along or tuple(plant.trajectories)
     return tuple(trajectory_of(plant, name, **options) for name in names)
 
 
 def shortest_trajectory(plant: Plant) -> str:
-    """Return the name of the trajectory that takes the least time to look at."""
+    """Return the name of the shortest trajectory."""
     return min(plant.trajectories, key=lambda name: trajectory_of(plant, name).duration)
 
 
@@ -150,7 +150,7 @@ def at_rest(plant: Plant) -> dict[Address, float]:
 def way_points(
     plant: Plant, points: Sequence[Point], segment: float = 2.0, hold: float = 0.0
 ) -> Trajectory:
-    """Return a trajectory through way points from where a plant rests; see :func:`through`."""
+    """Return a trajectory from the rest position through way points; see :func:`through`."""
     outputs, resting = interface_of(plant).outputs, at_rest(plant)
     ports = followed(plant, through(points, segment, hold))
     turns = {port: 180.0 / math.pi if outputs[port].unit == "rad" else 1.0 for port in ports}
@@ -159,11 +159,11 @@ def way_points(
 
 
 SMALLEST, LARGEST = 0.5, 1.5
-"""Between what drawn moves and references are scaled."""
+"""Range of the scale factors of random moves and references."""
 
 
 def drawn_trajectory(plant: Plant, rng: np.random.Generator) -> Trajectory:
-    """Draw a trajectory to tune on, as the plant does it, or with ways of another size."""
+    """Draw a trajectory for tuning: the plant's own, or a scaled one."""
     if plant.random_trajectory is not None:
         return plant.random_trajectory(rng)
     trajectories = compared_trajectories(plant)
@@ -175,19 +175,19 @@ def drawn_trajectory(plant: Plant, rng: np.random.Generator) -> Trajectory:
 
 
 def carries(plant: Plant) -> bool:
-    """Whether a plant says what it is with a load; values that were set hold with it, too."""
+    """Whether a plant declares parameters with a load."""
     return plant.loaded_parameters is not Plant.loaded_parameters
 
 
 def with_load(plant: Plant, share: float) -> Plant:
-    """Return a plant that carries some of its load; its parameters change in proportion.
+    """Return a plant with a share of its load; its parameters are interpolated linearly.
 
     Parameters
     ----------
     plant : Plant
         With ``loaded_parameters``.
     share : float
-        0 for nothing, 1 for its load.
+        0 without a load, 1 with the full one.
 
     Raises
     ------
@@ -201,6 +201,6 @@ def with_load(plant: Plant, share: float) -> Plant:
     values = {}
     for name, heavy in plant.loaded_parameters.items():
         light = parameter(plant, name).value
-        # Exact at both ends, where a difference would leave its rounding.
+        # Exact at both ends; a difference would leave its rounding.
         values[name] = (1.0 - share) * light + share * heavy
     return with_parameters(plant, values)

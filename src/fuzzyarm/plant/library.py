@@ -1,19 +1,19 @@
 """The shipped plants besides the arm: servo, cart-pole, coupled tanks, ball and beam, room.
 
-Equations and sources stand in ``docs/reference/plants.md``. Every equation is a kernel and runs as
+Equations and sources are in ``docs/reference/plants.md``. Every equation is a kernel and runs as
 machine code; `x` holds the states, `u` the inputs and `p` the parameters, in the order of the
 mappings.
 
 To add a plant
 --------------
-Add a class with ports, states, parameters and a ``derivative`` that is a kernel, and its name in
-``LIBRARY``. ``longest_step`` is a fraction of the shortest time constant; ``bound`` is where a run
-has diverged. Its picture is a function of :mod:`fuzzyarm.plant.drawings`; how a hand pushes it in
-the designer stands in ``apps/designer/stage.py``. With it come a controller in ``rulebases/``;
-conserved quantities, its equations once more by hand, and the figures of its controller in
-``tests/plant/test_library.py``; equations and source in ``docs/reference/plants.md``. A plant of
-another package is a module beside this one (``environments.py``, ``fmu.py``) and a word in
-``find_plant``. What one plant has and others lack (trajectories, loads) the plant says of itself.
+Add a class with ports, states, parameters and a ``derivative`` that is a kernel, and its name to
+``LIBRARY``. ``longest_step`` is a fraction of the shortest time constant; ``bound`` is the limit
+of divergence. Its picture is a function of :mod:`fuzzyarm.plant.drawings`; pushing it by hand in
+the designer is defined in ``apps/designer/stage.py``. Add a controller to ``rulebases/``;
+conserved quantities, its equations derived independently, and the figures of its controller to
+``tests/plant/test_library.py``; equations and source to ``docs/reference/plants.md``. A plant of
+another package is a module beside this one (``environments.py``, ``fmu.py``) and a prefix in
+``find_plant``. Abilities of one plant (trajectories, loads) are declared by the plant itself.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Motor(Plant):
 
 
 class CartPole(Plant):
-    """A pole that is hinged on a cart, upright at ``theta = 0``; no friction.
+    """A pole hinged on a cart, upright at ``theta = 0``; no friction.
 
     Barto, Sutton and Anderson, "Neuronlike adaptive elements that can solve difficult learning
     control problems", IEEE Transactions on Systems, Man, and Cybernetics 13(5), 1983.
@@ -96,7 +96,7 @@ class CartPole(Plant):
     draw = draw_cartpole
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
-        """Lean a little."""
+        """Return a slightly tilted start."""
         return [0.0, 0.0, parameter(self, "theta_0").value, 0.0]
 
     @staticmethod
@@ -104,7 +104,7 @@ class CartPole(Plant):
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return the rates of both positions and both velocities."""
         # x: x, v, theta, omega; u: f; p: M, m, l, g. The paper's equations without friction;
-        # 4/3 m l² is the moment of inertia of a uniform rod that turns about its end.
+        # 4/3 m l² is the moment of inertia of a uniform rod about its end (its length is 2 l).
         sine, cosine = math.sin(x[2]), math.cos(x[2])
         total = p[0] + p[1]
         force = (u[0] + p[1] * p[2] * x[3] * x[3] * sine) / total
@@ -144,18 +144,18 @@ class Tanks(Plant):
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return the rates of both levels."""
         # x: both levels; u: pump; p: A, a, k, g.
-        # An empty tank gives nothing; a step of the integrator may look a little below empty.
+        # An empty tank has no outflow; a step of the integrator may probe slightly below empty.
         first = p[1] * math.sqrt(2.0 * p[3] * max(x[0], 0.0))
         second = p[1] * math.sqrt(2.0 * p[3] * max(x[1], 0.0))
         return (p[2] * u[0] - first) / p[0], (first - second) / p[0]
 
 
 class BallAndBeam(Plant):
-    """A ball that rolls on a beam; the rate at which the beam turns is driven.
+    """A ball rolling on a beam; the turning rate of the beam is driven.
 
     ``(1 + 2/5) r'' = r θ'² - g sin θ`` for a solid ball (Hauser, Sastry and Kokotović, IEEE
-    Transactions on Automatic Control 37(3), 1992), with the angle counted so that a positive one
-    rolls the ball to positive positions.
+    Transactions on Automatic Control 37(3), 1992), with the sign of the angle chosen so that a
+    positive one rolls the ball to positive positions.
     """
 
     name = "ball-and-beam"
@@ -186,7 +186,7 @@ class BallAndBeam(Plant):
 
 
 class Room(Plant):
-    """A heated room: air and walls as two stores of heat, cold outside.
+    """A heated room: air and walls as two heat capacities, cold outside.
 
     ``C_a T' = P - (T - W)/R_w - (T - out)/R_l``, ``C_w W' = (T - W)/R_w - (W - out)/R_o``.
     """
@@ -212,7 +212,7 @@ class Room(Plant):
     draw = draw_room
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
-        """Begin with air and walls at one temperature."""
+        """Start with air and walls at one temperature."""
         return [parameter(self, "T_0").value] * 2
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Plants by name: shipped ones, and those in a Python file of the user's."""
+"""Plants by name: shipped ones, and those in a user's Python file."""
 
 from __future__ import annotations
 
@@ -44,26 +44,25 @@ PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
 """Every shipped plant by its name."""
 
 ENVIRONMENT = "gym:"
-"""Before the id of a Gymnasium environment."""
+"""Prefix of a Gymnasium id."""
 
 
 def find_plant(name: str | os.PathLike[str] | object) -> Plant:
-    """Make a plant from a name or a file, or of a thing that stands for one.
+    """Make a plant from a name, a file or an object.
 
     Parameters
     ----------
     name : str, path-like or object
-        A shipped plant; ``FILE.py`` or ``FILE.py:NAME``, a class of the user's or a
-        python-control system, where the file is executed; ``gym:NAME``, a Gymnasium environment;
-        ``FILE.fmu``. Or what such a file may hold: a class, an object with the attributes of a
-        plant, a python-control system.
+        A shipped plant; ``FILE.py`` or ``FILE.py:NAME``, a user's class or a python-control
+        system, with the file executed; ``gym:NAME``, a Gymnasium environment; ``FILE.fmu``. Or the
+        object itself: a class, an object with the attributes of a plant, a python-control system.
 
     Raises
     ------
     PlantError
-        If there is no such plant, or it is not complete.
+        If there is no such plant, or it is incomplete.
     MissingExtraError
-        If the package of another's plant is not installed.
+        If the package of a foreign plant is not installed.
     """
     if not isinstance(name, str | os.PathLike):
         return _plant_of(name)
@@ -83,21 +82,21 @@ def find_plant(name: str | os.PathLike[str] | object) -> Plant:
 
 
 def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -> Plant:
-    """Make a plant that a file names: a shipped one, or one whose code may run.
+    """Make a plant named in a file: a shipped one, or one whose code may run.
 
     Parameters
     ----------
     name : str
-        As a `prove` line or a certificate has it.
+        As in a `prove` line or a certificate.
     named : str, optional
-        The plant of the command line: its file may run.
+        The plant of the command line, whose file may run.
     trust : bool, optional
-        Whether all files may.
+        Whether all files may run.
 
     Raises
     ------
     PlantError
-        If it is code of which only the file says that it should run.
+        If it is code that only the file asks to run.
     """
     if name in PLANTS or trust or (named is not None and _place(name) == _place(named)):
         return find_plant(name)
@@ -106,7 +105,7 @@ def trusted_plant(name: str, named: str | None = None, *, trust: bool = False) -
 
 
 def _place(name: str) -> str:
-    """Return the file of a plant, however it is written."""
+    """Return the canonical file of a plant, for comparison."""
     path = name if name.startswith(ENVIRONMENT) else name.rsplit(".py:", 1)[0]
     path = f"{path}.py" if path != name and not name.startswith(ENVIRONMENT) else path
     return path if path.startswith(ENVIRONMENT) or "\0" in path else os.path.realpath(path)
@@ -115,8 +114,7 @@ def _place(name: str) -> str:
 def own_plant(place: str) -> Plant:
     """Load ``FILE.py`` or ``FILE.py:NAME``.
 
-    A class with ports, states and equations, a plant that is made of one, or a python-control
-    system.
+    A class with ports, states and equations, an instance of one, or a python-control system.
     """
     path, _, class_name = place.partition(":")
     module = executed(path, PlantError)
@@ -134,7 +132,7 @@ def own_plant(place: str) -> Plant:
 
 
 def _made(module: ModuleType, key: str) -> Plant:
-    """Make the plant that a name of a user's file stands for."""
+    """Make the plant of a name in a user's file."""
     path = str(module.__file__)
     thing = getattr(module, key)
     try:
@@ -146,7 +144,7 @@ def _made(module: ModuleType, key: str) -> Plant:
     if not plant.name:
         plant.name = key.lower()
     vars(plant)[HOME] = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
-    require_sound(plant)  # tells what is missing
+    require_sound(plant)  # raises if incomplete
     return plant
 
 
@@ -156,9 +154,9 @@ def plant_again(path: str, source: str, key: str) -> Plant:
 
 
 def named_again(name: str, plant: Plant) -> Plant | None:
-    """Return the plant of a file anew, as a name says it, if a plant is from there; else None.
+    """Reload the plant of a file by its name, if `plant` came from that file; else None.
 
-    No code runs that has not run: it is that of the plant at hand.
+    No new code runs: the text is that of the existing plant.
     """
     module = sys.modules.get(type(plant).__module__)
     home = vars(plant).get(HOME)
@@ -179,7 +177,7 @@ def named_again(name: str, plant: Plant) -> Plant | None:
 
 @cache
 def module_again(path: str, source: str) -> ModuleType:
-    """Execute a text that came from another process, once."""
+    """Execute a text from another process, once."""
     return executed(path, PlantError, source)
 
 
@@ -188,20 +186,20 @@ def _is_class_of(module: ModuleType, value: Any) -> bool:
 
 
 def _is_plant_of(module: ModuleType, value: Any) -> bool:
-    """Whether a value of a file is a plant: a class of the file, or something that is made."""
+    """Whether a value of a file is a plant: a class defined there, or an instance."""
     if not isinstance(value, type):
         return isinstance(value, Plant) or is_control_system(value)
     return value.__module__ == module.__name__ and _moves(value)
 
 
 def _moves(thing: Any) -> bool:
-    """Whether an object or a class has the attributes of a plant, or fields for them."""
+    """Whether an object or a class has the attributes of a plant, or dataclass fields for them."""
     has = hasattr(thing, "outputs") or "outputs" in getattr(thing, "__dataclass_fields__", ())
     return has and (hasattr(thing, "derivative") or hasattr(thing, "step"))
 
 
 def _plant_of(thing: Any) -> Plant:
-    """Return a plant of what stands for one: an object or its class, a python-control system."""
+    """Coerce to a Plant: an object or its class, a python-control system."""
     if is_control_system(thing):
         return ControlPlant(thing)
     if not _moves(thing):
@@ -216,7 +214,7 @@ def _plant_of(thing: Any) -> Plant:
 
 
 def as_plant(thing: Any) -> Plant:
-    """Return a thing with the attributes of a plant as one; it need not be derived from it."""
+    """Return an object with the attributes of a plant as a Plant, derived from it or not."""
     if isinstance(thing, Plant):
         return thing
     kind: Any = type(thing)
@@ -228,32 +226,32 @@ def as_plant(thing: Any) -> Plant:
 
 @cache
 def plant_class(kind: Any) -> type[Plant]:
-    """Return a class as one that is derived from :class:`Plant`."""
+    """Return a class as a subclass of :class:`Plant`."""
     subclass: Any = type(kind.__name__, (kind, Plant), {"__module__": kind.__module__})
     return cast(type[Plant], subclass)
 
 
-# --- Python files of the user's ---
+# --- Python files of users ---
 
 SOURCE = "__fuzzyarm_source__"
-"""Under which a module of a user's file has its text."""
+"""Attribute of a user's module with its text."""
 
 
 OWN = "fuzzyarm_own_"
-"""How the modules of users' files begin; nobody can import them."""
+"""Prefix of the modules of users' files; not importable."""
 
 
 def executed(path: str, fault: Callable[[str], Exception], source: str | None = None) -> ModuleType:
-    """Execute a file and return what it defines; it may import others of its folder.
+    """Execute a file and return its module; it may import others of its folder.
 
     Parameters
     ----------
     path : str
-        Of a Python file.
+        Path of a Python file.
     fault : callable
-        Makes the error of a message that says what went wrong.
+        Makes the error from a message.
     source : str, optional
-        Its text, where the file itself may be on another machine.
+        Its text, if the file may be on another machine.
     """
     if source is None:
         note_source(path)
@@ -261,13 +259,13 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
             source = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as error:
             raise fault(f"{path} is not UTF-8 text") from error
-    else:  # for tracebacks, and for the digests of kernels
+    else:  # for tracebacks and digests of kernels
         linecache.cache[path] = (len(source), None, source.splitlines(keepends=True), path)
-    # By what it says, not by its name alone: two files may both be called mine.py.
+    # Named by content, too: two files may both be called mine.py.
     module = ModuleType(f"{OWN}{Path(path).stem}_{sha256(source.encode()).hexdigest()[:12]}")
     module.__file__ = path
     vars(module)[SOURCE] = source
-    # dataclasses and others look the module of a class up.
+    # Dataclasses and others look the module of a class up in sys.modules.
     sys.modules[module.__name__] = module
     try:
         with _neighbours(os.path.dirname(os.path.abspath(path))):
@@ -278,12 +276,12 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
 
 
 _imported: set[str] = set()
-"""Modules that users' files imported from their folders."""
+"""Modules imported by users' files from their folders."""
 
 
 @contextmanager
 def _neighbours(folder: str) -> Iterator[None]:
-    """Let a file import modules of its folder first, each time anew, as if Python had begun it."""
+    """Let a file import modules of its folder, fresh each time, as when run by Python."""
     for name in _imported:
         sys.modules.pop(name, None)
     _imported.clear()
@@ -293,7 +291,7 @@ def _neighbours(folder: str) -> Iterator[None]:
         yield
     finally:
         sys.path.remove(folder)
-        if folder not in sys.path:  # for imports within functions
+        if folder not in sys.path:  # for imports inside functions
             sys.path.append(folder)
         for name in set(sys.modules) - before:
             file = getattr(sys.modules[name], "__file__", None) or ""
@@ -302,7 +300,7 @@ def _neighbours(folder: str) -> Iterator[None]:
 
 
 def failure(path: str, error: BaseException) -> str:
-    """Say what a user's file raised, and where in it."""
+    """Return the exception of a user's file in words, with its line."""
     if isinstance(error, SyntaxError):
         return f"{path}:{error.lineno}: {error.msg}"
     lines = [
@@ -315,14 +313,14 @@ def failure(path: str, error: BaseException) -> str:
 
 
 def failure_of(thing: object, error: BaseException) -> str:
-    """Say what the class of a thing raised, and where in the file that defines it."""
+    """Return the exception of an object's class in words, with its line."""
     path = getattr(sys.modules.get(type(thing).__module__), "__file__", None) or ""
     return failure(path, error)
 
 
 @contextmanager
 def plain_errors(plant: Plant) -> Iterator[None]:
-    """Make one clear sentence of what a plant in plain Python raises."""
+    """Turn exceptions of a plant in plain Python into one clear sentence."""
     try:
         yield
     except FuzzyarmError:
@@ -334,36 +332,36 @@ def plain_errors(plant: Plant) -> Iterator[None]:
 
 
 BEGUN = "_fuzzyarm_begun"
-"""Under which the plant of a run has itself as it was before any run."""
+"""Attribute of a plant in a run with its state before any run."""
 
 FIRST = "_fuzzyarm_first"
-"""Under which a plant has the states that it starts from in place of its own."""
+"""Attribute of a plant with initial states that replace its own."""
 
 
 def for_runs(plant: Plant) -> Plant:
-    """Return a user's plant as runs have it: a copy, which each start puts back.
+    """Return a copy of a user's plant for runs, reset at each start.
 
-    So a run changes neither the plant of its user nor the next run, whatever it keeps beside its
-    states. A plant of the package begins anew by itself.
+    So a run affects neither the user's object nor the next run, whatever it stores in attributes.
+    Plants of the package reset themselves.
     """
     if is_of_package(type(plant)):
         return plant
     other: Plant = apart(plant)
-    if begins_by_itself(other) or not is_compiled(other):  # else nothing is kept beside its states
+    if begins_by_itself(other) or not is_compiled(other):  # otherwise it has no state outside x
         vars(other)[BEGUN] = apart(plant)
     keep_traced(other)
     return other
 
 
 def starting_at(plant: Plant, states: Sequence[float]) -> Plant:
-    """Return a plant that starts from other states than its own."""
+    """Return a plant with other initial states."""
     other = copy(plant)
     vars(other)[FIRST] = tuple(states)
     return other
 
 
 def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
-    """Return the states of a plant at its start."""
+    """Return the initial states of a plant."""
     begun = vars(plant).get(BEGUN)
     if begun is not None:
         state_kept = {name: vars(plant)[name] for name in (BEGUN, TRACED)}

@@ -1,6 +1,6 @@
-"""A plant of a user's own in plain Python: tried once before it runs, then called from a loop.
+"""A user's plant in plain Python: tried once before it runs, then called from a loop.
 
-What does not fit is said with its line.
+Errors name the line at fault.
 """
 
 from __future__ import annotations
@@ -42,15 +42,15 @@ EXAMPLES = {
 }
 
 ARGUMENTS = {"derivative": "t, x, u, p", "measure": "t, x, u, p", "step": "t, x, u, p, dt"}
-"""Of the equations of a plant, behind ``self``."""
+"""Arguments of a plant's equations after ``self``."""
 
 
 HOME = "_fuzzyarm_home"
-"""Under which a plant of a user's file has where it comes from."""
+"""Attribute of a plant of a user's file with its origin."""
 
 
 class Home(NamedTuple):
-    """Where a plant comes from: a file, its text, a name in it; and its attributes at first."""
+    """Origin of a plant: file, text, name in it; and its initial attributes."""
 
     path: str
     source: str
@@ -62,12 +62,12 @@ class Home(NamedTuple):
 
 
 def require_ports(plant: Plant) -> None:
-    """Raise PlantError where the ports, states or parameters of a plant are not what they are.
+    """Raise PlantError for invalid ports, states or parameters.
 
     Parameters
     ----------
     plant : Plant
-        Of a user's own.
+        A user's plant.
     """
     for what, example in EXAMPLES.items():
         ports = getattr(plant, what)
@@ -104,7 +104,7 @@ def require_ports(plant: Plant) -> None:
 
 
 def _require_rates(plant: Plant) -> None:
-    """Raise PlantError for a rate of what is not an output."""
+    """Raise PlantError for a rate of a port that is not an output."""
     for name, port in plant.outputs.items():
         axis = name.rpartition(".")[0]
         others = [other for other in plant.outputs if other.rpartition(".")[0] == axis]
@@ -118,7 +118,7 @@ def _require_rates(plant: Plant) -> None:
 
 
 def _require_no_slip(plant: Plant) -> None:
-    """Raise PlantError for an attribute that is a misspelt one of those that need not be there."""
+    """Raise PlantError for an attribute that looks like a misspelt optional one."""
     own_classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
     for name, value in [pair for kind in own_classes for pair in vars(kind).items()]:
         options = ["longest_step"]
@@ -130,7 +130,7 @@ def _require_no_slip(plant: Plant) -> None:
 
 
 def _require_followable(plant: Plant) -> None:
-    """Raise PlantError where trajectories or the load of a plant are not what they are."""
+    """Raise PlantError for invalid trajectories or loads."""
     ways: object = plant.trajectories
     hint = 'write  trajectories = {"up": through([(1.0,)], segment=2.0)}'
     if not isinstance(ways, Mapping):
@@ -174,7 +174,7 @@ def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
 
 
 def require_sound(plant: Plant) -> None:
-    """Raise PlantError where a user's plant does not fit: its ports first, then its equations."""
+    """Raise PlantError if a user's plant is invalid: first its ports, then its equations."""
     if not is_of_package(type(plant)):
         require_ports(plant)
         interface_of(plant)
@@ -182,12 +182,12 @@ def require_sound(plant: Plant) -> None:
 
 
 def try_equations(plant: Plant) -> None:
-    """Ask the equations of a plant once, at the start, and raise PlantError if they do not fit.
+    """Evaluate the equations of a plant once at the start; PlantError if they are invalid.
 
     Parameters
     ----------
     plant : Plant
-        Whose ports are sound. Equations that step are not asked: they may not be asked twice.
+        With valid ports. `step` is not tried: it may have side effects.
     """
     if plant.dynamics is not None or plant.step is not None:
         return
@@ -208,7 +208,7 @@ def try_equations(plant: Plant) -> None:
 def _numbers(
     plant: Plant, what: str, ask: Callable[[], Any], ports: Mapping[str, object]
 ) -> list[float]:
-    """Return what a method of a plant gives, one number for each that is wanted."""
+    """Return the result of a method of a plant, one number for each name."""
     try:
         answer = ask()
     except PlantError:
@@ -220,7 +220,7 @@ def _numbers(
     for name, value in zip(ports, answer, strict=True):
         if not _is_number(value):
             raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
-        # Where states are finite, an output of NaN is a lost sample.
+        # With finite states a NaN output is a lost sample.
         is_lost = what == "measure" and bool(plant.states) and math.isnan(value)
         if not math.isfinite(value) and not is_lost:
             hint = "it divides by zero, or takes a root of what is negative"
@@ -231,7 +231,7 @@ def _numbers(
 
 
 def _one_for_each(plant: Plant, what: str, answer: Any, ports: Mapping[str, object]) -> list[float]:
-    """Return what a method of a plant gave as numbers, one for each name."""
+    """Convert the result of a method of a plant to numbers, one for each name."""
     try:
         values = [*map(float, answer)]
     except (TypeError, ValueError):
@@ -260,11 +260,11 @@ def _one_for_each(plant: Plant, what: str, answer: Any, ports: Mapping[str, obje
     raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
 
 
-# --- Called from a loop ---
+# --- Calls from the loop ---
 
 
 def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what advances a plant in plain Python."""
+    """Return a kernel-like function that advances a plant in plain Python."""
     if plant.step is None:
         slope = plant.derivative
         assert slope is not None
@@ -287,7 +287,7 @@ def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
 
 
 def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what measures a plant in plain Python."""
+    """Return a kernel-like function that measures a plant in plain Python."""
     if plant.measure is None:
         return measure_states
     ask = plant.measure
@@ -300,11 +300,11 @@ def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
     return measured
 
 
-# --- What is said ---
+# --- Messages ---
 
 
 def _of_error(plant: Plant, what: str, error: BaseException) -> tuple[str, str]:
-    """Return the message for an error in a method of a plant, and a hint."""
+    """Return message and hint for an exception in a method of a plant."""
     message = f"{type(error).__name__}: {error}"
     names = {
         "x": list(plant.states), "u": list(plant.inputs), "p": list(plant.parameters),
@@ -321,7 +321,7 @@ def _of_error(plant: Plant, what: str, error: BaseException) -> tuple[str, str]:
 
 
 def _user_frame(error: BaseException) -> str:
-    """Return `FILE:LINE: ` of the last line of somebody else that an error went through."""
+    """Return `FILE:LINE: ` of the last foreign line in the traceback."""
     own_folder = str(Path(__file__).parents[1])
     frames = traceback.extract_tb(error.__traceback__)
     places = [f"{f.filename}:{f.lineno}: " for f in frames if not f.filename.startswith(own_folder)]
@@ -335,7 +335,7 @@ def _fault(plant: Plant, what: str, message: str, hint: str = "", place: str = "
 
 
 def place_of(plant: Plant, what: str) -> str:
-    """Return ``FILE:LINE: `` of an attribute of a plant in its text; empty where it has none."""
+    """Return ``FILE:LINE: `` of an attribute in the source of a plant; empty if unknown."""
     classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
     kind = next((base for base in classes if what in vars(base)), type(plant))
     try:
@@ -372,7 +372,7 @@ def _is_number(value: object) -> bool:
 
 
 def _words(value: object) -> str:
-    """Return a value as it is said: its text if that is short, else its kind."""
+    """Return a value in words: its text if short, else its type."""
     text = repr(value)
     return text if len(text) <= 40 else f"a {type(value).__name__}"
 

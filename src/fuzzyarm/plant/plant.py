@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class PlantError(FuzzyarmError, ValueError):
-    """A plant does not fit, or cannot be run; `name` is the port or quantity at fault."""
+    """An invalid plant, or one that cannot run; `name` is the port or quantity at fault."""
 
     def __init__(self, message: str, *, name: str = "", hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -44,28 +44,28 @@ class PlantError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True)
 class Port:
-    """One quantity that a plant takes or gives.
+    """An input or output of a plant.
 
     Parameters
     ----------
     unit : str, optional
-        ``rad`` is shown in degrees.
+        ``rad`` is displayed in degrees.
     low, high : float, optional
-        Of an input: the limits of the actuator. Of an output: the range of the sensor, over
-        which its bits are spread and from which a check judges gains.
+        Of an input: limits of the actuator. Of an output: range of the sensor, which its
+        resolution divides and which scales the judgement of gains.
     slew : float, optional
-        Of an input: the largest change, units for each second.
+        Of an input: largest rate of change, per second.
     start : float, optional
-        Of an input: its value before the first control period, from which a slew begins. By
-        default 0, or the limit next to 0.
+        Of an input: value before the first control period, where slewing begins. By default 0, or
+        the limit nearest to 0.
     rate_of : str, optional
-        Of an output: the port of the same axis whose rate it is. The reference of that rate
-        follows from the reference of the port.
+        Of an output: the port of the same axis whose rate it is. Its reference is the derivative
+        of that port's.
     bound : float, optional
-        Of an output: beyond this magnitude the run has diverged. A value that is not a number is
-        a sensor that fails while all states and drives are finite.
+        Of an output: largest magnitude without divergence. A NaN value is a failed sensor while
+        all states and drives are finite.
     error_bound : float, optional
-        Of an output that follows: beyond this error the run has diverged, too.
+        Of a tracked output: largest error without divergence.
     """
 
     unit: str = "1"
@@ -99,11 +99,11 @@ class Port:
 
     @property
     def idle(self) -> float:
-        """Of an input: its value while nothing drives it; by default 0 or the limit next to 0."""
+        """Value of an input without a drive; by default 0 or the limit nearest to 0."""
         return self.within(0.0 if self.start is None else self.start)
 
     def within(self, value: float) -> float:
-        """Return a value brought into the limits."""
+        """Return a value clamped to the limits."""
         return min(max(value, self.low), self.high)
 
 
@@ -114,11 +114,11 @@ class Parameter:
     Parameters
     ----------
     value : float
-        By default.
+        Default.
     unit : str, optional
         SI; "1" for none.
     meaning : str, optional
-        What it is.
+        Description.
     """
 
     value: float
@@ -128,23 +128,22 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Particulars:
-    """Properties of a plant that brings its own kernels.
+    """Properties of a plant with its own kernels.
 
     Attributes
     ----------
     extra : int
-        Numbers behind its outputs that laws receive although they are not ports.
+        Numbers after its outputs that laws receive although they are not ports.
     room : int
-        Numbers of its states and of the room behind them; 0 for what Runge-Kutta steps need.
+        Size of the state array with scratch; 0 for that of Runge-Kutta steps.
     disturbed : tuple of str
-        Inputs to which loads may be added; all where it is empty.
+        Inputs that accept loads; empty means all.
     options : tuple of str
-        Options of a run that it knows beside those of every plant: ``torque_limits``,
-        ``inductance``, ``supply``; ``conventions``, ``precision``, ``pi``, where its kernels round
-        what they store.
+        Additional run options: ``torque_limits``, ``inductance``, ``supply``; ``conventions``,
+        ``precision``, ``pi`` if its kernels round stored values.
     opponent : tuple of str
-        A shipped linear controller, and its gains: what tuned controllers without rules have to
-        beat.
+        A shipped linear controller with its gains: the benchmark for tuned controllers without
+        rules.
     """
 
     extra: int = 0
@@ -154,11 +153,11 @@ class Particulars:
     opponent: tuple[str, ...] = ()
 
 
-# --- What a user writes ---
+# --- The interface for users ---
 
 
 class Plant:
-    """Base of all plants. One of your own needs `inputs`, `outputs`, `states`, `derivative`.
+    """Base class of plants. Your own needs `inputs`, `outputs`, `states`, `derivative`.
 
     The equations may be a kernel (a function marked with :func:`fuzzyarm.symbolic.kernels.kernel`,
     which runs as machine code) or any plain Python.
@@ -166,28 +165,26 @@ class Plant:
     Attributes
     ----------
     name : str
-        Under which it is reported.
+        Name in reports.
     axis : str
-        Name of its only axis. Where there are several, ports are called ``axis.port``.
+        Name of its only axis. With several axes, ports are called ``axis.port``.
     inputs, outputs : mapping of str to Port
-        What it takes from a controller and what is measured. The first output is tracked where
-        nothing else is asked for.
+        Driven and measured quantities. By default the first output is tracked.
     states : mapping of str to str
         Names and units.
     parameters : mapping of str to Parameter or float
-        In the order in which the equations find them.
+        In the order of the argument `p` of the equations.
     longest_step : float
-        Longest step of the integrator, s; a longer control period is divided.
+        Largest integration step, s; a longer control period is divided.
     duration : float or None
-        Of a run where nothing else is asked for, s.
+        Default duration of a run, s.
     trajectories : mapping of str to Trajectory or callable
-        What it can follow besides references, by name; the first where nothing else is asked
-        for. A function makes one of its arguments ``angles``, ``segment`` and ``hold``, those
-        that it has.
+        Trajectories by name; the first is the default. A maker is called with those of
+        ``angles``, ``segment`` and ``hold`` that it accepts.
     compared_along : tuple of str
-        Trajectories by which controllers are compared and tuned; all where it is empty.
+        Trajectories for comparing and tuning controllers; empty means all.
     loaded_parameters : mapping of str to float
-        Those with the load that it carries where a trajectory says so; others stay.
+        Parameters that differ with the load carried along a trajectory.
     ended : bool
         Set by a plant in plain Python to end the run, as an episode does.
 
@@ -225,11 +222,11 @@ class Plant:
         return one_line(self, f"{self.name}: {ports}")
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
-        """Return the states at the start; zeros by default."""
+        """Return the initial states; zeros by default."""
         return [0.0] * len(self.states)
 
-    # One of these two. `t` is the time, s; `x` the states, `u` the inputs and `p` the parameters,
-    # each in the order of its mapping.
+    # One of the next two. `t` is the time, s; `x` the states, `u` the inputs and `p` the
+    # parameters, each in the order of its mapping.
     derivative: Callable[..., Sequence[float]] | None = None
     """``derivative(t, x, u, p)``: the rate of each state."""
 
@@ -240,20 +237,20 @@ class Plant:
     """``measure(t, x, u, p)``: the outputs; by default the first states."""
 
     random_trajectory: Callable[[np.random.Generator], Trajectory] | None = None
-    """``random_trajectory(rng)``: a move to tune on; by default one to compare along, scaled."""
+    """``random_trajectory(rng)``: a move for tuning; default: one of `compared_along`, scaled."""
 
     draw: Callable[..., Drawing] | None = None
-    """``draw(scene)``: what it looks like at a sample of a run, see
+    """``draw(scene)``: a drawing of a sample of a run, see
     :class:`fuzzyarm.plant.drawings.PlantScene`; by default it has curves alone."""
 
     dynamics: Callable[..., Dynamics] | None = None
-    """Of a plant that brings its own kernels, see :func:`dynamics_of`."""
+    """Maker of its own kernels, see :func:`dynamics_of`."""
 
     particulars: ClassVar[Particulars] = Particulars()
-    """Properties of such a plant."""
+    """Properties of a plant with its own kernels."""
 
     def with_options(self, options: DriveOptions) -> Self:
-        """Return it with the drives that the options of a run ask for."""
+        """Return the plant with the drives of the run options."""
         return self
 
     @classmethod
@@ -263,22 +260,22 @@ class Plant:
 
 
 class DriveOptions(Protocol):
-    """Options of a run about the drives of a plant that has them."""
+    """Run options of a plant with motors."""
 
     @property
     def torque_limits(self) -> tuple[float, float]:
-        """Largest torques, N m."""
+        """Largest joint torques, N m."""
 
     @property
     def inductance(self) -> float:
-        """Of each armature, H."""
+        """Armature inductance, H."""
 
     @property
     def supply(self) -> float:
-        """Largest voltage at a motor, V."""
+        """Largest motor voltage, V."""
 
 
-# --- How controllers see it ---
+# --- The view of controllers ---
 
 Address = tuple[str, str]
 """Axis and port."""
@@ -286,14 +283,14 @@ Address = tuple[str, str]
 
 @dataclass(frozen=True)
 class ReferenceQuantity:
-    """A quantity for which a controller may ask a reference.
+    """A quantity that a controller may use as a reference.
 
     Attributes
     ----------
     of : tuple of str
-        Axis and port of the output whose reference is given.
+        Axis and port of the output.
     order : int
-        0 for that reference, 1 for its rate, 2 for its acceleration.
+        0 for its reference, 1 for the rate, 2 for the acceleration.
     """
 
     of: Address
@@ -311,7 +308,7 @@ class Interface:
     inputs, outputs : mapping
         In the order of the plant's arrays.
     references : mapping
-        What a controller may ask for, in the order of the loop's array.
+        Quantities available as references, in the order of the loop's array.
     """
 
     axes: tuple[str, ...]
@@ -320,7 +317,7 @@ class Interface:
     references: Mapping[Address, ReferenceQuantity]
 
     def port(self, name: str) -> Address:
-        """Return axis and port of an output or input that a user names."""
+        """Return axis and port of an output or input by its name."""
         all_ports = [*self.outputs, *self.inputs]
         ports = [address for address in all_ports if name in (address[1], ".".join(address))]
         if len(ports) == 1:
@@ -333,17 +330,17 @@ class Interface:
         raise PlantError(f"no port '{name}'", name=name, hint=hint)
 
     def every_port(self, name: str) -> list[Address]:
-        """Return the ports that a user means by a name: without an axis those of all axes."""
+        """Return the ports of a name: without an axis those of all axes."""
         same = [output for output in (*self.outputs, *self.inputs) if output[1] == name]
         return same or [self.port(name)]
 
     def label(self, port: Address) -> str:
-        """Return how a port is called: without its axis where there is one only."""
+        """Return the name of a port, without its axis if there is only one."""
         return port[1] if len(self.axes) == 1 else ".".join(port)
 
 
 def interface_of(plant: Plant) -> Interface:
-    """Sort the ports of a plant by axis."""
+    """Group the ports of a plant by axis."""
     _require_complete(plant)
     inputs = {_address(plant, name): port for name, port in plant.inputs.items()}
     outputs = {_address(plant, name): port for name, port in plant.outputs.items()}
@@ -393,7 +390,7 @@ def _require_complete(plant: Plant) -> None:
 
 
 def parameter(plant: Plant, name: str) -> Parameter:
-    """Return a parameter of a plant; PlantError if it has none of this name."""
+    """Return a parameter of a plant; PlantError for an unknown name."""
     parameter = plant.parameters.get(name)
     if parameter is None:
         hint = near_hint(name, plant.parameters)[0]
@@ -401,14 +398,14 @@ def parameter(plant: Plant, name: str) -> Parameter:
     return parameter if isinstance(parameter, Parameter) else Parameter(float(parameter))
 
 
-# --- Kernels: a plant as the loop calls it ---
+# --- Kernels: the calling convention of a plant in the loop ---
 #
-# One kernel takes five arrays: x, the states and behind them room to work in; y, the outputs; u,
-# the inputs; p, the parameters; and the clock, which says what to do, too. States, outputs and
-# inputs are in the units of their ports and states (angles in rad), in the order of the mappings of
-# the plant; parameters are in theirs. Where equations have no value (a root of what is negative, a
-# division by zero) the rate is NaN or infinite, and so are the states from then on: the loop looks
-# at the outputs after every period and ends such a run as one that has diverged.
+# One kernel takes five arrays: x, the states followed by scratch; y, the outputs; u, the inputs; p,
+# the parameters; and the clock, which also holds the task. States, outputs and inputs are in the
+# units of their ports (angles in rad), in the order of the plant's mappings. Where equations are
+# undefined (the root of a negative number, a division by zero) the rate is NaN or infinite, and so
+# are the states from then on: the loop tests the outputs after every period and ends such a run as
+# diverged.
 
 TIME, STEP, PARTS, IN_SINGLE, TASK = range(5)
 """Cells of the clock: time, s; control period, s; steps of the integrator; single precision."""
@@ -416,11 +413,11 @@ TIME, STEP, PARTS, IN_SINGLE, TASK = range(5)
 CLOCK_SIZE = 5
 
 MEASURE, ADVANCE, ACTUATE, DERIVE = range(4)
-"""Tasks: outputs of the states; the states a control period on; of what a controller asks for what
-drives the plant; what follows from outputs as sensors have them."""
+"""Tasks: measure the outputs; advance the states by a control period; turn commands into drives;
+derive further measurements from measured outputs."""
 
 WORK = 3
-"""Numbers of room behind the states, for each state."""
+"""Scratch after the states, numbers for each state."""
 
 
 @dataclass(frozen=True)
@@ -430,17 +427,17 @@ class Dynamics:
     Attributes
     ----------
     address : int
-        Where the loop finds it.
+        Address for calls from the loop.
     actuates : bool
-        Whether it makes its drives itself; otherwise their limits do.
+        Whether it turns commands into drives itself; otherwise the loop limits them.
     extra : int
-        How many numbers it derives, behind the outputs.
+        Number of derived measurements, after the outputs.
     kernel : callable, optional
-        What stands at the address, for a loop into which it is compiled.
+        The kernel itself, to be compiled into a loop.
     bindings : mapping of str to callable
-        What it is bound to.
+        Its bindings.
     ports : tuple of int
-        How many references, outputs (with those that it derives) and inputs it has.
+        Numbers of references, outputs (with derived measurements) and inputs.
     """
 
     address: int
@@ -453,13 +450,13 @@ class Dynamics:
 
 @kernel
 def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
-    """Stand for the equations of a plant, which are bound to this name."""
+    """Stand in for the equations of a plant, to which this name is bound."""
     return (0.0,)
 
 
 @kernel
 def measure(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
-    """Stand for the outputs of a plant, which are bound to this name."""
+    """Stand in for the outputs of a plant, to which this name is bound."""
     return (0.0,)
 
 
@@ -467,7 +464,7 @@ def measure(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[f
 def find_slopes(
     t: float, x: list[float], u: list[float], p: list[float], slopes: list[float]
 ) -> None:
-    """Fill in the rates of the states."""
+    """Evaluate the rates of the states."""
     rates = derivative(t, x, u, p)
     for i in range(len(slopes)):
         slopes[i] = rates[i]
@@ -477,7 +474,7 @@ def find_slopes(
 def measure_states(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Measure the first states."""
+    """Copy the first states to the outputs."""
     for i in range(len(y)):
         y[i] = x[i]
 
@@ -486,7 +483,7 @@ def measure_states(
 def measure_outputs(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Measure what the plant says."""
+    """Evaluate the output function."""
     values = measure(clock[TIME], x[0 : len(x) // 4], u, p)
     for i in range(len(y)):
         y[i] = values[i]
@@ -496,7 +493,7 @@ def measure_outputs(
 def run_plant(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Do what the clock says with a plant of which there are equations."""
+    """Run the task in `clock[TASK]` for an ODE plant."""
     if clock[TASK] == ADVANCE:
         runge_kutta_4(x, y, u, p, clock)
     else:
@@ -512,11 +509,11 @@ def runge_kutta_4(
     #     a = f(t, x)                 b = f(t + h/2, x + h/2 a)
     #     c = f(t + h/2, x + h/2 b)   d = f(t + h, x + h c)
     #
-    # Behind the n states stand those at the start of the step, the weighted slopes, the slopes. One
-    # loop over the states for each slope: all rates are found from the same states, before the
-    # first of them moves.
+    # After the n states: those at the start of the step, the weighted slopes, the slopes. One loop
+    # over the states for each slope: all rates are evaluated at the same states, before any of them
+    # moves.
     n = len(x) // 4
-    states, slope = x[0:n], x[3 * n : 4 * n]  # the equations of a user may count from the end
+    states, slope = x[0:n], x[3 * n : 4 * n]  # slices: a user's equations may index from the end
     h = clock[STEP] / clock[PARTS]
     t = clock[TIME]
     for _ in range(int(clock[PARTS])):
@@ -540,17 +537,17 @@ def runge_kutta_4(
 
 
 ARRAYS = "fffff"
-"""Of a kernel of a plant, see :func:`fuzzyarm.symbolic.kernels.address_of`."""
+"""Signature of a plant's kernel, see :func:`fuzzyarm.symbolic.kernels.address_of`."""
 
 
 @kernel
 def find_slopes_by_program(
     t: float, x: list[float], u: list[float], p: list[float], slopes: list[float]
 ) -> None:
-    """Fill in the rates of the states by a program, whose address stands behind the parameters."""
+    """Evaluate the rates by a program (its address follows the parameters)."""
     behind = len(p) - 2
-    # The time goes over in the array that is filled: kernels make none, and what the program reads
-    # is copied before it writes.
+    # The time is passed in the output array: kernels allocate none, and the program copies its
+    # inputs before it writes.
     slopes[0] = t
     call(int(p[behind]), slopes[0:1], x, u, p[0:behind], slopes)
 
@@ -559,7 +556,7 @@ def find_slopes_by_program(
 def measure_by_program(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Measure what a program says, whose address stands behind that of the rates."""
+    """Evaluate the output program (its address follows the derivative's)."""
     behind = len(p) - 2
     y[0] = clock[TIME]
     call(int(p[behind + 1]), y[0:1], x[0 : len(x) // 4], u, p[0:behind], y)
@@ -587,7 +584,7 @@ def is_traced(plant: Plant) -> bool:
 
 
 def _is_for_numba(plant: Plant) -> bool:
-    """Whether the equations are kernels of a user that numba compiles."""
+    """Whether the equations are a user's kernels for numba."""
     return _is_of_kernels(plant) and not _is_built(plant) and has_numba()
 
 
@@ -607,7 +604,7 @@ BY_PROGRAM: tuple[dict[str, Callable[..., Any]], ...] = (
     {"find_slopes": find_slopes_by_program},
     {"find_slopes": find_slopes_by_program, "measure_states": measure_by_program},
 )
-"""What a plant of traced equations is bound to: without and with outputs of its own."""
+"""Bindings of a traced plant: without and with its own outputs."""
 
 
 def dynamics_of(
@@ -617,18 +614,18 @@ def dynamics_of(
     finely: bool = False,
     address: Callable[..., int] | None = None,
 ) -> Dynamics:
-    """Give the kernel of a plant an address.
+    """Make the kernel of a plant callable by address.
 
     Parameters
     ----------
     plant : Plant
-        Whose equations are kernels.
+        With kernels as equations.
     arithmetic : RunArithmetic
         Of the run.
     finely : bool, optional
-        Whether one with an integrator of its own is to move by Runge-Kutta steps, as all others.
+        Whether a plant with its own integrator uses Runge-Kutta steps instead.
     address : callable, optional
-        Who is asked for the address of a function with bindings; by default
+        Provider of the address of a function with bindings; by default
         :func:`fuzzyarm.symbolic.kernels.address_of`.
     """
     if address is None:
@@ -653,13 +650,13 @@ def _address_in(arithmetic: RunArithmetic) -> Callable[..., int]:
     return address
 
 
-# --- Its numbers ---
+# --- Parameters as numbers ---
 
 
 def numbers_of(
     plant: Plant, driven: Collection[Address], arithmetic: RunArithmetic
 ) -> NDArray[np.float64]:
-    """Return the numbers that the equations of a plant read."""
+    """Return the parameters of a plant as an array for its equations."""
     pack = getattr(plant, "pack", None)
     if pack is not None:
         return np.asarray(pack(driven, arithmetic), float)
@@ -672,7 +669,7 @@ def numbers_of(
 
 
 def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
-    """Return a plant with other actuators; by input, of every axis where none is named."""
+    """Return a plant with other actuators, by input; without an axis those of all axes."""
     if plant.dynamics is not None:
         hint = "the options --limits and --supply bound its torques and voltages"
         raise PlantError(f"the {plant.name} makes its drives itself", name="actuator", hint=hint)
@@ -694,7 +691,7 @@ def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
 
 
 def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:
-    """Return a plant with some parameters changed; what is set holds with its load, too."""
+    """Return a plant with changed parameters, which hold for the loaded plant, too."""
     changed = dict(plant.parameters)
     for name, value in values.items():
         old = parameter(plant, name)

@@ -1,4 +1,4 @@
-"""What an experiment on the arm agrees on: signals, conventions, faults."""
+"""Shared definitions of experiments on the arm: signals, conventions, errors."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.symbolic.kernels import kernel
 
-# --- How a run counts: precision, the constant for π, timing, the load, the maximum ---
+# --- Conventions of a run: precision, the constant for π, timing, the load, the maximum ---
 #
-# `PLAIN` is what one would choose today, and `STUDY` what most of the study's programs did. With
-# either all controllers run alike. The published figures prove that the study counted in three
-# ways (one for the conventional and adaptive controllers, one for the lookup tables, one for the
-# fuzzy controllers without tables); a row that is reproduced runs as it did.
+# `PLAIN` is today's choice, `STUDY` that of most programs of the study. Either runs all controllers
+# alike. The published figures prove that the study used three conventions (for the conventional and
+# adaptive controllers, for the lookup tables, and for the fuzzy controllers without tables); a
+# reproduced row uses its own.
 
 STUDY_PI = 3.142857
-"""The constant that the study's single-precision programs used for π."""
+"""The constant for π in the study's single-precision programs."""
 
 SET_POINT_PERIOD = 0.003
 """Time between two set points in the study, s."""
@@ -29,7 +29,7 @@ ITERATIONS = 5
 
 
 class Timing(NamedTuple):
-    """How often a controller runs, and how long a set point lasts.
+    """The control period, and the duration of a set point.
 
     Attributes
     ----------
@@ -49,31 +49,31 @@ class Timing(NamedTuple):
 
 
 STUDY_TIMING = Timing()
-"""Of laws, which have none of their own."""
+"""Default for laws, which have no timing of their own."""
 
 Precision = Literal["float32", "float64"]
 
 
 @dataclass(frozen=True)
 class Conventions:
-    """How a run counts.
+    """The conventions of a run.
 
     Parameters
     ----------
     name : str
         ``plain`` or ``study``.
     precision : {"float64", "float32"}
-        In which state, references and gains are kept; expressions are evaluated in
-        double precision and rounded when stored.
+        Precision of stored states, references and gains; expressions are evaluated in double
+        precision and rounded when stored.
     pi : float
-        For degrees to radians and back.
+        For conversions between degrees and radians.
     whole_set_points : bool
-        Whether the last set point of a segment gets all its iterations. In the study
-        it gets one and no sample, because time is advanced when a set point is made.
+        Whether the last set point of a segment gets all its iterations. In the study it gets one
+        and no sample, because time advances when a set point is produced.
     load_in_hold : bool
-        Whether a load that is on when a hold begins stays on.
+        Whether a load present at the start of a hold stays on.
     maximum : {"magnitude", "positive"}
-        Error of largest magnitude, sign kept; or the most positive error.
+        Error of largest magnitude, with its sign; or the most positive error.
     """
 
     name: str
@@ -98,20 +98,20 @@ STUDY_CONVENTIONAL = Conventions("study", "float32", STUDY_PI, False, True, "pos
 STUDY_TABLES = Conventions("study", "float32", STUDY_PI, False, True, "magnitude")
 STUDY_DIRECT = Conventions("study", "float64", math.pi, False, False, "magnitude")
 STUDY = STUDY_TABLES
-"""The same for all controllers: single precision, 3.142857 for π, the load on in the hold."""
+"""Common to all controllers: single precision, 3.142857 for π, the load on during the hold."""
 
 
 class RunArithmetic(NamedTuple):
-    """How the programs of a run count.
+    """The arithmetic of the programs of a run.
 
     Attributes
     ----------
     single : bool
         Whether stored values are rounded to single precision.
     pi : float
-        The constant for π, of which some gains are fractions.
+        The constant for π; some gains are fractions of it.
     compiled : bool
-        Whether they run as machine code; addresses of what they call are different then.
+        Whether they run as machine code; addresses of callees differ then.
     """
 
     single: bool = False
@@ -119,11 +119,11 @@ class RunArithmetic(NamedTuple):
     compiled: bool = False
 
     def hold(self, value: float) -> float:
-        """Round as a stored gain is rounded."""
+        """Round a gain for storage."""
         return float(np.float32(value)) if self.single else float(value)
 
 
-# --- What can be wrong with an experiment on the arm ---
+# --- Errors of an experiment on the arm ---
 
 
 class ArmError(FuzzyarmError, ValueError):
@@ -136,9 +136,9 @@ class ArmError(FuzzyarmError, ValueError):
     name : str, optional
         The quantity at fault.
     value : object, optional
-        What was given for it.
+        Its value.
     hint : str, optional
-        What would be right.
+        A valid alternative.
     """
 
     def __init__(
@@ -149,10 +149,10 @@ class ArmError(FuzzyarmError, ValueError):
         self.value = value
 
 
-# --- What goes over the wires between reference, controller and arm ---
+# --- Signals between reference, controller and arm ---
 #
-# Named tuples of pairs, one number per joint: kernels take them in registers, and a
-# controller in plain Python reads `reference.position[0]`.
+# Named tuples of pairs, one number per joint: kernels hold them in registers, and a controller in
+# plain Python reads `reference.position[0]`.
 
 Pair = tuple[float, float]
 """One number per joint."""
@@ -174,7 +174,7 @@ class State(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Cosine of θ1, sine and cosine of θ2, cosine of θ1 + θ2: each is needed many times."""
+    """Cosine of θ1, sine and cosine of θ2, cosine of θ1 + θ2: shared by many expressions."""
 
     cos_1: float
     sin_2: float
@@ -183,7 +183,7 @@ class Pose(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """When a controller is called.
+    """The time base of a controller's call.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ class Clock(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """What a control law is told at each control step."""
+    """The observation of a control law in one control step."""
 
     reference: Reference
     state: State
@@ -209,18 +209,18 @@ class Moment(NamedTuple):
     clock: Clock
 
 
-# What a law and a controller as text find first in their array.
+# The head of the observation of a law or a controller as text.
 PERIOD, LAST, SINGLE = range(3)
 CLOCK = 3
-"""Control period, s; whether this is the last period of a set point; whether what is stored is
-rounded to single precision."""
+"""Control period, s; 1 in the last period of a set point; 1 if stored values are rounded to single
+precision."""
 
 
 @kernel
 def stored(value: float, single: bool) -> float:
-    """Return `value` as a variable of the run's precision would hold it."""
-    # What stands inside one expression stays double, as in the study's programs; kernels call
-    # this where a variable of those held a value.
+    """Round `value` as a variable in the run's precision."""
+    # Values inside an expression stay double, as in the study's programs; kernels call this where
+    # those stored a variable.
     if single:
         return float(np.float32(value))
     return value
@@ -228,22 +228,22 @@ def stored(value: float, single: bool) -> float:
 
 @kernel
 def stored_single(value: float, single: bool) -> float:
-    """Return `value` in single precision; bound to ``stored`` where all runs are single."""
-    # Machine code would go on in single precision without the way back.
+    """Return `value` in single precision; bound to ``stored`` if all runs are single."""
+    # The cast back forces the rounding: machine code would otherwise continue in single precision.
     return float(np.float64(np.float32(value)))
 
 
 @kernel
 def stored_double(value: float, single: bool) -> float:
-    """Return `value`; bound to ``stored`` where all runs are double."""
+    """Return `value`; bound to ``stored`` if all runs are double."""
     return value
 
 
 @kernel
 def pose_of(position: Pair) -> Pose:
     """Evaluate the four trigonometric values of a position."""
-    # Once a control step, for plant, model and regressor alike: all else in them is arithmetic.
-    # Gravity takes cosines, for angles are from the horizontal.
+    # Once in a control step, shared by plant, model and regressor: the rest is arithmetic. Gravity
+    # takes cosines, because angles are measured from the horizontal.
     return Pose(
         math.cos(position[0]),
         math.sin(position[1]),

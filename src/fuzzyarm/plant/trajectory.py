@@ -1,7 +1,7 @@
 """Trajectories: quintic segments from rest to rest, holds and way points (section 4.1).
 
-A plant follows them with the outputs that it says; the load, where there is one, changes its
-parameters at the boundaries of segments.
+A plant follows them with the outputs it declares; a load changes its parameters at the
+boundaries of segments.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from fuzzyarm.plant.setting import (
 # --- Trajectories: quintic segments from rest to rest, holds, way points (section 4.1) ---
 
 LARGEST_ANGLE = 3600.0
-"""Ten turns; more is taken for a slip of the pen, degrees."""
+"""Ten turns; a larger angle is taken as a typing error, degrees."""
 
 LONGEST = 600.0
-"""Longest segment whose time is added up as the study does, s."""
+"""Longest segment with time accumulated as in the study, s."""
 
 Point = tuple[float, ...]
-"""A number for each output that follows: degrees of an angle, else in the unit of the port."""
+"""A number for each following output: degrees for an angle, else the unit of the port."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,17 @@ class Segment:
     Parameters
     ----------
     start, end : tuple of float
-        Of each output that follows: nominal angles in degrees, else in the unit of the port;
-        equal for a hold.
+        Of each following output: nominal angles in degrees, else in the unit of the port; equal
+        for a hold.
     duration : float
         s.
     hold : bool, optional
-        Whether the set point stays where it is.
+        Whether the set point is constant.
 
     Raises
     ------
     ArmError
-        If a number is not finite, or there are not as many at the end as at the start.
+        If a number is not finite, or start and end differ in length.
     """
 
     start: Point
@@ -76,25 +76,25 @@ class Segment:
 
 
 def duration_error(duration: float, hint: str) -> ArmError:
-    """Return the error of a segment that is too short or too long."""
+    """Return the error for a segment that is too short or too long."""
     message = f"a segment of {duration} s is out of range"
     return ArmError(message, name="duration", value=duration, hint=hint)
 
 
 @dataclass(frozen=True, repr=False)
 class Trajectory:
-    """Segments, one after the other.
+    """A sequence of segments.
 
     Parameters
     ----------
     name : str
-        Under which it is reported.
+        Name in reports.
     segments : tuple of Segment
         At least one; all over the same number of outputs.
     loaded : tuple of bool, optional
-        In which segments the plant carries its load when there is one; in none by default.
+        Segments in which the plant carries its load, if any; none by default.
     outputs : tuple of str, optional
-        The outputs that follow, by port; by default the first of each axis of the plant.
+        The following outputs, by port; by default the first of each axis of the plant.
 
     Raises
     ------
@@ -133,7 +133,7 @@ class Trajectory:
 
     @property
     def words(self) -> str:
-        """Where it goes, and how fast."""
+        """Targets and speed in words."""
         moves = [segment for segment in self.segments if not segment.hold]
         ends = ", ".join(f"({', '.join(f'{x:g}' for x in move.end)})" for move in moves)
         times = dict.fromkeys(f"{move.duration:g} s" for move in moves)
@@ -141,7 +141,7 @@ class Trajectory:
         return f"{ends} in {' and '.join(times)}{suffix}"
 
     def scaled(self, scale: float) -> Trajectory:
-        """Return it with ways of another size from where it begins."""
+        """Return the trajectory with moves scaled about its start."""
         begin = self.segments[0].start
 
         def moved(point: Point) -> Point:
@@ -153,20 +153,20 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class SetPoints:
-    """A trajectory, sampled.
+    """A sampled trajectory.
 
     Attributes
     ----------
     time : ndarray, shape (n,)
         Since the start of the run, s.
     position, velocity, acceleration : ndarray, shape (n, k)
-        Of each output that follows: in rad of an angle, else in its unit; by s and s².
+        Of each following output: rad for an angle, else its unit; per s and s².
     iterations : ndarray of int64, shape (n,)
-        Control iterations of each set point.
+        Control periods of each set point.
     segment : ndarray of int64, shape (n,)
         Index of its segment.
     path : ndarray, shape (m, k)
-        Where the trajectory itself is in each of the `m` control iterations.
+        The trajectory itself in each of the `m` control periods.
     """
 
     time: NDArray[np.float64]
@@ -183,21 +183,21 @@ def _moves(points: Sequence[Point], duration: float) -> list[Segment]:
 
 
 def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0) -> Trajectory:
-    """Move there and stay; a load is picked up on arrival.
+    """Return a move to a position and a hold; a load is picked up on arrival.
 
     Parameters
     ----------
     angles : pair of float
-        Where to, degrees.
+        Target, degrees.
     segment : float
-        How long the motion takes, s.
+        Duration of the motion, s.
     hold : float
-        How long it stays, s.
+        Duration of the hold, s.
 
     Returns
     -------
     Trajectory
-        Of a motion and a stay.
+        Of a move and a hold.
     """
     there = Segment((0.0, 0.0), angles, segment)
     rest = Segment(angles, angles, hold, hold=True)
@@ -207,21 +207,21 @@ def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0)
 def reach_return(
     angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0
 ) -> Trajectory:
-    """Move there, pick up the load, come back, stay with it.
+    """Return a move, the move back with the load, and a hold.
 
     Parameters
     ----------
     angles : pair of float
-        Where to, degrees.
+        Target, degrees.
     segment : float
-        How long each motion takes, s.
+        Duration of each motion, s.
     hold : float
-        How long it stays at the end, s.
+        Duration of the final hold, s.
 
     Returns
     -------
     Trajectory
-        Of two motions and a stay.
+        Of two moves and a hold.
     """
     home = (0.0, 0.0)
     segments = (
@@ -233,19 +233,19 @@ def reach_return(
 
 
 def pick_and_place(angles: Pair = (45.0, -45.0), segment: float = 2.0) -> Trajectory:
-    """Move there, come back with the load, put it down; twice.
+    """Return a move and the move back with the load, twice.
 
     Parameters
     ----------
     angles : pair of float
-        Where to, degrees.
+        Target, degrees.
     segment : float
-        How long each motion takes, s.
+        Duration of each motion, s.
 
     Returns
     -------
     Trajectory
-        Of four motions.
+        Of four moves.
     """
     points = [(0.0, 0.0), angles] * 2 + [(0.0, 0.0)]
     return Trajectory(
@@ -260,7 +260,7 @@ TRAJECTORIES: Mapping[str, Callable[..., Trajectory]] = {
     "pick-and-place": pick_and_place,
     "reach": reach,
 }
-"""What the arm can follow by a name; the first is taken by default."""
+"""Trajectories of the arm by name; the first is the default."""
 
 
 def through(
@@ -270,25 +270,25 @@ def through(
     name: str = "way-points",
     start: Point = (),
 ) -> Trajectory:
-    """Move through way points, from rest to rest; a load is picked up at the first.
+    """Return moves through way points, from rest to rest; a load is picked up at the first.
 
     Parameters
     ----------
     points : sequence of tuple of float
-        Of each output that follows: angles in degrees, else in the unit of the port.
+        Of each following output: angles in degrees, else in the unit of the port.
     segment : float, optional
         Duration of each move, s.
     hold : float, optional
-        Time to stay at the last point, s; none by default.
+        Duration of a hold at the last point, s; none by default.
     name : str, optional
         Name of the trajectory.
     start : tuple of float, optional
-        Where the plant rests at first; zeros by default.
+        Initial rest position; zeros by default.
 
     Raises
     ------
     ArmError
-        If there are no points, or a number of them or a time is out of range.
+        If there are no points, or a number or a time is out of range.
 
     Examples
     --------
@@ -311,22 +311,21 @@ def sample(
     timing: Timing = STUDY_TIMING,
     angular: tuple[bool, ...] = (),
 ) -> SetPoints:
-    """Produce the set points of a trajectory.
+    """Sample a trajectory into set points.
 
-    Time starts at zero in each segment and is advanced by the time of a set point (3 ms in the
-    study), in the precision of the run, when a set point has been produced; set points are
-    produced while it does not exceed the duration.
+    Time starts at zero in each segment. After each set point it advances by the set-point time (3
+    ms in the study), in the precision of the run; a segment ends when it exceeds the duration.
 
     Parameters
     ----------
     trajectory : Trajectory
-        What to follow.
+        The trajectory.
     conventions : Conventions
         Precision, π and the last set point of a segment.
     timing : Timing, optional
         The study's by default.
     angular : tuple of bool, optional
-        Of each output that follows whether it is an angle, written in degrees; all by default.
+        Whether each following output is an angle in degrees; all by default.
 
     Returns
     -------
@@ -340,8 +339,8 @@ def sample(
 
     Notes
     -----
-    The study adds its 3 ms up, so that a last bit decides whether a set point falls on the end of
-    a segment; other times are counted, and the end belongs to the segment.
+    The study accumulates its 3 ms, so a last bit decides whether a set point falls on the end of a
+    segment; other times are counted, and the end belongs to the segment.
     """
     angular = angular or (True,) * len(trajectory.segments[0].start)
     for segment in trajectory.segments:
@@ -400,14 +399,14 @@ def _sample_segment(
     number = np.float32 if conventions.single else np.float64
     duration = number(segment.duration)
     if timing.set_point == SET_POINT_PERIOD:
-        # In single precision a step may lose up to 0.4 % at the end of a long segment.
+        # In single precision the accumulated steps may lose up to 0.4 % over a long segment.
         most = int(1.02 * segment.duration / SET_POINT_PERIOD) + 3
         ticks = np.full(most, SET_POINT_PERIOD, number)
         ticks[0] = 0.0
         # cumsum adds one by one in the type of its argument, as the programs did.
         clock = np.cumsum(ticks)
         time = clock[clock <= duration].astype(np.float64)
-    else:  # counted, where the study's programs have nothing to say
+    else:  # counted: outside the range of the study's programs
         count = int(segment.duration / timing.set_point + 1e-9) + 1
         time = _stored(np.arange(count, dtype=np.float64) * timing.set_point, number)
     start, end = (
@@ -418,7 +417,7 @@ def _sample_segment(
     if not conventions.whole_set_points:
         iterations[-1] = 1
     position, velocity, acceleration = _quintic(start, end, float(duration), time[:, None], number)
-    # A set point stands still for its iterations; the trajectory goes on, up to its end.
+    # A set point is constant over its periods; the trajectory moves on, up to its end.
     begin = np.cumsum(iterations) - iterations
     since = np.arange(iterations.sum()) - np.repeat(begin, iterations)
     moments = np.minimum(np.repeat(time, iterations) + since * timing.period, segment.duration)
@@ -450,7 +449,7 @@ def _stored(values: NDArray[np.float64], number: type[np.floating]) -> NDArray[n
     return values.astype(number).astype(np.float64)
 
 
-# --- What is carried where: the load changes the plant at segment boundaries ---
+# --- The load: parameters change at segment boundaries ---
 
 
 def carried(
@@ -460,23 +459,23 @@ def carried(
     segments: Sequence[int] | None = None,
     conventions: Conventions | None = None,
 ) -> tuple[bool, ...]:
-    """Say for each segment whether the plant carries its load.
+    """Return for each segment whether the plant carries its load.
 
     Parameters
     ----------
     trajectory : Trajectory
-        Has its own idea of where a load is carried.
+        Has its own default of loaded segments.
     payload : bool, optional
-        Whether there is a load.
+        Whether there is a load at all.
     segments : sequence of int, optional
-        Carry the load in these segments, counted from 1, instead.
+        Loaded segments instead, counted from 1.
     conventions : Conventions, optional
-        Whether the load stays on in a hold; it does by default.
+        Whether the load stays on during a hold; it does by default.
 
     Raises
     ------
     ArmError
-        If `segments` names one that the trajectory does not have.
+        If `segments` has an invalid number.
     """
     count = len(trajectory.segments)
     if segments is not None:

@@ -98,8 +98,7 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
     body = [*elements, *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
     # The count of numbers, used or not, is part of the identity: its program of operations counts
-    # them
-    # all, and functions with equal text are treated as one.
+    # them all, and functions with equal text are treated as one.
     text = [f"def {name}({arguments}):  # numbers: {len(numbers)}"]
     text += [f"    {line}" for line in head]
     text += ["    for i in range(into.shape[0]):", *(f"        {line}" for line in body)]

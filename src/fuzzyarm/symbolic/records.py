@@ -439,8 +439,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         for kind in self._kinds.values():
             for spelling in chain.from_iterable(text.split(",") for text in kind.names.values()):
                 # As in "dsigmf slope1 inflection1 …": the word, then the parameters in the order of
-                # the other
-                # program, if that differs.
+                # the other program, if that differs.
                 word, *order = spelling.casefold().split()
                 if word not in self.words and not word[0].isdigit():
                     spellings.setdefault(

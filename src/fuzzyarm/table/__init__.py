@@ -1,6 +1,6 @@
 """Lookup tables: the table, the compiler that fills it, and its files.
 
-What a name needs is loaded when the name is used: reading the text of a table
+Names load their modules on first use: reading the text of a table
 (:mod:`fuzzyarm.table.text`) does not load an array library.
 """
 

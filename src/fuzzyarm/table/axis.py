@@ -19,7 +19,7 @@ from fuzzyarm.base.value_kinds import TABLE, OfKind
 from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
 
 SUFFIXES = TABLES
-"""The formats of files that are read back to an identical table."""
+"""File formats that restore an identical table."""
 
 # --- An axis: its levels, its bins, and the cell that a number falls into ---
 
@@ -127,7 +127,7 @@ class Axis:
         return bisect_left(self.thresholds(mode), x)
 
     def cell_range(self, index: int, mode: str = "bins") -> tuple[float, float]:
-        """Return the stretch (from, to] of inputs that cell `index` stands for."""
+        """Return the interval (from, to] of inputs in cell `index`."""
         edges = (-math.inf, *self.thresholds(mode), math.inf)
         return edges[index], edges[index + 1]
 
@@ -151,7 +151,7 @@ def _require_increasing(numbers: tuple[float, ...], what: str) -> None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TableHeader(Plotted, Drawn, OfKind):
-    """The axes of a table, its output, and where it came from.
+    """The axes of a table, its output, and its origin.
 
     Attributes
     ----------
@@ -161,15 +161,15 @@ class TableHeader(Plotted, Drawn, OfKind):
     output : str
         The name of the output.
     low, high : float or None
-        The range of the output, where it is known.
+        The range of the output, if known.
     description : str
         Free text on the output, with the unit.
     rounding : float or None
         The step that the values were rounded to.
     mode : str or None
-        How the table wants to be looked up; None: by bins where it has bins, else nearest.
+        Preferred lookup mode; None: by bins if it has bins, else nearest.
     provenance : tuple of (str, str)
-        What is known of its making, in order: the source file, its hash, the options.
+        Its making, in order: the source file, its hash, the options.
     """
 
     kind_of_value = TABLE
@@ -234,13 +234,13 @@ class TableHeader(Plotted, Drawn, OfKind):
 
     @property
     def default_mode(self) -> str:
-        """How `lookup` works where nothing else is asked for."""
+        """The lookup mode by default."""
         if self.mode is not None:
             return self.mode
         return "bins" if any(axis.bins is not None for axis in self.axes) else "nearest"
 
     def axis(self, name: str) -> Axis:
-        """Return the axis called `name`; raise KeyError if there is none."""
+        """Return the axis `name`; raise KeyError if there is none."""
         for axis in self.axes:
             if axis.name == name:
                 return axis

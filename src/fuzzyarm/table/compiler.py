@@ -29,19 +29,19 @@ if TYPE_CHECKING:
     from fuzzyarm.requests.making import CompileRequest
 
 DEFAULT_LEVELS = 13
-"""Even levels of an input for which neither the file nor the caller asks for others."""
+"""Even levels of an input without levels from file or caller."""
 
 MAX_CELLS = 32_000_000
 """Most cells of a table: 256 MB."""
 
 _LARGE = 1_000_000
-"""Cells from which loading machine code takes less time than it saves."""
+"""Cells from which loading machine code pays off."""
 
 Engine = Callable[[Any], Mapping[str, Any]]
 """From a mapping of inputs to a mapping of outputs."""
 
 _SLAB = 262_144
-"""Cells that are evaluated at a time."""
+"""Cells evaluated at a time."""
 
 Levels = int | Sequence[float]
 """A number of even levels over the range of the input, or the levels themselves."""
@@ -62,19 +62,19 @@ def compile_table(
     Parameters
     ----------
     rulebase : RuleBase or CompileRequest
-        A request alone says all of it. Else the ``lookup`` settings of the rule base say levels,
-        bins and rounding; an input without any gets 13 even levels over its range.
+        A request alone holds all settings. Else the ``lookup`` settings of the rule base define
+        levels, bins and rounding; an input without any gets 13 even levels over its range.
     output : str, optional
-        The output to sample; may be left out if there is only one.
+        The sampled output; may be omitted if there is only one.
     levels : int, sequence of float, or mapping of name to either, optional
         Levels instead of those of the file; their inputs lose the bins of the file.
     rounding : float, optional
         Round the values to multiples of this step, ties to the even multiple; the file's
         by default. 0 for none.
     mode : str, optional
-        The lookup mode that the table is meant for.
+        The intended lookup mode.
     source : str or Path, optional
-        The file of the rule base; its name (not its folder) goes into the provenance.
+        The file of the rule base; its name without the folder goes into the provenance.
     date : str, optional
         Goes into the provenance; left out by default so that compiling is reproducible.
 
@@ -90,7 +90,7 @@ def compile_table(
         If the output is unknown or not named, an input is unbounded without levels, or the
         table would be larger than `MAX_CELLS`.
     FuzzyarmError
-        What the inference raises, for instance where no rule fires.
+        Errors of the inference, for instance where no rule fires.
     """
     if not isinstance(rulebase, OfKind):
         from fuzzyarm.requests.making import CompileRequest
@@ -172,7 +172,7 @@ def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
         for variable in inputs
     ]
     shape = [len(axis.levels) if axis.name in axes_by_name else 1 for axis in axes]
-    # Known axes in the order of the inputs, new ones of length 1, which broadcasting repeats.
+    # Existing axes in the order of the inputs, new ones of length 1, repeated by broadcasting.
     order = [table.names.index(axis.name) for axis in axes if axis.name in axes_by_name]
     whole = [len(axis.levels) for axis in axes]
     spread = np.broadcast_to(table.values.transpose(order).reshape(shape), whole)
@@ -188,7 +188,7 @@ def choose_axes(
 ) -> tuple[Axis, ...]:
     """Return one axis for each input: by `levels`, else by the file, else 13 even levels.
 
-    Of the inputs those that `output` depends on, where it is named.
+    With an `output`, only the inputs on which it depends.
     """
     if not rulebase.inputs:
         raise TableError(f"'{rulebase.name}' has no inputs")
@@ -213,7 +213,7 @@ def choose_axes(
 
 
 def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
-    # Bins belong to the levels of the file: other levels come without them.
+    # Bins belong to the levels of the file: other levels have none.
     bins = None
     if levels is None:
         for axis in rulebase.lookup.axes if rulebase.lookup else ():
@@ -234,7 +234,7 @@ def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
 
 
 def _listed(levels: Any) -> tuple[float, ...]:
-    """Return levels as they are listed, whatever holds them."""
+    """Return levels as a tuple, from any container."""
     if isinstance(levels, str) or not isinstance(levels, Iterable):
         raise wrong_argument("compile_table", "levels", "a whole number or a list", levels)
     return tuple(levels)
@@ -253,7 +253,7 @@ def sample(
     rulebase: RuleBase, output: str, axes: Sequence[Axis], rounding: float | None = None
 ) -> NDArray[np.float64]:
     """Return the inference at every combination of levels, rounded."""
-    # In slabs of the first axis: so it takes little more memory than the table.
+    # In slabs of the first axis, to take little more memory than the table.
     levels = [np.array(axis.levels) for axis in axes]
     values = np.empty([array.size for array in levels])
     rows = max(1, _SLAB // max(1, values[0].size))

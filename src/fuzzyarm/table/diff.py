@@ -1,4 +1,4 @@
-"""What differs between two tables, cell by cell."""
+"""Differences between two tables, cell by cell."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fuzzyarm.table.table import LookupTable
 
 @dataclass(frozen=True, slots=True)
 class CellChange:
-    """One cell whose value differs.
+    """A cell with different values.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class TableDiff:
     before, after : LookupTable
         `after` with its axes in the order of `before` where the names allow that.
     header : tuple of (str, str, str)
-        What differs besides the values: what, before, after.
+        Other differences: field, before, after.
     changes : tuple of CellChange
         In index order; empty where the axes do not match.
     comparable : bool
@@ -56,16 +56,16 @@ class TableDiff:
 
     @property
     def same(self) -> bool:
-        """Whether nothing differs but, perhaps, the provenance."""
+        """Whether nothing differs, provenance aside."""
         return self.comparable and not self.changes and not self.header and not self.transposed
 
 
 def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
-    """Return what differs from `before` to `after`.
+    """Return the differences from `before` to `after`.
 
-    Cells are matched by the names of the inputs, never by bare position: a table with its
-    axes in another order is turned round first, and that is said. A first table that lacks
-    an input of the second is taken as the same all along that input.
+    Cells are matched by the names of the inputs, never by bare position: a table with its axes in
+    another order is transposed first, with a note. If the first table lacks an input of the second,
+    it counts as constant along that input.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far a table is from the rule base that it stands for; the smallest that is good enough."""
+"""The error of a table against its rule base; the smallest table within a tolerance."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ from fuzzyarm.table.compiler import (
 )
 from fuzzyarm.table.table import LookupTable
 
-# --- How far a table is from the rule base that it stands for ---
+# --- The error of a table against its rule base ---
 
 _DENSE_POINTS = 160_000
 _MOST_POINTS = 6_000_000
 _SLAB = 262_144
 
 _FEW_POINTS = 4_096
-"""Even points where each takes some tenths of a millisecond."""
+"""Even points if each takes some tenths of a millisecond."""
 
 _SAMPLES = 320_000_000
 """Points times samples of a sampled centroid."""
 
 _SECONDS = 2.0
-"""What the even points of a dense grid may take, and each of the four kinds of points besides."""
+"""Time for the even points of a dense grid, and for each of the four kinds of extra points, s."""
 
 _CORNERS = 400_000_000
 """Points times corners of a cell between which the table interpolates."""
@@ -66,8 +66,7 @@ class Fidelity:
     points : tuple of int
         Size of the dense grid along each input.
     proved : float or None
-        What the difference nowhere exceeds, between the points either; None where only the
-        points are known.
+        Proved bound of the difference, between the points, too; None where only points are known.
     """
 
     mode: str
@@ -86,7 +85,7 @@ class Fidelity:
 
 
 Proof = Callable[[LookupTable, str], float | None]
-"""From a table and a mode to what the difference nowhere exceeds; None where unknown."""
+"""From a table and a mode to a bound of the difference everywhere; None if unknown."""
 
 
 def measure_fidelity(
@@ -94,10 +93,9 @@ def measure_fidelity(
 ) -> tuple[Fidelity, ...]:
     """Compare `table` with the direct inference of `rulebase`.
 
-    The dense grid spreads about 160,000 points evenly over the ranges of the inputs, fewer
-    where a point takes long (:func:`_even_points`). For the worst difference it also has every
-    level, both sides of every threshold and the middle of every cell, because that is where
-    the extremes lie.
+    The dense grid has about 160,000 even points over the ranges of the inputs, fewer where a point
+    takes long (:func:`_even_points`). For the worst difference it also has every level, both sides
+    of every threshold and the centre of every cell, because extremes lie there.
 
     Parameters
     ----------
@@ -143,7 +141,7 @@ def measure_fidelity(
 
 
 def _even_points(rulebase: RuleBase) -> int:
-    """Return how many even points a dense grid has, by the output that takes longest at one."""
+    """Return the number of even points of a dense grid, for the slowest output."""
     count = _DENSE_POINTS
     for output in plan(rulebase).outputs.values():
         way = output.output.defuzzifier
@@ -191,8 +189,8 @@ def _dense_grid(
 ) -> tuple[_Points, _Points]:
     """Return the points along each axis and their weights: 1 on the even ones, else 0.
 
-    With many inputs or levels some of the points besides the even ones are given up, so
-    that the grid does not explode.
+    With many inputs or levels some of the points besides the even ones are dropped, to limit the
+    size of the grid.
     """
     count = max(3, round(wanted ** (1.0 / len(axes))))
     most = most if wanted == _DENSE_POINTS else min(most, 5 * wanted)
@@ -206,7 +204,7 @@ def _dense_grid(
 
 
 def _besides(axis: Axis) -> _Points:
-    """Return what the grid has besides even points: all of it, less, and nothing."""
+    """Return the points besides even ones: all, a part, none."""
     levels, middles = np.array(axis.levels), np.array(axis.thresholds("nearest"))
     edges = np.array([*axis.thresholds("bins"), *middles])
     both_sides = [edges, np.nextafter(edges, np.inf)]
@@ -258,28 +256,28 @@ class _Tally:
 
 # --- Find the smallest even grid whose linear interpolation meets a tolerance ---
 #
-# Every number of levels is tried in turn, because the error does not fall evenly: a grid
-# whose levels meet the kinks of the surface beats larger ones. Trying is cheap: the
-# interpolation is first computed at a few thousand probes only, and each probe that proved
-# an earlier grid wrong is asked again first. What no grid can meet is known before: the surface
-# jumps, or it bends within a step of the finest grid by more than the tolerance.
+# Every number of levels is tried in turn, because the error does not fall monotonically: a grid
+# whose levels meet the kinks of the surface beats larger ones. A trial is cheap: the interpolation
+# is first computed at a few thousand probes only, those that refuted an earlier grid first. Two
+# cases are excluded beforehand: the surface jumps, or it bends within a step of the finest grid by
+# more than the tolerance.
 
 LIMITS = {1: 20_001, 2: 1_001, 3: 101, 4: 33}
-"""Most levels that are tried for each input, by the number of inputs; 17 for more."""
+"""Largest number of levels tried for each input, by the number of inputs; 17 for more."""
 
 _PROBES = 2_048
 
 _FIRST_PROBES = 64
-"""Those that are asked first of a grid: most are proved wrong by them."""
+"""Number of first probes: they refute most grids."""
 
 _WINDOWS = 96
-"""Stretches along each input in which bends are looked for; fewer where a point takes long."""
+"""Intervals along each input searched for bends; fewer where a point takes long."""
 
 _LINES, _MARKS, _HALVINGS = 24, 33, 60
 """Lines along each input on which jumps are looked for, marks on each, halvings between two."""
 
 _SEARCH_SECONDS = 60.0
-"""What trying grids may take, roughly; where a point takes long, fewer are tried."""
+"""Approximate time for trying grids, s; where a point takes long, fewer are tried."""
 
 
 def smallest_even_grid(
@@ -292,8 +290,8 @@ def smallest_even_grid(
 ) -> int:
     """Return the fewest levels (the same number for every input) that meet `tolerance`.
 
-    The result is measured with :func:`fuzzyarm.table.measure_fidelity`, and where `proof` knows
-    a bound, that meets the tolerance too.
+    The result is measured with :func:`fuzzyarm.table.measure_fidelity`, and a bound by `proof`
+    meets the tolerance, too.
     """
     if not (tolerance > 0 and math.isfinite(tolerance)):
         raise TableError(f"a tolerance is a positive number, not {tolerance:g}")
@@ -388,11 +386,11 @@ class _Probes:
         return low + 1
 
     def _bend(self, count: int) -> float:
-        """Return what grids of up to `count` levels are off by at least, seen along each input.
+        """Return a lower bound of the error of all grids of up to `count` levels, along each input.
 
-        A stretch shorter than a step has one level at most. In one of its halves there is none,
-        and the interpolation is a line there: it misses one of three points by a quarter of
-        their second difference.
+        An interval shorter than a step has at most one level. One of its halves has none, so the
+        interpolation is linear there: it misses one of three points by a quarter of their second
+        difference.
         """
         steps = 0.999 * (self.high - self.low) / (count - 1)
         bend = 0.0
@@ -423,7 +421,7 @@ class _Probes:
                 left = np.abs(f_middle - fa) > np.abs(fb - f_middle)
                 a, b = np.where(left[:, None], a, middle), np.where(left[:, None], middle, b)
                 fa, fb = np.where(left, fa, f_middle), np.where(left, f_middle, fb)
-            # What a line from level to level may rise between two neighbouring floats.
+            # Largest rise of a line between levels from one float to the next.
             rise = LIMITS[1] * np.abs(b - a).max(axis=1) / (self.high[axis] - self.low[axis])
             jumps = np.abs(fb - fa) - rise * float(np.ptp(y))
             if float(jumps.max()) > highest:
@@ -451,12 +449,12 @@ class _Probes:
         )
 
 
-# --- Compile and say how good the table is; or find the smallest table that is good enough ---
+# --- Compile with a report on the error; or find the smallest table within a tolerance ---
 
 
 @dataclass(frozen=True, slots=True, repr=False, kw_only=True)
 class CompileReport:
-    """A compiled table and what is known of its quality.
+    """A compiled table and its error.
 
     Attributes
     ----------
@@ -465,11 +463,11 @@ class CompileReport:
     fidelities : tuple of Fidelity
         The difference to direct inference, one for each lookup mode that was tried.
     default_levels : bool
-        Whether an input got the 13 even levels because nothing else was said.
+        Whether an input got the default 13 even levels.
     tolerance : float or None
-        What the table was asked to meet.
+        The requested tolerance.
     few_points : bool
-        Whether the dense grid is smaller than usual, because a point takes long.
+        Whether the dense grid is reduced, because a point takes long.
     """
 
     table: LookupTable
@@ -489,14 +487,13 @@ class ReportKeywords(TypedDict, total=False):
     Attributes
     ----------
     tolerance : float
-        Instead of `levels`: find the smallest even grid, equally many levels for every
-        input, whose linear interpolation differs nowhere on a dense grid by more than this,
-        and nowhere at all where `proof` knows a bound. The levels, bins and rounding of the
-        file are then not used.
+        Instead of `levels`: find the smallest even grid, equally many levels for every input, whose
+        linear interpolation is within this tolerance on a dense grid, and everywhere if `proof` has
+        a bound. Levels, bins and rounding of the file are then ignored.
     progress : callable
-        Called with a word on what is going on.
+        Called with a word on the current step.
     proof : callable
-        From a table and a mode to what the difference nowhere exceeds, or None:
+        From a table and a mode to a bound of the difference everywhere, or None:
         :func:`fuzzyarm.proof.map.table_proof`.
     levels, rounding, mode, source, date
         As for :func:`fuzzyarm.table.compile_table`.

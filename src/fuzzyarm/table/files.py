@@ -1,4 +1,4 @@
-"""Read and write tables as files; the suffix tells the format.
+"""Read and write tables as files; the suffix selects the format.
 
 To add a format: ``write_<suffix>(PlainTable) -> str`` and ``parse_<suffix>(text, path) ->
 ParsedTable``, which never raises and reports findings at their places, and a line in `parse_table`
@@ -59,7 +59,7 @@ LATEX = ".tex"
 
 
 class TableFileError(RuleBaseError):
-    """A file that is not a table; ``diagnostics`` say what is wrong and where."""
+    """A file that is not a table; ``diagnostics`` have the faults with positions."""
 
 
 def read_table(path: str | Path) -> LookupTable:
@@ -94,7 +94,7 @@ def read_table(path: str | Path) -> LookupTable:
 
 
 def parse_table(data: bytes, path: str) -> ParsedTable:
-    """Return what the bytes of a text table say, by the suffix of `path`; never raise."""
+    """Parse the bytes of a text table, by the suffix of `path`; never raise."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -115,7 +115,7 @@ def write_table(table: LookupTable, path: str | Path) -> None:
     Parameters
     ----------
     table : LookupTable
-        What to write.
+        The table.
     path : path-like
         Its suffix is the format.
 
@@ -159,8 +159,8 @@ def _unknown_suffix(path: Path) -> TableError:
 
 # --- Tables as `.csv`: the `.lut` header in comment lines, then one rectangle of cells ---
 #
-# With two inputs the first line is `e \ ce` and the column levels, and each further line a
-# row level and its values; page inputs stand in their own columns before the row level.
+# With two inputs the first line is `e \ ce` and the column levels, and each further line a row
+# level and its values; page inputs have their own columns before the row level.
 
 
 def _write_csv(table: PlainTable) -> str:
@@ -191,7 +191,7 @@ def _row_labels(table: TableHeader) -> list[list[str]]:
 
 
 def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
-    """Read what :func:`_write_csv` writes; every mistake in one run, never an exception."""
+    """Read the format of :func:`_write_csv`; all mistakes in one run, never an exception."""
     diagnostics: list[Diagnostic] = []
     header, rows = Header(), []
     for line_number, line in enumerate(split_lines(text), start=1):
@@ -317,7 +317,7 @@ def _write_json(table: PlainTable) -> str:
 
 
 def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
-    """Read what :func:`_write_json` writes; any fault is a diagnostic."""
+    """Read the format of :func:`_write_json`; any fault is a diagnostic."""
     try:
         data = json.loads(text, parse_constant=_refused)
     except json.JSONDecodeError as error:
@@ -338,7 +338,7 @@ def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
 
 
 def _refused(word: str) -> None:
-    """Refuse what Python takes and JSON does not have."""
+    """Refuse numbers that Python accepts and JSON lacks."""
     raise ValueError(f"{word} is not a number of JSON")
 
 
@@ -434,7 +434,7 @@ _TEXTS = {
 
 
 MOST_BYTES = 320_000_000
-"""Bytes of an archive, unpacked: the largest table that is compiled, and its header."""
+"""Uncompressed size of an archive: the largest compiled table, and its header."""
 
 
 def _npz_bytes(table: LookupTable) -> bytes:
@@ -451,7 +451,7 @@ def _npz_bytes(table: LookupTable) -> bytes:
 
 
 def _read_npz(data: bytes, path: str) -> LookupTable:
-    """Return the table that :func:`_npz_bytes` stored; TableFileError says what is wrong."""
+    """Return the table stored by :func:`_npz_bytes`; TableFileError for a fault."""
     import numpy as np
 
     from fuzzyarm.table.table import LookupTable
@@ -463,7 +463,7 @@ def _read_npz(data: bytes, path: str) -> LookupTable:
                 raise TableError(
                     f"unpacked, the archive has {size:,} bytes; at most {MOST_BYTES:,} are read"
                 )
-            # NumPy takes any 32 bits for a character; what is not one must not get into a text.
+            # NumPy accepts any 32 bits as a character; invalid ones must not get into a text.
             header = np.asarray(archive["header"], dtype="<U").tobytes().decode("utf-32-le")
             head = _header_from(json.loads(header.rstrip("\0")))
             values = np.asarray(archive["values"], dtype=np.float64)

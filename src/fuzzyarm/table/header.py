@@ -40,7 +40,7 @@ def spelled(name: str) -> str:
     return name if plain else quote(name, "'")
 
 
-# --- What the lines say, each thing once; what they mean together comes later ---
+# --- Single lines; their combined meaning comes later ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ class VariableLine:
 
 
 class HeaderNumbers(NamedTuple):
-    """The numbers of one ``levels`` or ``bins`` line and where they stand."""
+    """The numbers of one ``levels`` or ``bins`` line and their positions."""
 
     values: tuple[float, ...]
     span: Span
@@ -62,10 +62,10 @@ class HeaderNumbers(NamedTuple):
 
 @dataclass(slots=True)
 class Header:
-    """What the lines of a header say.
+    """The lines of a header.
 
-    `levels` and `bins` are keyed by variable name; None stands for every input. `first_spans` has
-    where each thing was said first.
+    `levels` and `bins` are keyed by variable name; None is for every input. `first_spans` has the
+    first position of each statement.
     """
 
     version: Span | None = None
@@ -82,7 +82,7 @@ class Header:
     first_spans: dict[str, Span] = field(default_factory=dict)
 
     def once(self, what: str, span: Span, earlier: Span | None = None) -> None:
-        """Note that something is said in the line at `span`; refuse it the second time."""
+        """Note a statement at `span`; refuse its repetition."""
         if what in self.first_spans:
             before = self.first_spans[what]
             raise Fault(
@@ -101,7 +101,7 @@ def _fault(name: str, message: str, span: Span, hint: str = "") -> Fault:
 
 
 def read_statement(header: Header, cursor: Cursor, diagnostics: list[Diagnostic]) -> None:
-    """Read one line into `header`; a mistake goes to `diagnostics` and spoils that line alone."""
+    """Read one line into `header`; a mistake is a diagnostic and affects that line alone."""
     word = cursor.take()
     try:
         _STATEMENTS[word.text].read(header, cursor, word.span)
@@ -195,7 +195,7 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
 
 
 def index_words(count: int) -> list[str]:
-    """Return what the indices of so many inputs are called, in order."""
+    """Return the names of the indices of so many inputs, in order."""
     return ["page"] * (count - 2) + ["row", "column"][-count:]
 
 
@@ -387,11 +387,11 @@ def header_lines(table: TableHeader) -> list[str]:
     return out
 
 
-# --- What the lines mean together ---
+# --- The combined meaning of the lines ---
 
 
 def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None:
-    """Turn the lines of a header into axes and an output; report what is missing."""
+    """Turn the lines of a header into axes and an output; report missing ones."""
     end = header.version or Span(1, 1, 1, 2)
     output = header.output
     if output is None:

@@ -18,7 +18,7 @@ _SPECIAL = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", '"': "''",
     **{mark: f"${mark}$" for mark in "<>|"}, **{mark: f"\\{mark}" for mark in "#$%&_{}"},
 }  # fmt: skip
-"""What means something to LaTeX → what prints it."""
+"""Special characters of LaTeX → their escapes."""
 
 
 def write_latex(table: PlainTable) -> str:

@@ -1,4 +1,4 @@
-"""Levels of a table in the words of the language: what ``--levels`` and the designer take."""
+"""Levels of a table in words, as in ``--levels`` and the designer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAMED = re.compile(r"\s*(?P<name>[^=:]+?)\s*[=:]\s*(?P<rest>.+)", re.DOTALL)
 
 
 def read_levels(text: str) -> Levels | dict[str, Levels]:
-    """Return the levels that a line asks for.
+    """Return the levels in a line.
 
     That many even levels for every input (``49``), these levels (``-6 .. 6 step 1``,
     ``0 1 5``), or either for named inputs (``e = 49, ce = -6 .. 6 step 1``).

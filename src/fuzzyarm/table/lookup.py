@@ -1,4 +1,4 @@
-"""Looking up a value in a table: what it means, and its readings.
+"""Look-up of a value in a table: definition and implementations.
 
 The meaning is written once, for one input and for the walk over several (:class:`PreparedTable`).
 Readings are a point, arrays, the numbers of a small machine (:mod:`fuzzyarm.exchange.export`), the
@@ -41,12 +41,12 @@ __all__ = [
 # smaller than x (`Axis.thresholds`): an x equal to a threshold belongs to the lower cell, and
 # a tie between two levels goes to the lower one.
 #
-# Linear: x is first kept within the outer levels. Its lower neighbour is as many levels up as
-# there are inner levels that x has reached, so that the last level is the upper neighbour of
-# the last cell; the share of the way to the upper neighbour is 0 to 1, both included. The
-# corners of the cell are blended pairwise along one input after the other, the last one first.
+# Linear: x is first clamped to the outer levels. Its lower neighbour is the last inner level that x
+# has reached, else level 0, so the last level is the upper neighbour of the last cell; the fraction
+# towards the upper neighbour is 0 to 1, both included. The corners of the cell are blended pairwise
+# along one input after the other, the last one first.
 #
-# The three functions below are also what the exported C and Structured Text print.
+# The exported C and Structured Text print the three functions below, too.
 
 
 @kernel
@@ -58,7 +58,7 @@ def clamp(x: Any, low: Any, high: Any) -> Any:
 
 @kernel
 def share_of_way(x: Any, lower: Any, upper: Any) -> Any:
-    """Return how much of the way from the lower neighbour to the upper one lies after x."""
+    """Return the fraction of the interval from lower to upper neighbour that lies after x."""
     return (x - lower) / (upper - lower)
 
 
@@ -70,10 +70,10 @@ def blend(near: Any, far: Any, share: Any) -> Any:
 
 
 class LookupArithmetic(NamedTuple):
-    """What the definition asks of one kind of numbers."""
+    """The operations of the definition for one kind of numbers."""
 
-    # From sorted points and x to the number of points that are smaller than x, and of those that
-    # are not greater.
+    # From sorted points and x to the number of points smaller than x, and to the number of those
+    # not greater.
     smaller: Callable[[Any, Any], Any]
     reached: Callable[[Any, Any], Any]
     # As :func:`clamp`, :func:`share_of_way` and :func:`blend`.
@@ -155,7 +155,7 @@ class PreparedTable:
 
 
 def strides_of(shape: Sequence[int]) -> tuple[int, ...]:
-    """Return for each input how many cells lie from one of its indices to the next."""
+    """Return the stride of each input in cells."""
     return tuple(math.prod(shape[k + 1 :]) for k in range(len(shape)))
 
 
@@ -171,10 +171,9 @@ def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
 # --- Tables in the kernels of a closed loop, of any number of inputs ---
 #
 # A grid among the cells of a controller: the number of inputs, whether it interpolates, and for
-# each input how many levels it has, the thresholds between them (one less) with an infinity at
-# either end, and the levels. A look-up reads a list of whole numbers: where the values begin, where
-# there is room (to blend in, or for the index that a look-up by cell found last along each input),
-# and the cell of each input.
+# each input the number of levels, the thresholds between them (one less) with an infinity at either
+# end, and the levels. A look-up reads a list of integers: the begin of the values, scratch (for
+# blending, or for the last cell index along each input), and the cell of each input.
 
 GRID_HEAD = 2
 """Numbers in front of the first input."""
@@ -182,7 +181,7 @@ GRID_HEAD = 2
 VALUES, ROOM, INPUTS = range(3)
 
 THRESHOLDS = 1
-"""Of an input of a grid, where its thresholds begin: the one in front of index i is the i-th."""
+"""Offset of the thresholds of an input in a grid: the i-th one is the lower bound of index i."""
 
 
 def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
@@ -196,7 +195,7 @@ def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
 
 @kernel
 def levels_at(axis: int, count: int) -> int:
-    """Return where the levels of an input of a grid begin, of which there are so many."""
+    """Return the begin of the levels of an input in a grid."""
     return axis + THRESHOLDS + count + 1
 
 
@@ -210,18 +209,17 @@ def next_axis(axis: int, count: int) -> int:
 def cell_index(k: Any, s: Any, inputs: int, grid: int, last: int) -> int:
     """Return the number of the cell that the inputs name, the last input fastest.
 
-    From `last` on stand their indices in the control period before: any at first.
+    At `last` are their indices in the last control period: initially arbitrary.
     """
     cell = 0
     axis = grid + GRID_HEAD
     for i in range(inputs, inputs + int(s[grid])):
         count = int(s[axis])
         x = s[k[i]]
-        # From one control period to the next an input goes to the cell beside its own at most.
-        # Where it trembles about a threshold no processor foresees when it crosses it: so that is
-        # counted, not asked. What is asked, whether one cell was enough, has one answer nearly
-        # always.
-        below = axis + THRESHOLDS  # the threshold in front of the first cell
+        # From one control period to the next an input moves by one cell at most, as a rule. Near a
+        # threshold branch prediction would fail, so that move is counted without a branch. The only
+        # branch tests whether one cell was enough, which it nearly always is.
+        below = axis + THRESHOLDS  # lower bound of the first cell
         index = int(s[last])
         index = index + (x > s[below + index + 1]) - (x <= s[below + index])
         if not s[below + index] < x <= s[below + index + 1]:  # NaN is in none: the first one
@@ -293,7 +291,7 @@ def neighbour(numbers: list[float], levels: int, count: int, x: float) -> tuple[
 
 @kernel
 def _count_smaller(numbers: list[float], first: int, count: int, x: float) -> int:
-    """Count the sorted numbers that are smaller than x, by halving; none for NaN."""
+    """Count the sorted numbers smaller than x by bisection; none for NaN."""
     low = 0
     high = count
     while low < high:
@@ -307,15 +305,14 @@ def _count_smaller(numbers: list[float], first: int, count: int, x: float) -> in
 
 # --- Large arrays as machine code ---
 #
-# A number finds its index among the points of an axis without a search: the range is cut into
-# even buckets, each of which knows how many points lie in buckets below, and a comparison with
-# the points in the same bucket (as a rule one) settles the rest. Rounding does no harm: the
-# bucket of x never falls while x rises, whatever is rounded, so a point in a lower bucket is a
-# lower point. So even and uneven axes take the same time, nothing depends on the branch
-# predictor, and the result is the one that halving finds.
+# A number finds its index among the points of an axis without a search: the range is cut into even
+# buckets, each with the number of points in lower buckets, and a comparison with the points in the
+# same bucket (usually one) settles the rest. Rounding does no harm: the bucket of x is monotone in
+# x, whatever is rounded, so a point in a lower bucket is a lower point. Even and uneven axes take
+# the same time, nothing depends on branch prediction, and the result is that of bisection.
 #
-# One call for each axis and chunk: a short loop over plain arrays is what the vector unit
-# takes. The same over one flat array takes twice the time.
+# One call for each axis and chunk: a short loop over plain arrays vectorises. The same over one
+# flat array takes twice the time.
 
 _Array = NDArray[np.float64]
 _Cells = NDArray[np.int32]
@@ -334,7 +331,7 @@ class BucketIndex(NamedTuple):
     """How numbers find their index among the points of one axis."""
 
     points: _Array  # increasing, with infinities after the last one
-    start: _Cells  # for each bucket, how many points lie in lower buckets
+    start: _Cells  # number of points in lower buckets, by bucket
     edge: _Array  # for each bucket, the first point that does not lie in a lower bucket
     # The bucket of x is (x - low) × inverse, rounded down.
     low: float
@@ -380,11 +377,11 @@ def _bucket_of(value: float, low: float, inverse: float, last: float) -> Any:
     return np.int32(bucket if bucket < last else last)  # noqa: FURB136 - as above
 
 
-# A finder goes into a kernel as its three arrays, and its numbers with those of the axis. Indices
-# are short: a vector holds as many of them as of floats.
+# A finder enters a kernel as its three arrays, with its numbers among those of the axis. Indices
+# are 32-bit.
 
 LOW, INVERSE, STEPS, SIZE = range(4)
-"""Numbers of an axis: of its finder, then by what an index grows with the next axis."""
+"""Numbers of an axis: of its finder, then its stride."""
 
 
 @kernel
@@ -536,7 +533,7 @@ def picker(
 
 
 def _arrays_of(finder: BucketIndex, size: int) -> tuple[_Array, _Cells, _Array, _Array]:
-    """Return a finder as kernels take it, with what an index grows by."""
+    """Return a finder as arrays of the kernel, with strides."""
     numbers = np.array([finder.low, finder.inverse, finder.steps, size], dtype=np.float64)
     return finder.points, finder.start, finder.edge, numbers
 
@@ -593,7 +590,7 @@ def look_up_arrays(
     inputs: Sequence[NDArray[np.float64]],
     mode: str,
 ) -> NDArray[np.float64]:
-    """Return the values of a table at inputs that are broadcast; no temporary exceeds a chunk."""
+    """Return the values of a table at broadcast inputs; no temporary exceeds a chunk."""
     try:
         shape = np.broadcast_shapes(*(array.shape for array in inputs))
     except ValueError:

@@ -1,4 +1,4 @@
-"""Read a table back into rules: the grid whose terms come nearest, and what it cannot say."""
+"""Tables back to rules: the grid with the nearest terms, and its error."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ SEVEN = ("NB", "NM", "NS", "ZE", "PS", "PM", "PB")
 """The usual names of seven sets around zero."""
 
 TERMS = 13
-"""Sets of the output, unless another number is asked for."""
+"""Sets of the output by default."""
 
 MOST_RULES = 100_000
 
 
 @dataclass(frozen=True)
 class RulesOfTable:
-    """A rule base that stands for a table."""
+    """A rule base approximating a table."""
 
     rulebase: RuleBase  # one rule for each combination of input terms
     residual: NDArray[np.float64]  # table minus inference at the levels of the table; its shape
@@ -57,20 +57,20 @@ class RulesOfTable:
 
 
 def rules_of_table(table: LookupTable, name: str = "", *, terms: int = TERMS) -> RulesOfTable:
-    """Write the rules whose consequents come nearest to a table.
+    """Return the rules whose consequents are nearest to a table.
 
-    Every input gets a triangle at each of its levels, each foot under its neighbour's peak,
-    so that at a level one rule alone holds; the output gets evenly spaced triangles over its
-    range. A rule concludes the term whose own value comes nearest to the table there.
+    Every input gets a triangle at each of its levels, each foot under its neighbour's peak, so that
+    at a level one rule alone fires; the output gets evenly spaced triangles over its range. A rule
+    concludes the term with the value nearest to the table there.
 
     Parameters
     ----------
     table : LookupTable
-        Of any number of inputs.
+        With any number of inputs.
     name : str, optional
-        Of the rule base.
+        Name of the rule base.
     terms : int, optional
-        How many of the output; 2 at least.
+        Number of output terms; 2 at least.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The lookup table: a grid of numbers that stands for a rule base at run time."""
+"""The lookup table: a grid of numbers that replaces a rule base at run time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from fuzzyarm.table.lookup import AT_POINT, PreparedTable, look_up_arrays
 class LookupTable(TableHeader):
     """A grid of values over one or more inputs, with its meaning and its origin.
 
-    Two tables are equal when axes, values and everything they say of themselves are.
+    Two tables are equal if axes, values and descriptions are.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """Tables as ``.lut`` text: the header and the grids of values, read and written. No numpy.
 
-Every mistake is found in one run, each at its position. Comments (``#`` to the end of the
-line) are read over and not kept: what is worth keeping belongs into an ``origin`` line.
+All mistakes are found in one run, each at its position. Comments (``#`` to the end of the line) are
+not kept: information worth keeping belongs in an ``origin`` line.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from fuzzyarm.table.header import (
 # --- The whole text ---
 
 MAX_CHARACTERS = 64_000_000
-"""Longest table text that is read at all."""
+"""Longest accepted table text."""
 
 MOST_CELLS = 1_000_000
-"""Most cells that are written as text: 200 bytes of memory each, and every such text is read."""
+"""Most cells in text form: 200 bytes of memory each, and every such text can be read."""
 
 
 @dataclass(frozen=True, slots=True)
 class ParsedTable:
-    """What came of a text.
+    """The result of parsing a text.
 
     Attributes
     ----------
     table : PlainTable or None
-        None if there is an error among the diagnostics.
+        None if the diagnostics contain an error.
     diagnostics : tuple of Diagnostic
         Every finding, in the order of the text.
     header : TableHeader or None
@@ -67,12 +67,12 @@ def parse_lut(text: str, path: str = "<text>") -> ParsedTable:
     Returns
     -------
     ParsedTable
-        The table, or what is wrong with the text.
+        The table, or the faults of the text.
     """
     diagnostics: list[Diagnostic] = []
     header, grids = _scan(text, diagnostics)
     if header.version is None:
-        # A file that is no table at all has a mistake in every line: a few of them are enough.
+        # A file that is not a table has a mistake in every line: report a few of them.
         return finish(None, None, [_no_format(text), *diagnostics][:20], path)
     head = resolve(header, diagnostics)
     values = read_grids(head, grids, diagnostics) if head else None
@@ -164,7 +164,7 @@ class TextGrid:
 
 @dataclass(frozen=True, slots=True)
 class TextCell:
-    """One cell of text and where it stands."""
+    """One cell of text and its position."""
 
     text: str
     span: Span
@@ -211,7 +211,7 @@ def _report_missing_pages(
 
 
 def _page_index(head: TableHeader, grid: TextGrid, diagnostics: list[Diagnostic]) -> int | None:
-    """Return which of the pages the ``when`` of a grid means."""
+    """Return the page index selected by the ``when`` of a grid."""
     pages = {axis.name: axis for axis in head.axes[:-2]}
     indices: dict[str, int] = {}
     cursor = Cursor(grid.tokens)
@@ -367,7 +367,7 @@ class _GridReader:
         return False
 
     def _read_row(self, number: int, line: str) -> tuple[float | None, list[float]]:
-        # The quick way for a sound row; what follows only says what is wrong with others.
+        # Fast path for a sound row; the rest only diagnoses others.
         words = line.split("#", 1)[0].split()
         if len(words) == len(self.column.levels) + 1 and all(map(_NUMBER.match, words)):
             numbers = [float(word) for word in words]
@@ -446,7 +446,7 @@ class _GridReader:
             return None
         cells = _cells(number, line, rest)
         values = [self._number(cell) for cell in cells]
-        # A first cell stands for the label, which other rows have among theirs.
+        # The first cell counts for the label, which other rows have among theirs.
         self._check_count([TextCell("", self.grid.span), *cells], number, line)
         return [x for x in values if x is not None]
 
@@ -525,7 +525,7 @@ def write_lut(table: PlainTable) -> str:
     Parameters
     ----------
     table : PlainTable
-        What to write.
+        The table.
     """
     lines = [*header_lines(table), ""]
     columns = len(table.axes[-1].levels)

@@ -1,7 +1,7 @@
-"""The adaptive laws of the study: what they learn, how, and their torque (sections 5.4 to 5.6).
+"""The adaptive laws of the study: adapted quantities, adaptation, torque (sections 5.4 to 5.6).
 
-Each law has its gains, its kernel and its ``LAW`` record. What a law learns lies in the
-memory that the kernel is given, in the order that its docstring states.
+Each law has its gains, its kernel and its ``LAW`` record. Adapted quantities are in the memory
+argument of the kernel, in the order of its docstring.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ def adaptive_critically_damped_torque(
 
     Constants: Λ (2), K_D (2), Γ (7), velocity in W22; memory: P̂ (7), motor inertias (2).
     """
-    # (5.4.3): CDID with the estimate in place of the model. θ̇ − θ̇r, in rad/s, is what it damps
-    # and what it learns from.
+    # (5.4.3): CDID with the estimate in place of the model. It damps, and adapts by, θ̇ − θ̇r in
+    # rad/s.
     reference, state, pose, clock = now
     motion = sliding_reference(reference, state, numbers, clock.single)
     v_1, v_2 = state.velocity
@@ -52,8 +52,8 @@ def adaptive_critically_damped_torque(
     model = model_torque(motion, state.velocity, pose, memory, 0)
     torque = (model[0] - numbers[2] * e_1, model[1] - numbers[3] * e_2)
 
-    # (5.4.7), after the torque: what is learned now counts from the next step on. For each
-    # parameter its column of W times θ̇ − θ̇r; that of P2 is long enough for names.
+    # (5.4.7), after the torque: the new estimate holds from the next step on. Each parameter
+    # integrates its column of W times θ̇ − θ̇r; that of P2 is long enough for names.
     w_12 = (
         pose.cos_2 * (a_1 + 0.5 * a_2)
         - 0.5 * pose.sin_2 * v_2 * (r_1 + r_2)
@@ -135,7 +135,7 @@ def joint_torque(joint: int, now: Moment, numbers: list[float], memory: list[flo
 @kernel
 def accumulated(memory: list[float], cell: int, rate: float, clock: Clock) -> float:
     """Add ``rate · dt`` to a remembered integral and return it."""
-    # The new value is what the torque of this step uses.
+    # The torque of this step uses the new value.
     memory[cell] = stored(memory[cell] + rate * clock.step, clock.single)
     return memory[cell]
 
@@ -214,9 +214,9 @@ def model_reference_torque(
     u_2 += row_times(memory, 10, in_1, in_2)
     u_2 -= row_times(memory, 2, q_1, q_2) + row_times(memory, 6, v_1, v_2)
 
-    # The torque behind u, and what the estimate adds. As the figures have it: u times a unit
-    # mass, gravity where the arm is, friction and inertia of the desired motion. As the text:
-    # the estimate's inertia times u, friction of the actual motion.
+    # The torque from u, and the contribution of the estimate. Figures: u times a unit mass, gravity
+    # at the actual position, friction and inertia of the desired motion. Text: the estimate's
+    # inertia times u, friction of the actual motion.
     model = 14
     mass = numbers[10]
     weight = numbers[11]
@@ -242,7 +242,7 @@ def model_reference_torque(
         + (numbers[model + 2] + numbers[model + 8]) * moved[1]
     )
 
-    # (5.5.14) and (5.5.15): the gains move along the outer product of w with what they multiply.
+    # (5.5.14) and (5.5.15): the gains move along the outer product of w with the gained signals.
     w_1 = numbers[4] * e_1 + numbers[6] * d_1
     w_2 = numbers[5] * e_2 + numbers[7] * d_2
     slow = numbers[8] * clock.step

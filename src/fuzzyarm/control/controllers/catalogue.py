@@ -1,16 +1,15 @@
 """Every controller by its name.
 
-The values here are those of the study where it prints them; the others were identified
-from its figures (``fuzzyarm identify``) and say so. Where text and figures disagree a
-controller exists in two variants: ``as-printed`` gives the published figures and is the
-default, ``as-described`` follows the text.
+The values are those printed in the study; the others were identified from its figures
+(``fuzzyarm identify``) and are marked so. Where text and figures disagree a controller exists in
+two variants: ``as-printed`` gives the published figures and is the default, ``as-described``
+follows the text.
 
 To add a controller
 -------------------
-A fuzzy one is a file in ``rulebases/`` and a line here. A law that is not fuzzy is a kernel and
-its record in the module of its family (:mod:`.law`): constants in ``numbers``, what it remembers
-in ``memory``, and an entry here. ``tests/loop/test_run.py`` holds its compiled and interpreted
-bits together.
+A fuzzy one is a file in ``rulebases/`` and a line here. Any other law is a kernel and its record in
+the module of its family (:mod:`.law`): constants in ``numbers``, states in ``memory``, and an
+entry here. ``tests/loop/test_run.py`` compares its compiled and interpreted bits.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.reading import parse, parse_once, read_text
 from fuzzyarm.table import LookupTable
 
-# --- What an entry of the catalogue is, and what its maker is asked for ---
+# --- Entries of the catalogue, and the choices of their makers ---
 
 
 @dataclass(frozen=True)
@@ -65,12 +64,12 @@ class Sources:
     Parameters
     ----------
     rulebase : RuleBase, optional
-        Of the control.
+        Of the control law.
     alpha : RuleBase, optional
-        Of the factor on the control.
+        Of the factor on the control law.
     table : LookupTable or tuple of LookupTable, optional
-        Of the control; one for all axes, one with an input ``joint``, or one for each axis.
-        SOC starts from it.
+        Of the control law; one for all axes, one with an input ``joint``, or one for each axis.
+        Initial table of SOC.
     performance : LookupTable, optional
         By which SOC judges.
     """
@@ -81,17 +80,17 @@ class Sources:
     performance: LookupTable | None = None
 
     def given(self) -> tuple[str, ...]:
-        """Return the names of those that are given."""
+        """Return the names of the given sources."""
         return tuple(field.name for field in fields(self) if getattr(self, field.name) is not None)
 
     def sheets(self, role: str) -> tuple[Sheet, ...]:
-        """Return what is given for a role, one for all axes or one for each."""
+        """Return the source for a role: one for all axes or one for each."""
         role_sheets = getattr(self, role)
         return role_sheets if isinstance(role_sheets, tuple) else (role_sheets,)
 
 
 NONE_GIVEN = Sources()
-"""Everything as the text says."""
+"""No replacement: everything from the text."""
 
 Start = Literal["warm", "cold"]
 Variant = Literal["as-printed", "as-described"]
@@ -104,7 +103,7 @@ class Choice:
     Parameters
     ----------
     start : {"warm", "cold"}, optional
-        What adaptive controllers know at the start.
+        Initial knowledge of adaptive controllers.
     variant : {"as-printed", "as-described"}, optional
         By the study's figures or by its text, where they disagree.
     sources : Sources, optional
@@ -143,7 +142,7 @@ class Entry:
     note : str
         Where it must not be used; empty for most.
     described : bool
-        Whether the study's figures and its text disagree, so that there are two variants.
+        Whether the study's figures and its text disagree, which gives two variants.
     """
 
     name: str
@@ -169,13 +168,13 @@ def changed(law: Law, values: dict[str, float], origin: Origin = "printed") -> C
 # --- The conventional and adaptive controllers of the catalogue ---
 
 UNKNOWN_BODY = ("m_1", "m_2", "x_1", "x_2", "I_1", "I_2", "F_1", "F_2")
-"""What a cold start does not know of the arm."""
+"""Parameters of the arm unknown at a cold start."""
 
 MOTORS = ("J_1", "J_2")
 
 
 def plain(law: Law) -> Maker:
-    """Return the maker of a law that knows no choice."""
+    """Return the maker of a law without choices."""
     return lambda _choice: CompiledController(law)
 
 
@@ -252,8 +251,8 @@ DIVERGES_ON_FAST_MOVES = (
     "diverges on fast moves: where set points accelerate by more than about 2 rad/s², as on "
     "--trajectory pick-and-place --angles 80 -20 --segment 1"
 )
-"""Of decentralised control with the identified gains: its feedback grows with the square of the
-desired acceleration and with the error, until a control period is too long for it."""
+"""Decentralised control with the identified gains: its feedback grows with the square of the
+desired acceleration and with the error, and finally becomes unstable at the control period."""
 
 FFID = plain(FEED_FORWARD_INVERSE_LAW)
 CDID = plain(CRITICALLY_DAMPED_LAW)
@@ -304,15 +303,15 @@ CONVENTIONAL = (
 """Their entries, in the order of the list."""
 
 
-# --- The shipped texts of the catalogue: the fuzzy controllers, and linear ones beside them ---
+# --- Shipped texts of the catalogue: fuzzy controllers, and linear ones for comparison ---
 #
-# Where text and figures of the study disagree, `NAME.frb` has what gives the figures and
+# Where text and figures of the study disagree, `NAME.frb` reproduces the figures and
 # `NAME-as-described.frb` follows the text.
 
 
 @dataclass(frozen=True)
 class TextEntry:
-    """A controller of the catalogue that is a shipped file; its file is read when it is asked for.
+    """A controller of the catalogue in a shipped file, read on demand.
 
     Parameters
     ----------
@@ -402,7 +401,7 @@ def text_controller(
 
 
 def controller_of(text: ControllerText, choice: Choice | None = None) -> CompiledController:
-    """Make a controller of its text, for the arm; on other plants a loop makes it anew."""
+    """Make a controller from its text, bound to the arm; a loop rebinds it to other plants."""
     return CompiledController(make_law(text, CatalogueLaws(choice or Choice())))
 
 
@@ -412,9 +411,9 @@ def controller_in(text: str, path: str) -> CompiledController:
     Parameters
     ----------
     text : str
-        Of a controller; or of a rule base, which takes the place of that of ``fuzzy-direct``.
+        Of a controller; or of a rule base, which replaces that of ``fuzzy-direct``.
     path : str
-        Its file; the files that a controller uses stand beside it.
+        Its file; files of a controller are searched beside it.
 
     Raises
     ------
@@ -461,10 +460,10 @@ def _both(first: Change | None, second: Change) -> Change:
 
 
 def roles(model: ControllerModel) -> dict[str, str]:
-    """Return which name of a controller a given rule base or table stands for.
+    """Return the name in a controller for each role of a given rule base or table.
 
     ``alpha`` is a rule base whose name begins so, ``rulebase`` the first other one,
-    ``performance`` the table that judges, ``table`` the first other one.
+    ``performance`` the performance table, ``table`` the first other one.
     """
     judges = {line.judge for _, line in model.lines() if isinstance(line, Learn)}
     kinds = {
@@ -513,7 +512,7 @@ TEXTS = (
 
 
 class UnknownControllerError(FuzzyarmError, LookupError):
-    """No controller has this name; `name` is the one asked for, `near` the likely ones."""
+    """An unknown controller; `name` is the requested name, `near` has similar ones."""
 
     def __init__(self, name: str, near: list[str]) -> None:
         if os.path.isdir(name):
@@ -541,7 +540,7 @@ def controller(
     name : str
         A name of the catalogue, or several with plus signs between: their sum.
     start : {"warm", "cold"}, optional
-        What adaptive controllers know at the start.
+        Initial knowledge of adaptive controllers.
     variant : {"as-printed", "as-described"}, optional
         Which of the two, where the study's figures and text disagree.
     sources : Sources, optional
@@ -552,7 +551,7 @@ def controller(
     UnknownControllerError
         With near names.
     SourceError
-        If a rule base or a table does not serve, or nothing reads it.
+        If a rule base or a table does not fit, or is not used.
     """
     entries = entries_of(name)
     require_taken(name, entries, sources)
@@ -563,7 +562,7 @@ def controller(
 
 
 def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sources) -> None:
-    """Raise SourceError if nothing in `entries`, which make up `name`, reads a given source."""
+    """Raise SourceError for a given source that no part of `name` uses."""
     for role_given in sources.given():
         if not any(role_given in entry.takes for entry in entries):
             accepted = sorted({role for entry in entries for role in entry.takes})

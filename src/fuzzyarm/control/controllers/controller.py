@@ -1,6 +1,6 @@
-"""What a controller is, and sums of controllers.
+"""The interface of controllers, and their sums.
 
-A controller of your own is a class with a ``step``, which is asked once in each period::
+A controller of your own is a class with a ``step``, called once in each period::
 
     class Bang(Controller):
         period = 10.0
@@ -8,7 +8,7 @@ A controller of your own is a class with a ``step``, which is asked once in each
         def step(self, measured, reference):
             return {"power": 100.0 if measured["temperature"] < reference["temperature"] else 0.0}
 
-On the study's arm a ``torque`` may stand in its place, which knows the accelerations too::
+On the study's arm ``torque`` may replace it, which also gets the reference accelerations::
 
     class Mine(Controller):
         def torque(self, reference, state, clock):
@@ -45,13 +45,13 @@ class Controller:
     Attributes
     ----------
     name : str
-        Under which results are reported.
+        Name in reports.
     period : float or None
         Time between two steps, s; on the arm by default that of the study.
     every : int
         Periods of a set point; 1 by default.
     gains : dict of str to Gain
-        What ``--set`` may override; empty by default.
+        Gains for ``--set``; empty by default.
     """
 
     name = "own"
@@ -71,12 +71,12 @@ class Controller:
     def step(
         self, measured: Mapping[str, float], reference: Mapping[str, float]
     ) -> Mapping[str, float] | float:
-        """Return what is driven, by port; one number where the plant has one input.
+        """Return the drives by port; a plain number if the plant has one input.
 
         Parameters
         ----------
         measured : mapping of str to float
-            What the sensors say, by ``port`` of a plant of one axis, else ``axis.port``.
+            Measured values, by ``port`` for a plant with one axis, else ``axis.port``.
         reference : mapping of str to float
             The set points, likewise; with rates of those that have some.
         """
@@ -85,7 +85,7 @@ class Controller:
 
     @property
     def takes_ports(self) -> bool:
-        """Whether it has a :meth:`step`, and so runs on any plant."""
+        """Whether it has a :meth:`step`, so that it runs on any plant."""
         return type(self).step is not Controller.step
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
@@ -190,7 +190,7 @@ class CompiledController(Controller):
 
 
 class Sum(Controller):
-    """Controllers whose torques add up.
+    """A sum of controllers: their drives are added.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ class Sum(Controller):
     def with_gains(self, values: Mapping[str, Sequence[float]]) -> Sum:
         """Return the sum with some gains replaced.
 
-        A bare name goes to every addend that has it, ``addend:name`` to one.
+        A bare name applies to every addend with this gain, ``addend:name`` to one.
         """
         for name in values:
             # A name that no addend has would be dropped silently below.

@@ -38,7 +38,7 @@ PD_LAW = Law("pd", pd_torque, "proportional plus derivative", (PD_PROPORTIONAL, 
 # --- Computed torque: the model in the feedback path (equation 4.2.1.1) ---
 
 MODEL = UNLOADED.with_values(J_1=0.0, J_2=0.0)
-"""What the controllers of chapter 4 know: the unloaded arm without its motors."""
+"""The model of the controllers of chapter 4: the unloaded arm without its motors."""
 
 COMPUTED_TORQUE_PROPORTIONAL = Gain("K_P", (100.0, 100.0), "1/s²", "position error")
 COMPUTED_TORQUE_DERIVATIVE = Gain("K_D", (50.0, 50.0), "1/s", "velocity error")
@@ -53,8 +53,8 @@ def computed_torque(
     Constants: K_P (2), K_D (2), model (9). The friction term, with the actual
     velocity, is not in the printed law; the published figures need it.
     """
-    # The feedback asks for an acceleration, in rad/s², and the model turns it into a torque:
-    # with a model that is exact the error obeys ë + K_D ė + K_P e = 0 in any pose.
+    # The feedback is an acceleration, in rad/s², and the model turns it into a torque: with an
+    # exact model the error obeys ë + K_D ė + K_P e = 0 in any pose.
     reference, state, pose, _ = now
     first = (
         reference.acceleration[0]
@@ -154,8 +154,8 @@ def feed_forward_inverse_torque(
 
     Constants: K_P (2), K_D (2), model (9).
     """
-    # Feedback in N m stands beside the model, not in front of it as in computed torque: a wrong
-    # mass spoils the model's part only.
+    # Feedback in N m is added after the model, not multiplied by it as in computed torque: a wrong
+    # mass affects only the model's part.
     reference, state, pose, _ = now
     model = model_torque(reference, state.velocity, pose, numbers, 4)
     feedback = pd_torque(now, numbers, memory, links)
@@ -186,8 +186,8 @@ def pure_feed_forward_torque(
 
     Constants: K_P (2), K_D (2), σ (2), model (9).
     """
-    # The model knows the trajectory alone, so its pose is that of the set point: all of it could
-    # be computed before the run. The cubic term holds an arm that is far off.
+    # The model depends on the trajectory alone, so its pose is that of the set point and could be
+    # computed before the run. The cubic term holds an arm far off the set point.
     reference, state, _, _ = now
     model = model_torque(reference, reference.velocity, pose_of(reference.position), numbers, 6)
     feedback = pd_torque(now, numbers, memory, links)
@@ -220,8 +220,8 @@ def integral_torque(
     now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``K_I Σe``; constants: K_I (2), whole run; memory: the two sums."""
-    # Raw errors, without dt. In the last iteration of a set point the whole sum still counts;
-    # cleared is what the next one begins with.
+    # Raw errors, without dt. In the last iteration of a set point the whole sum still counts; it is
+    # cleared for the next one.
     reference, state, _, clock = now
     first = stored(memory[0] + (reference.position[0] - state.position[0]), clock.single)
     second = stored(memory[1] + (reference.position[1] - state.position[1]), clock.single)

@@ -16,7 +16,7 @@ TEXT = ".frb"
 
 
 def kind_by_suffix(path: str | os.PathLike[str]) -> str:
-    """Return what a file is by its suffix: a table, a rule base of another program, or empty."""
+    """Return the kind of a file by its suffix: a table, a foreign rule base, or ""."""
     suffix = Path(path).suffix.lower()
     if suffix in ("", TEXT):
         return ""
@@ -26,9 +26,9 @@ def kind_by_suffix(path: str | os.PathLike[str]) -> str:
 
 
 def demand_text_file(path: str | os.PathLike[str]) -> None:
-    """Raise MistakenKindError for a file that is a table, or a rule base of another program."""
+    """Raise MistakenKindError for a table or a rule base of another program."""
     kind = kind_by_suffix(path)
-    if kind and Path(path).exists():  # else reading it says that there is none
+    if kind and Path(path).exists():  # a missing file is reported on reading
         raise not_a_controller(path, kind)
 
 
@@ -40,7 +40,7 @@ def without_controller(parsed: Parsed, path: str | os.PathLike[str]) -> Exceptio
 
 
 def not_a_controller(path: str | os.PathLike[str], kind: str) -> MistakenKindError:
-    """Return the error of a file where a controller is wanted, with what can be typed."""
+    """Return the error for a file that is not a controller, with a command for it."""
     name, file = typed(os.fspath(path)), quote(Path(path).name, '"')
     is_table = kind == TABLE
     option, law = ("--table", "fuzzy-lut") if is_table else ("--rulebase", "fuzzy-direct")

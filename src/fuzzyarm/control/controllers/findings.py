@@ -1,4 +1,4 @@
-"""What is probably not meant between a controller, its rule bases and tables, and its plant."""
+"""Probable mistakes between a controller, its rule bases and tables, and its plant."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from fuzzyarm.symbolic.operations import Interval
 # --- Which plant ---
 
 KINDS = ("measured", "reference", "drive")
-"""What a controller asks of a plant."""
+"""Kinds of ports of a controller."""
 
 
 @cache
@@ -54,10 +54,10 @@ def shipped_sites() -> tuple[Site, ...]:
 
 
 def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = None) -> Site | None:
-    """Return the shipped plant that has the axes of a controller, and some port that it asks for.
+    """Return the shipped plant with the axes of a controller and one of its ports.
 
-    Where names are joined to ports, one that has all of them will do. A controller may be meant
-    for another plant, so that nothing follows from it for certain.
+    With names connected to ports, it must have all of them. The controller may be intended for
+    another plant, so the result is only a hint.
     """
     connect = connect or {}
     axes = {connect.get(axis, axis) for axis in model.axis_names}
@@ -107,15 +107,15 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
 def doubts_of(
     text: ControllerText, plant: Plant | None = None, connect: Mapping[str, str] | None = None
 ) -> list[Diagnostic]:
-    """Return what is probably not meant in a controller with its files, on its plant.
+    """Return probable mistakes in a controller with its files, on its plant.
 
     Parameters
     ----------
     text : ControllerText
-        Without mistakes in its text; with what could be read of its files.
+        Without errors in its text; with its readable files.
     plant : Plant, optional
-        On which it is to run: what that lacks is an error. By default the shipped plant with
-        its axes; what that lacks is a warning.
+        Its plant: anything missing there is an error. By default the shipped plant with its axes:
+        anything missing is a warning.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
     """
@@ -137,8 +137,8 @@ def doubts_of(
 # --- Ranges of signals, and universes ---
 
 FACTORS = {FED_BACK: 1000.0, PORT: 100.0, MADE: 10.0}
-"""How many times as wide as its universe a signal may be. A loop that works keeps errors small: the
-shipped position loops have 720. What no loop keeps small uses its whole range."""
+"""Limit of the ratio of a signal's range to its universe. A working loop keeps errors small: the
+shipped position loops have 720. A signal not kept small by the loop uses its whole range."""
 
 SLOW = 0.05
 """Share of a plant's full speed at which one set point is not to cross half a universe."""
@@ -148,14 +148,14 @@ LEAST = 0.1
 
 
 def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
-    """Yield signals that are far wider or far narrower than what they are looked up in."""
+    """Yield signals far wider or far narrower than the universe in which they are looked up."""
     judged: set[tuple[int, str]] = set()
     for up in reaches.look_ups:
         key = (id(up.axes), up.signal)
         if key in judged:
             continue
         finding = _too_wide(text.model, up) or _too_narrow(up)
-        if finding is not None:  # one gain is wrong, whatever else looks the signal up
+        if finding is not None:  # one wrong gain: report it once
             judged.add(key)
             yield finding
 
@@ -163,7 +163,7 @@ def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
 def _too_wide(model: ControllerModel, look_up: LookUp) -> Diagnostic | None:
     reach, universe = look_up.reach, look_up.universe
     whole, inside = width(reach.at), width(overlap(reach.at, universe))
-    # Of a sum whose parts may cancel the interval is wider than what the signal reaches.
+    # For a sum with cancelling terms the interval is wider than the signal's range.
     if not reach.tight or not FACTORS[reach.kept] * inside < whole < math.inf:
         return None
     if reach.kept != FED_BACK:
@@ -216,7 +216,7 @@ def _percent(share: float) -> str:
 
 
 def _made(look_up: LookUp) -> tuple[Related, ...]:
-    """Return where a signal is made, if that is another line."""
+    """Return the line where a signal is defined, if it is another one."""
     for line in look_up.axes.lines:
         if (
             isinstance(line, SignalLine)
@@ -231,7 +231,7 @@ def _made(look_up: LookUp) -> tuple[Related, ...]:
 
 
 def _without_rule(text: ControllerText) -> Iterator[Diagnostic]:
-    """Yield signals of rule bases that are not a number at some point, for no rule fires there."""
+    """Yield outputs of rule bases that are NaN at some point, because no rule fires there."""
     for _, line in text.model.lines():
         if not isinstance(line, SignalLine) or line.source is None:
             continue
@@ -246,7 +246,7 @@ def _not_a_number(line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diag
             continue
         try:
             at = silent_point(output, Subject(sheet, Document(())))
-        except GaveUpError:  # the check of the rule base says so
+        except GaveUpError:  # reported by the check of the rule base
             continue
         if at is None:
             continue
@@ -271,7 +271,7 @@ def _stated(output: Output) -> float:
 def _unlike_units(
     text: ControllerText, reaches: Reaches, site: Site | None
 ) -> Iterator[Diagnostic]:
-    """Yield gains whose unit meets another one of its kind, as rad and deg, and does not cancel."""
+    """Yield gains whose unit meets another of its dimension, as rad and deg, uncancelled."""
     gains = {model.name: model for model in text.model.gains}
     for meeting in reaches.meetings:
         before, brought = meeting.reach, meeting.brought
@@ -307,7 +307,7 @@ def _unlike_units(
 
 
 def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
-    """Yield a scaled signal that is not of the dimension which its input has."""
+    """Yield scaled signals whose dimension differs from that of the input."""
     unit, sheet_unit = up.reach.unit, up.sheet_unit
     ratio = product(unit, sheet_unit, -1)
     if unit and sheet_unit is not None and up.reach.scaled and ratio and dimension(ratio):
@@ -345,7 +345,7 @@ def _port(model: ControllerModel, site: Site | None, address: Address) -> Port |
 def _missing_ports(
     model: ControllerModel, site: Site, *, plant_is_named: bool
 ) -> Iterator[Diagnostic]:
-    """Yield what a controller asks for and the plant does not have."""
+    """Yield ports of a controller that the plant lacks."""
     severity = Severity.ERROR if plant_is_named else Severity.WARNING
     axes_there = _axes_on(site, model)
     reported: set[tuple[Span, str]] = set()
@@ -383,7 +383,7 @@ def _axes_on(site: Site, model: ControllerModel) -> set[str]:
 
 
 def _asking(model: ControllerModel, kind: str, address: Address) -> tuple[Axes, Span] | None:
-    """Return the first line that asks for a port, and its axes."""
+    """Return the first line that uses a port, and its axes."""
     axis, port = address
     for axes, line in model.lines():
         if axis not in axes.names:
@@ -404,7 +404,7 @@ def _asking(model: ControllerModel, kind: str, address: Address) -> tuple[Axes, 
 def _limits_before_factors(
     model: ControllerModel, reaches: Reaches, site: Site | None
 ) -> Iterator[Diagnostic]:
-    """Yield integrals with a factor whose limits are those of what reads the product."""
+    """Yield integrals with a factor whose limits are those of the scaled signal."""
     for axes, line in model.lines():
         if (
             not isinstance(line, SignalLine)
@@ -433,7 +433,7 @@ def _limits_before_factors(
 def _readers(
     model: ControllerModel, reaches: Reaches, site: Site | None, axes: Axes, name: str
 ) -> Iterator[tuple[str, Interval]]:
-    """Yield what reads a signal, and its range: universes, limits of drives and of actuators."""
+    """Yield the ranges at a signal's uses: universes, limits of drives and actuators."""
     for up in reaches.look_ups:
         if up.axes is axes and up.signal == name:
             yield up.sheet, up.universe
@@ -508,7 +508,7 @@ def _without_limits(line: Drive, actuator: Interval, takes: str) -> Diagnostic:
 def _growing(
     model: ControllerModel, axis: str, free: Sequence[Drive], actuator: Interval
 ) -> Iterator[Diagnostic]:
-    """Yield integrals that go on growing while the actuator behind such drives is at its limit."""
+    """Yield integrals without anti-windup, whose drives have actuators with limits."""
     for axes, line in model.lines():
         if axis not in axes.names or not isinstance(line, SignalLine) or line.source is None:
             continue
@@ -531,7 +531,7 @@ def _growing(
 
 
 def ranges_in_words(text: ControllerText) -> Mapping[str, str]:
-    """Return where each signal can be and its unit, as far as that is known, by its name."""
+    """Return range and unit of each signal by name, as far as known."""
     ranges: dict[str, list[str]] = {}
     for (_, name), reach in reaches_of(text, site_by_axes(text.model)).signals.items():
         if width(reach.at) < math.inf:
@@ -543,7 +543,7 @@ def ranges_in_words(text: ControllerText) -> Mapping[str, str]:
 
 
 def ports_in_words(axes: Iterable[str]) -> Mapping[str, str]:
-    """Return the ports of the shipped plants with these axes, or of all, and what each is."""
+    """Return the ports of the shipped plants with these axes, or of all, with descriptions."""
     wanted_axes = set(axes)
     sites = [s for s in shipped_sites() if wanted_axes and wanted_axes <= set(s.interface.axes)]
     ports: dict[str, str] = {}
@@ -558,7 +558,7 @@ def ports_in_words(axes: Iterable[str]) -> Mapping[str, str]:
 
 
 def plants_in_words(axes: Iterable[str]) -> Mapping[tuple[str, str], str]:
-    """Return plants, and states and parameters of those with these axes, with what each is."""
+    """Return plants, states and parameters of plants with these axes, with descriptions."""
     wanted_axes = set(axes)
     sites = [s for s in shipped_sites() if wanted_axes and wanted_axes <= set(s.interface.axes)]
     words: dict[tuple[str, str], str] = {}

@@ -61,7 +61,7 @@ class Floats(Algebra[float]):
     Parameters
     ----------
     arithmetic : RunArithmetic
-        Of the run: single or double precision of what is stored, and π.
+        Arithmetic of the run: precision of stored values, and π.
     """
 
     def __init__(self, arithmetic: RunArithmetic | None = None) -> None:
@@ -111,14 +111,14 @@ class Floats(Algebra[float]):
         return [float(value) for value in infer(sheet, inputs).values()]
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, float]) -> float:
-        """Return the value of a lookup table, whose values are stored as gains are."""
+        """Return the value of a lookup table, rounded as a gain."""
         if not self.arithmetic.single:
             return float(sheet.lookup(*inputs.values()))
         stored = np.array([self.rounded(x) for x in sheet.values.ravel().tolist()])
         held = replace(sheet, values=stored.reshape(sheet.values.shape))
         return float(held.lookup(*inputs.values()))
 
-    # --- what is stored ---
+    # --- stored values ---
 
     def hold(self, value: float) -> float:
         """Return a number as the run stores it."""
@@ -129,16 +129,16 @@ class Floats(Algebra[float]):
         return self.arithmetic.hold(value)
 
     def gain(self, gain: GainModel, index: int) -> float:
-        """Return a gain, as it is stored."""
+        """Return a gain, rounded for storage."""
         return self.rounded(gain.values[index].value(self.arithmetic.pi))
 
     def signal(self, axis: str, name: str, value: float, *, rounded: bool = True) -> float:
-        """Return a signal, as it is stored."""
+        """Return a signal, rounded for storage."""
         self.signals[axis, name] = self.rounded(value) if rounded else value
         return self.signals[axis, name]
 
     def begins(self, cell: Remembered) -> float:
-        """Return its start; NaN has seen nothing yet."""
+        """Return its initial value; NaN means none yet."""
         return cell.start
 
     def held(self, value: float, before: float) -> float:
@@ -181,10 +181,10 @@ class Floats(Algebra[float]):
             value = self.rounded(learning.values[responsible] + lesson.rate * judged)
             learning.values[responsible] = min(max(value, -lesson.bound), lesson.bound)
 
-    # --- periods that are skipped ---
+    # --- skipped periods ---
 
     def skipped(self, guard: Guard, given: Mapping[PortValue, float]) -> dict[str, float] | None:
-        """Return the drives of an axis of which a value is not a number."""
+        """Return the drives of an axis with a NaN input; None if it runs."""
         if not any(math.isnan(given[value]) for value in guard.reads):
             return None
         drives = {}
@@ -195,12 +195,12 @@ class Floats(Algebra[float]):
         return drives
 
     def ran(self, guard: Guard, drives: Mapping[str, float]) -> None:
-        """Keep the drives for periods that are skipped."""
+        """Keep the drives for skipped periods."""
         self.driven |= {(guard.axis, port): value for port, value in drives.items()}
 
 
 class ReferenceRun:
-    """A controller over floats, period by period: what a compiled run has to agree with.
+    """A controller over floats, period by period: the reference for compiled runs.
 
     Parameters
     ----------

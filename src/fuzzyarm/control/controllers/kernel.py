@@ -3,23 +3,22 @@
 Two arrays hold everything. The **cells** ``s`` are numbers:
 
 =============  ============================================================================
-signals        what the plant and the clock say, written by the loop; see `program`
-numbers        gains and written numbers
+signals        inputs from plant and clock, written by the loop; see `program`
+numbers        gains and literal numbers
 signals        of every axis, and intermediate values
 frames         of sources (:mod:`fuzzyarm.control.controllers.updates`); states of limits, rings of
 learners tables         grids and values; visits of tables that learn
 rule bases     a block each, see :mod:`fuzzyarm.inference.block`
 =============  ============================================================================
 
-The **code** ``k`` is the number of instructions, then six whole numbers for each: what to do, the
-cell that receives, up to three more (cells as a rule), and whether the result is rounded as a
-stored value is. Behind them lie the lists of instructions that name more cells than three.
+The **code** ``k`` is the number of instructions, then six integers for each: operation, target
+cell, up to three operands (usually cells), and whether the result is rounded as a stored value.
+Lists for instructions with more operands follow.
 
-An instruction does what one source, factor or limit of the text says; the axes follow one
-another. The updates of sources are called by address: a source is a record
-(:mod:`fuzzyarm.symbolic.sources`), and has no instruction of its own. So an edited text compiles
-nothing, and the program that is exported as C is a walk over the same instructions
-(:mod:`fuzzyarm.exchange.export`). What a source remembers is NaN where it has seen nothing yet.
+An instruction is one source, factor or limit of the text; the axes follow one another. The updates
+of sources are called by address: a source is a record (:mod:`fuzzyarm.symbolic.sources`) without
+an instruction of its own. So an edited text compiles nothing, and the C program is a walk over the
+same instructions (:mod:`fuzzyarm.exchange.export`). A source's state is NaN before its first value.
 
 The first list are the guards. Where a reference or measured value that an axis reads is not a
 number, its instructions are passed over: memory, learned tables and drives stay as they were.
@@ -57,13 +56,13 @@ INSTRUCTION = 6
     PARTNER,  # list
 ) = range(17)
 
-# What the limits of a drive remember, from their state on.
-LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
+# State of the limits of a drive, relative to its first cell.
+LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus unlimited value of the last period
 LAST_DRIVE, STEEPEST = range(2)  # of SLEW
 
 
 class Remembered(NamedTuple):
-    """What an instruction remembers: a cell behind its state, and how it is called."""
+    """A state cell of an instruction: its offset, and its name."""
 
     offset: int
     suffix: str
@@ -73,36 +72,35 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
     LIMIT: (Remembered(OVER, "excess"),),
     SLEW: (Remembered(LAST_DRIVE, "before_slew"),),
 }
-"""By instruction, the cells that change; all others behind its state are numbers."""
+"""State cells by instruction; all others after the first are constants."""
 
-# The list of UPDATE: its address, how many numbers it fills in (what it gives, then what it
-# remembers), whether these are rounded as stored values are, the end of its frame, how many
-# arguments beside x and the period are fetched, then for each of these where it goes and where it
-# comes from; the others are numbers that stand in the frame (fuzzyarm.control.controllers.updates).
+# The list of UPDATE: address of the update; number of results (value, then states); whether they
+# are rounded; end of the frame; number of fetched arguments, then for each its target in the frame
+# and its source cell. The other arguments are constants in the frame
+# (fuzzyarm.control.controllers.updates).
 UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
-# LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
-# and its length, rate, bound, grid of the table, grid and values of the performance table,
-# whether both grids are alike, the indices of the inputs in the period before (in the one grid,
-# then in the other), then the inputs.
+# LOOK_UP is in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index first) and its
+# length, rate, bound, grid of the table, grid and values of the performance table, whether both
+# grids are equal, the indices of the inputs in the last period (in the one grid, then in the
+# other), then the inputs.
 BY, INSIDE, WAIT, ZOOMED = range(4)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE = range(1, 10)
 INDICES, JUDGE_INDICES, LEARN_INPUTS = range(10, 13)
 
-# The list of INFER: where the block begins and ends; where in it the first input and the first
-# result are; how many of each; then their cells, and for each result whether it holds (1) or is
-# NaN (0) where no rule fires.
+# The list of INFER: begin and end of the block; offsets of the first input and the first result in
+# it; their numbers; then their cells, and for each result whether it holds its value (1) or is NaN
+# (0) where no rule fires.
 BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS = range(7)
 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
-# The list of guards: the address of `step_guarded`, how many cells any axis reads, these cells, and
-# for each axis a guard: where its instructions begin and end, the cell that counts the skipped
-# periods, how many cells it reads and how many drives are sent a number in a skipped period, the
-# cells that it reads, and of each of these drives its cell and that of the number. After the last
-# guard stands a 0.
+# The list of guards: the address of `step_guarded`; number of cells read by any axis, these cells;
+# then for each axis a guard: begin and end of its instructions, the counter of skipped periods,
+# numbers of its input cells and of drives with a value for skipped periods, the input cells, and
+# for each of these drives its cell and the cell of that value. A 0 ends the list.
 WITH_GUARDS, COUNT_ALL, ALL_READ = range(3)
 GUARD_BEGIN, GUARD_END, SKIPPED, COUNT_READ, COUNT_SENT, GUARDED = range(6)
 
@@ -122,7 +120,7 @@ def step(k: Any, s: Any) -> None:
     total = 0.0
     for i in range(guards + ALL_READ, guards + ALL_READ + k[guards + COUNT_ALL]):
         total += s[k[i]]
-    if total - total != 0.0:  # a value that is not a number, or infinities: the guards will see
+    if total - total != 0.0:  # NaN or infinity among the inputs: test each axis
         # By address: a rare way, compiled into every loop, would slow the other one down.
         call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
         return
@@ -131,7 +129,7 @@ def step(k: Any, s: Any) -> None:
 
 @kernel
 def step_guarded(k: Any, s: Any) -> None:
-    """Run the axes whose values are numbers."""
+    """Run the axes without NaN inputs."""
     at = 1
     end = 1 + INSTRUCTION * k[0]
     guard = end + ALL_READ + k[end + COUNT_ALL]
@@ -146,7 +144,7 @@ def step_guarded(k: Any, s: Any) -> None:
 
 @kernel
 def skips(k: Any, s: Any, guard: int) -> bool:
-    """Whether an axis skips this period; then count it, and send what is sent instead."""
+    """Whether an axis skips this period; then count it, and write its drives."""
     reads = guard + GUARDED
     if not lacks_number(k, s, reads, k[guard + COUNT_READ]):
         return False
@@ -183,7 +181,7 @@ def lacks_number(k: Any, s: Any, first: int, count: int) -> bool:
 
 @kernel
 def combined(what: int, a: float, b: float, c: float) -> float:
-    """Return what arithmetic makes of two or three numbers."""
+    """Return the result of an arithmetic instruction."""
     value = a
     if what == SUBTRACT_MULTIPLY:
         value = (a - b) * c
@@ -204,7 +202,7 @@ def combined(what: int, a: float, b: float, c: float) -> float:
 
 @kernel
 def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -> float:
-    """Return what a source, a limit or a table gives; of what fills in several cells return 0."""
+    """Return the value of a one-cell instruction, else 0."""
     value = 0.0
     if what == UPDATE:
         value = updated(k, s, a, b, c, single)
@@ -238,7 +236,7 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -
 
 @kernel
 def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
-    """Return what a source gives in this period; what it remembers stands behind that."""
+    """Return a source's output, followed by its new state."""
     filled = frame + k[at + FILLED]
     s[filled] = s[x]
     s[filled + 1] = s[PERIOD]
@@ -258,7 +256,7 @@ def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
 
 @kernel
 def limited(s: Any, x: float, state: int) -> float:
-    """Return x within its limits; remember by how much they changed it."""
+    """Return x within its limits; store the difference for anti-windup."""
     y: float = min(max(x, s[state + LOW]), s[state + HIGH])
     s[state + OVER] = y - x
     return y
@@ -281,7 +279,7 @@ def slewed(s: Any, x: float, state: int) -> float:
 def zoom(k: Any, s: Any, at: int, count: int) -> None:
     """Magnify signals while all lie inside the window (section 6.6: "within [-3 3]").
 
-    Abruptly, or so that they wait at the edge of the window until the unmagnified ones come.
+    Abruptly, or waiting at the edge of the window until the unmagnified signals arrive.
     """
     first = at + ZOOMED
     size = 0.0
@@ -315,7 +313,7 @@ def infer(k: Any, s: Any, at: int, address: int) -> None:
             s[k[cell + inputs + i]] = value
 
 
-# --- Tables that learn; what a look-up means and does stands in table/lookup.py ---
+# --- Learning tables; look-up is defined in table/lookup.py ---
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""What a compiled control law is: its kernel, its gains, and how they become arrays."""
+"""Compiled control laws: kernel, gains, and their arrays."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from fuzzyarm.plant.setting import (
 )
 from fuzzyarm.symbolic.kernels import address_of, call, kernel
 
-# --- Gains as data: name, value, unit, meaning, and where the value comes from ---
+# --- Gains as data: name, value, unit, meaning, origin ---
 
 Origin = Literal["printed", "identified", "own", "given"]
 
 
 class GainError(FuzzyarmError, ValueError):
-    """A gain is unknown or its value is out of range; `name` and `value` say which."""
+    """An unknown gain or an invalid value; see `name` and `value`."""
 
     def __init__(self, message: str, *, name: str, value: object = None, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -57,13 +57,13 @@ class Gain:
     Parameters
     ----------
     name : str
-        As ``--set`` takes it.
+        Name for ``--set``.
     value : tuple of float
         One number, or one for each joint, or one for each parameter.
     unit : str
         SI; "1" for none.
     meaning : str
-        What it multiplies.
+        The signal that it multiplies.
     origin : {"printed", "identified", "own", "given"}
         Printed in the study, identified from its figures, chosen here, or given by
         the user.
@@ -72,7 +72,7 @@ class Gain:
     bounds : pair of float, optional
         Smallest and largest value; by default anything below 1e12 in magnitude.
     places : int, optional
-        How many numbers it takes where one does not go for all; by default as many as it has.
+        Number of values where one for all does not suffice; by default as many as it has.
     """
 
     name: str
@@ -85,7 +85,7 @@ class Gain:
     places: int = 0
 
     def with_value(self, value: Sequence[float], origin: Origin = "given") -> Gain:
-        """Return the gain with another value; a single number goes for all places.
+        """Return the gain with another value; a single number serves all places.
 
         Raises
         ------
@@ -129,7 +129,7 @@ def collect(gains: Iterable[Gain]) -> dict[str, Gain]:
 # --- A control law: its kernel, its gains and how they go into arrays ---
 
 Kernel = Callable[..., Any]
-"""From what a law is told, its constants, its memory and its links to the torque, N m."""
+"""From observation, constants, memory and links to the torque, N m."""
 
 
 Vector = NDArray[np.float64]
@@ -139,7 +139,7 @@ Pack = Callable[[Gains, RunArithmetic], "list[float] | Vector"]
 
 @dataclass(frozen=True)
 class LawBlock:
-    """One law as the loop takes it: constants, initial memory, links."""
+    """A law as arrays of the loop: constants, initial memory, links."""
 
     numbers: Vector
     memory: Vector
@@ -150,12 +150,12 @@ def view(array: NDArray[Any]) -> Any:
     """Return an array as plain numbers, for kernels that run interpreted; slices share memory."""
     try:
         return memoryview(array)  # type: ignore[arg-type]
-    except TypeError:  # arrays of a page without NumPy, whose slices share memory as well
+    except TypeError:  # arrays without NumPy, whose slices share memory, too
         return array
 
 
 def zeros(count: int) -> Pack:
-    """Return what remembers so many zeros at the start."""
+    """Return an initial memory of zeros."""
     return lambda _gains, _arithmetic: [0.0] * count
 
 
@@ -165,7 +165,7 @@ def pack_all(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
 
 
 def pack_gains(*names: str, model: bool = False) -> Pack:
-    """Write down some gains and, if asked for, the nine constants of the model behind them."""
+    """Pack some gains and, optionally, the nine constants of the model after them."""
 
     def pack(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
         front = [arithmetic.hold(value) for name in names for value in gains[name].value]
@@ -194,12 +194,12 @@ class Law:
     remember : callable, optional
         Gains to the initial memory; none by default.
     links : callable, optional
-        From the arithmetic to addresses of what the kernel calls by address, and to other
-        integers; none by default.
+        From the arithmetic to the addresses that the kernel calls, and other integers; none by
+        default.
     remembers : bool, optional
-        Whether the memory at the end of a run says something, or is room to work in.
+        Whether the final memory is a result, or only scratch.
     at_signals : callable, optional
-        A kernel that takes what :func:`tell` writes, where `kernel` takes a moment.
+        A kernel over the array of :func:`tell`, where `kernel` takes an observation.
     """
 
     name: str
@@ -241,16 +241,16 @@ def model_constants(gains: Gains, arithmetic: RunArithmetic) -> list[float]:
 
 # --- The compiled control step: laws by address, their drives summed ---
 #
-# The loop knows laws by their addresses, so only those in use are compiled, each apart. What a
-# law is told crosses over in one array: the clock, references and outputs (the head of
-# `fuzzyarm.control.loop.loop` tells it for any plant), and behind them room for its drives. The
-# laws of this package know the arm only, where that is
+# The loop calls laws by address, so only those in use are compiled, each on its own. The
+# observation is one array: the clock, references and outputs (for any plant see the head of
+# `fuzzyarm.control.loop.loop`), followed by scratch for the drives. For the laws of this package,
+# on the arm, it is
 #
 #   0 … 2    time step, whether it is the last iteration, whether values are rounded
 #   3 … 8    desired position, velocity and acceleration, joint 1 and joint 2 each
 #   9 … 12   position and velocity
 #   13 … 16  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
-#   17 … 20  back: the torque of both joints, and the voltage of both motors
+#   17 … 20  results: the torque of both joints, and the voltage of both motors
 
 TOLD = 17
 """Numbers in the input of a law of the arm."""
@@ -258,8 +258,8 @@ TOLD = 17
 SIGNALS = 21
 """Length of that array."""
 
-# What the loop knows of the laws is an array of integers: how many they are, then seven for
-# each law, at last the links of all of them.
+# The loop reads the laws from an array of integers: their number, seven integers for each law, then
+# the links of all of them.
 
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 LAW_HEAD = 7
@@ -268,7 +268,7 @@ LAW_HEAD = 7
 
 @kernel
 def tell(now: Moment, signals: list[float]) -> None:
-    """Write down what a law is told."""
+    """Write an observation as an array."""
     reference, state, pose, clock = now
     signals[0] = clock.step
     signals[1] = 1.0 if clock.last else 0.0
@@ -289,7 +289,7 @@ def drives_of_laws(
     memory: list[float],
     drives: list[float],
 ) -> None:
-    """Do what :func:`summed_drives` does for a loop that runs as plain Python."""
+    """As :func:`summed_drives`, for a loop in plain Python."""
     size = len(drives)
     summed_drives(told, len(told) - size, size, laws, numbers, memory, drives)
 
@@ -304,22 +304,22 @@ def summed_drives(
     memory: list[float],
     drives: list[float],
 ) -> None:
-    """Fill the drives with the sum of what all laws want, called one after the other.
+    """Sum the drives of all laws, called one after the other.
 
     Parameters
     ----------
     board : float
-        What a law is told, and behind that room for its drives.
+        The observation, followed by scratch for the drives.
     told, size : int
-        How many numbers a law is told, and how many drives there are.
+        Length of the observation, and number of drives.
     laws, numbers, memory
-        The laws as :func:`law_integers` writes them down, their constants, what they remember.
+        The laws as packed by :func:`law_integers`, their constants, their states.
     drives : float
         Filled.
     """
     for i in range(size):
         drives[i] = 0.0
-    # In the order of the sum as it is written: the order of additions is part of the bits.
+    # In the order of the written sum: the order of additions determines the bits.
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
         for i in range(told, told + size):
             board[i] = 0.0
@@ -337,7 +337,7 @@ def summed_drives(
 def law_integers(
     laws: Sequence[Law], blocks: Sequence[LawBlock], arithmetic: RunArithmetic
 ) -> list[int]:
-    """Write down what :func:`summed_drives` knows of the laws."""
+    """Pack the laws as integers for :func:`summed_drives`."""
     heads: list[int] = []
     links: list[int] = []
     first_link = 1 + LAW_HEAD * len(laws)
@@ -370,9 +370,9 @@ def lacks_number(reference: Reference, state: State) -> bool:
 def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
 ) -> None:
-    """Run a law of the arm on what it is told."""
-    # Back into named tuples, which cost nothing: in machine code they are registers, and the
-    # law, inlined here, uses what it needs of them.
+    """Run an arm control law on one observation."""
+    # Back into named tuples, at no cost: in machine code they are registers, and the inlined law
+    # uses only some of them.
     reference = Reference(
         (signals[3], signals[4]), (signals[5], signals[6]), (signals[7], signals[8])
     )
@@ -384,13 +384,13 @@ def law_at_address(
 
 
 LAW_ARRAYS = "fffi"
-"""Of signals, numbers and memory, and of links: :func:`fuzzyarm.symbolic.kernels.address_of`."""
+"""Signature: signals, numbers, memory, links; :func:`fuzzyarm.symbolic.kernels.address_of`."""
 
 
 def law_address(law: Law, arithmetic: RunArithmetic) -> int:
     """Return where the loop finds a law; each precision has its own.
 
-    What is stored then need not be asked whether to be rounded.
+    Bound for one precision: stored values need no test whether to round.
     """
     bindings: dict[str, Callable[..., object]] = {
         "stored": stored_single if arithmetic.single else stored_double

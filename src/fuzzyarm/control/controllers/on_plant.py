@@ -1,4 +1,4 @@
-"""A controller as text on a plant, and what it learns there."""
+"""A controller as text on a plant, and its learned tables."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ from fuzzyarm.plant.setting import (
 from fuzzyarm.symbolic.kernels import kernel
 from fuzzyarm.table import Axis, LookupTable
 
-# --- The ports that a controller asks for, and those that the plant has ---
+# --- Ports of the controller and ports of the plant ---
 
 
 @dataclass(frozen=True)
@@ -70,11 +70,11 @@ class Site:
     Attributes
     ----------
     name : str
-        Of the plant.
+        Name of the plant.
     interface : Interface
         Its ports.
     extra : int
-        Numbers behind its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
+        Numbers after its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     """
@@ -86,12 +86,12 @@ class Site:
 
     @property
     def told(self) -> int:
-        """How many numbers a controller is told: clock, references, outputs."""
+        """The length of an observation: clock, references, outputs."""
         interface = self.interface
         return CLOCK + len(interface.references) + len(interface.outputs) + self.extra
 
     def wiring(self, model: ControllerModel) -> Wiring:
-        """Give the ports that a controller asks for their cells."""
+        """Assign cells to the ports of a controller."""
         interface, first_told, size = self.interface, self.told, len(self.interface.inputs)
         first = {"reference": CLOCK, "measured": CLOCK + len(interface.references)}
         first["drive"] = first_told + size
@@ -126,8 +126,8 @@ class Site:
     def find(self, model: ControllerModel, kind: str, address: Address) -> Address:
         """Return axis and port of the plant for those of a controller.
 
-        One axis on both sides is the same one, whatever it is called; an axis may be joined as
-        a whole, to run on one of several.
+        A single axis on both sides matches under any name; an axis may be connected as a whole, to
+        run on one of several.
         """
         ports = self._ports(kind)
         axis, named = found = self._joined(model, address)
@@ -139,11 +139,11 @@ class Site:
             raise SourceError(f"the {self.name} has no axis '{axis}'", hint=hint)
         names = [name for home, name in ports if home == axis]
         used_ports = {name for _, name in ports_of(model, kind)}
-        # Where no name is like it, a port that the controller does not ask for already.
+        # Without a similar name, suggest a port that the controller does not use yet.
         free = [name for name in names if name not in used_ports] or names
         what = "drive" if kind == "drive" else f"{kind} value"
         hint, likely = f"it has {', '.join(names)}", near(named, free)
-        # A name that is the plant's needs no joining: it was joined to something else.
+        # A name of the plant needs no connection: it was connected to something else.
         if likely != port:
             hint += f"; --connect {port}={likely} joins them"
         raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
@@ -153,7 +153,7 @@ class Site:
         return self._joined(model, address) in self._ports(kind)
 
     def _joined(self, model: ControllerModel, address: Address) -> Address:
-        """Return axis and port that a controller means, whether the plant has them or not."""
+        """Return axis and port that a controller refers to, whether or not the plant has them."""
         axis, port = address
         joined = self.connect.get(axis, axis)
         axis = joined if joined in self.interface.axes else axis
@@ -185,16 +185,16 @@ def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
 
 
 PORT_KINDS = ("reference", "measured", "drive")
-"""Of ports that a controller asks for."""
+"""Kinds of ports of a controller."""
 
 SITE_OF_LAWS = site_of(Arm())
-"""What the laws of the study were written for: they ask for its ports and its pose."""
+"""The plant of the study's laws, which use its ports and its pose."""
 
 
 # --- The law ---
 #
-# The first cells are what every law is told; behind them room for the drives of a partner, then
-# the drives of this controller, then (on the arm) room for `text_kernel`.
+# The first cells are the observation of every law; then scratch for the drives of a partner, the
+# drives of this controller, and (on the arm) scratch for `text_kernel`.
 
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
@@ -205,7 +205,7 @@ def text_law(
 ) -> None:
     """Leave the drives of a controller as text among the signals.
 
-    Constants: how many signals it is told, and how many drives the plant has. Memory: the cells;
+    Constants: length of the observation, and number of drives of the plant. Memory: the cells;
     links: the code.
     """
     told = int(numbers[0])
@@ -217,7 +217,7 @@ def text_law(
 
 @kernel
 def _run_text(signals: list[float], told: int, memory: list[float], links: list[int]) -> None:
-    """Run a controller as text on so many signals; its drives stand in its memory then."""
+    """Run a controller as text on its observation; its drives are then in its memory."""
     for i in range(told):
         memory[i] = signals[i]
     step(links, memory)
@@ -233,7 +233,7 @@ def drives_of_text(
     memory: list[float],
     drives: list[float],
 ) -> None:
-    """Do what ``summed_drives`` does where one controller as text is all the laws."""
+    """As ``summed_drives``, with one controller as text as the only law."""
     cells = memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]]
     _run_text(board, told, cells, laws[laws[1 + LINKS] : laws[1 + LINKS_END]])
     for i in range(size):
@@ -276,7 +276,7 @@ class TextLaw(Law):
     find_law : callable
         From the name of a partner to its law.
     program : callable
-        From the arithmetic of a run to what the kernel reads.
+        From the arithmetic of a run to the program of the kernel.
     partners : callable
         Gives the controllers that it names.
     """
@@ -308,7 +308,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
     find_law : callable
         From the name of a partner to its law.
     site : Site, optional
-        That of the laws by default. What the plant lacks is an error when the law is used.
+        That of the laws by default. Missing ports are an error when the law is used.
     """
     model = text.model
     gains = tuple(gains_of(model))
@@ -338,7 +338,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
         return [float(site.told), float(len(site.interface.inputs)), *powered]
 
     def remember(chosen: Gains, arithmetic: RunArithmetic) -> NDArray[np.float64]:
-        # A gain of the text counts with the π of the run, one that is given as it is.
+        # Gains of the text depend on the run's π; given ones are used as they are.
         numbers = {
             gain.name: chosen[gain.name].value
             for gain in gains
@@ -373,7 +373,7 @@ def controller_on(controller: Controller, site: Site) -> Controller:
         return Sum([controller_on(addend, site) for addend in controller.addends], controller.name)
     law = text_law_of(controller)
     if law is not None:
-        site.wiring(law.text.model)  # tells what is missing
+        site.wiring(law.text.model)  # raises for missing ports
         if site != law.site:
             compiled_controller = CompiledController(law.on(site), controller.gains)
             compiled_controller.name = controller.name
@@ -384,7 +384,7 @@ def controller_on(controller: Controller, site: Site) -> Controller:
 
 
 def lacking(site: Site) -> str:
-    """Return what a law of the study asks for and a plant does not have; empty where it has all."""
+    """Return the ports of a study's law that a plant lacks; empty if it has all."""
     for kind, verb in (("measured", "measures"), ("drive", "drives")):
         for port in SITE_OF_LAWS._ports(kind):
             if port not in site._ports(kind):
@@ -394,7 +394,7 @@ def lacking(site: Site) -> str:
 
 
 def require_for_laws(what: str, site: Site) -> None:
-    """Raise SourceError where a plant does not have what the laws of the study ask for."""
+    """Raise SourceError if a plant lacks ports of the study's laws."""
     why = lacking(site)
     if why:
         hint = "controllers as text, and classes with a step, run on any plant"
@@ -402,7 +402,7 @@ def require_for_laws(what: str, site: Site) -> None:
 
 
 def connectable(controller: Controller) -> set[str]:
-    """Return what of a controller as text may be joined to a plant: axes and ports."""
+    """Return the axes and ports of a controller as text that may be connected to a plant."""
     law = text_law_of(controller)
     if law is None:
         return set()
@@ -424,7 +424,7 @@ def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
 
 
 def driven_plainly(site: Site) -> frozenset[Address]:
-    """Return what laws and controllers in Python may drive: torques, where there are some."""
+    """Return the inputs for laws and controllers in Python: torques, if the plant has some."""
     torques = frozenset(port for port in site.interface.inputs if port[1] == "torque")
     return torques or frozenset(site.interface.inputs)
 
@@ -433,7 +433,7 @@ def driven_plainly(site: Site) -> frozenset[Address]:
 
 
 def own_timing(controller: Controller) -> Timing | None:
-    """Return the period and the set points that a controller asks for; None of a law."""
+    """Return control period and set points of a controller; None for a law."""
     timings: dict[Timing, Timed] = {}
     for part in controller.parts():
         model = timed(part)
@@ -452,11 +452,11 @@ def own_timing(controller: Controller) -> Timing | None:
 
 
 class Timed(Protocol):
-    """What says how often it runs: the text of a controller, or one in Python."""
+    """An object with a period of its own: the text of a controller, or one in Python."""
 
     @property
     def name(self) -> str:
-        """Of the controller."""
+        """Name of the controller."""
 
     @property
     def period(self) -> float:
@@ -468,7 +468,7 @@ class Timed(Protocol):
 
 
 def timed(part: Controller) -> Timed | None:
-    """Return what says how often an addend runs; None of a law, which runs as the study does."""
+    """Return the timed part of an addend; None for a law, which has the timing of the study."""
     law = text_law_of(part)
     if law is not None:
         return law.text.model
@@ -488,7 +488,7 @@ def timing_words(model: Timed) -> str:
 
 
 def timing_on(controller: Controller, site: Site) -> Timing:
-    """Return how often a controller runs on a plant, which it has to say but where laws run."""
+    """Return the timing of a controller on a plant; mandatory except for laws."""
     timing = own_timing(controller)
     if timing is None and lacking(site):
         hint = "write  period = 0.01  into its class, in s"
@@ -502,7 +502,7 @@ Limits = tuple[float, float]
 
 
 def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
-    """Return between what a controller keeps each drive: by ``within``, of it or its integral.
+    """Return the limits of each drive: ``within`` of the drive itself or of its integral.
 
     Several drives of a port add up, and so do their limits; a law has none.
     """
@@ -572,7 +572,7 @@ def _value(product: Product, gains: Mapping[str, float]) -> float:
     return value
 
 
-# --- What it has learned ---
+# --- Learned tables ---
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -607,12 +607,12 @@ class LearnedTables:
     def pages(self, last: NDArray[np.int64] | None = None) -> list[tuple[Any, Any]]:
         """Return values and visits of each axis as rows and columns, to be drawn.
 
-        Of a table over more than two inputs the page that was used most.
+        For a table over more than two inputs, the most visited page.
 
         Parameters
         ----------
         last : ndarray, optional
-            Visits by which is chosen, where not those of these tables.
+            Visits that select the page, if not those of these tables.
         """
         tables = []
         by = self.visits if last is None else last
@@ -630,7 +630,7 @@ class LearnedTables:
         return [replace(like, axes=self.axes, values=value) for value in self.values]
 
     def table(self, like: LookupTable) -> LookupTable:
-        """Return all tables as one, whose first input tells the axes of the controller apart."""
+        """Return all tables as one, whose first input is the axis of the controller."""
         levels = tuple(float(i + 1) for i in range(len(self.values)))
         axes = (Axis(AXIS, levels, description="axis of the controller"), *self.axes)
         return replace(like, axes=axes, values=self.values)
@@ -642,11 +642,11 @@ def learned(law: TextLaw, arithmetic: RunArithmetic, memory: Any = None) -> Lear
     Parameters
     ----------
     law : TextLaw
-        Of a controller that learns.
+        Law of a controller that learns.
     arithmetic : RunArithmetic
-        Of the run.
+        Arithmetic of the run.
     memory : array_like, optional
-        As a run left it; as it is before the first one by default.
+        Memory after a run; the initial one by default.
     """
     line = next(law.text.learners())
     program: ControllerCode = law.program(arithmetic)

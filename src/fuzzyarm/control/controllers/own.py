@@ -55,9 +55,9 @@ def find_controller(
     Raises
     ------
     UnknownControllerError
-        For a name that is none.
+        For an unknown name.
     SourceError
-        If a rule base or a table does not serve, or nothing reads it.
+        If a rule base or a table does not fit, or is not used.
     OwnControllerError
         For a file without a usable controller.
     WrongKindError
@@ -86,7 +86,7 @@ def find_controllers(
     variant: Variant = "as-printed",
     sources: Sources = NONE_GIVEN,
 ) -> list[Controller]:
-    """Make several controllers; where two have the same name, those of files say which file."""
+    """Make several controllers; equal names of files are made distinct."""
     controllers = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
     names_by_law: dict[str, set[str]] = {}
     for name, law in zip(names, controllers, strict=True):
@@ -116,7 +116,7 @@ def _is_text(word: str) -> bool:
 
 
 def _is_there(word: str) -> bool:
-    """Whether an addend of a sum can be meant: a file that exists, or no file."""
+    """Whether a word can be an addend of a sum: an existing file, or not a file name."""
     return ".py" in word or not _is_file(word) or Path(word).exists()
 
 
@@ -154,7 +154,7 @@ def load_own(place: str) -> Controller:
 
 
 class GuardedController(Controller):
-    """A user's controller whose exceptions become one clear sentence."""
+    """A user's controller, with exceptions turned into one clear sentence."""
 
     def __init__(self, inner: Controller, path: str) -> None:
         # Copied, since the base class has defaults of its own for them.
@@ -170,7 +170,7 @@ class GuardedController(Controller):
     def step(
         self, measured: Mapping[str, float], reference: Mapping[str, float]
     ) -> Mapping[str, float] | float:
-        """Ask the user's controller."""
+        """Call the user's controller."""
         try:
             return self.inner.step(measured, reference)
         except USERS as error:
@@ -184,7 +184,7 @@ class GuardedController(Controller):
             raise _failure(self.path, error) from error
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
-        """Ask the user's controller."""
+        """Call the user's controller."""
         try:
             first, second = self.inner.torque(reference, state, clock)
             return float(first), float(second)

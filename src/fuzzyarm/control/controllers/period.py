@@ -8,9 +8,9 @@ an exported program (:mod:`fuzzyarm.exchange.export.steps`). The compiled loop
 (:mod:`fuzzyarm.control.controllers.program`) and the checker of certificates are written
 independently of it.
 
-An :class:`Algebra` says what numbers are; all else has a default. A kind of number that needs more
-than numbers overrides what is made of them: a source (:meth:`Algebra.source`), a look-up
-(:meth:`Algebra.called`), signals that are stored, memory, a learner. So a new source is one record
+An :class:`Algebra` defines the numbers; everything else has a default. An algebra beyond plain
+numbers overrides the treatment of sources (:meth:`Algebra.source`), look-ups
+(:meth:`Algebra.called`), stored signals, memory, learners. So a new source is one record
 (:mod:`fuzzyarm.symbolic.sources`) for all of them.
 """
 
@@ -77,7 +77,7 @@ class Remembered(NamedTuple):
     what : str
         The state of the source; ``slew``, ``excess`` of a drive; ``held`` of a rule base.
     start : float
-        Before the first period; NaN where nothing has been seen yet.
+        Initial value; NaN if there is none yet.
     line : int
         Of a drive, since a port may have several; else 0.
     """
@@ -104,9 +104,9 @@ class Guard(NamedTuple):
     reads : tuple of PortValue
         Where one is not a number, the period is skipped.
     idle : dict of str to float
-        Of each drive, the value before the first period.
+        Value of each drive before the first period.
     sent : dict of str to float or None
-        Of each drive, the value of a skipped period; None: the last one.
+        Value of each drive in a skipped period; None: the last one.
     """
 
     axis: str
@@ -117,7 +117,7 @@ class Guard(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Update(Generic[T]):
-    """A source in one period; its arguments are computed when they are asked for."""
+    """A source in one period; its arguments are evaluated on demand."""
 
     period: ControlPeriod[T]
     line: SignalLine
@@ -143,7 +143,7 @@ class Update(Generic[T]):
 
     @cached_property
     def drive(self) -> Drive | None:
-        """The drive whose limits an anti-windup looks at; None without."""
+        """The drive whose limits an anti-windup uses; None without."""
         return _wound(self.period.axes, self.line, self.source)
 
     @property
@@ -240,8 +240,8 @@ class Lesson(Generic[T]):
 class Algebra(Generic[T]):
     """A kind of number.
 
-    The first methods have to be said: :meth:`number` to :meth:`table`. All others have a default in
-    terms of them; where there is none, a controller that needs them is refused by name.
+    Mandatory are :meth:`number` to :meth:`table`. The other methods have defaults in terms of
+    these; without a default, a controller that needs the method is refused by name.
     """
 
     # --- numbers ---
@@ -317,7 +317,7 @@ class Algebra(Generic[T]):
         return value
 
     def hold(self, value: float) -> float:
-        """Return a number of the text as it is stored."""
+        """Round a number of the text for storage."""
         return value
 
     def source(self, update: Update[T]) -> T:
@@ -378,7 +378,7 @@ class Algebra(Generic[T]):
         roots = zoomed(times, wait=line.wait)
         return dict(zip(names, (self.expression(root, values) for root in roots), strict=True))
 
-    # --- what lasts ---
+    # --- state ---
 
     def begins(self, cell: Remembered) -> T:
         """Return a memory before the first period."""
@@ -389,7 +389,7 @@ class Algebra(Generic[T]):
         return value
 
     def signal(self, axis: str, name: str, value: T, *, rounded: bool = True) -> T:
-        """Return a signal as it is stored and read by later lines."""
+        """Return a signal rounded for storage, as read by later lines."""
         return value
 
     def drive(self, axis: str, line: Drive, value: T) -> T:
@@ -399,7 +399,7 @@ class Algebra(Generic[T]):
     # --- the axis ---
 
     def skipped(self, guard: Guard, given: Mapping[PortValue, T]) -> dict[str, T] | None:
-        """Return the drives of an axis that is skipped; None: it runs."""
+        """Return the drives of a skipped axis; None if it runs."""
         return None
 
     def ran(self, guard: Guard, drives: Mapping[str, T]) -> None:
@@ -423,9 +423,9 @@ class ControlPeriod(Generic[T]):
     axes, axis, index, line
         While it runs: the block of axes, the axis, its number, and the line.
     signals : dict
-        Of this axis.
+        Signals of this axis.
     first : bool or None
-        Whether sources have seen nothing yet; None: each state tells.
+        Whether sources have no value yet; None: decided by each state.
     """
 
     def __init__(self, text: ControllerText, algebra: Algebra[T]) -> None:
@@ -450,9 +450,9 @@ class ControlPeriod(Generic[T]):
         given : mapping
             References and measured values.
         memory : mapping of str
-            As the last period left it; a name that is not there begins.
+            Memory of the last period; missing names start anew.
         first : bool, optional
-            Whether it is the first period; None: NaN in a memory tells.
+            Whether it is the first period; None: decided by NaN in a memory.
         only : collection of str, optional
             Some of the axes.
 
@@ -619,7 +619,7 @@ class ControlPeriod(Generic[T]):
         return self.algebra.compared(by_kind["reference"], by_kind["measured"], share)
 
     def gain_of_drive(self, line: SignalLine, drive: Drive) -> T:
-        """Return by how much a drive grows with a source; 1 where that is not constant."""
+        """Return the sensitivity of a drive to a source; 1 if it is not constant."""
         products = self.axes.gain_of(line.names[0], drive, self.gains)
         if not products:
             return self.algebra.number(1.0 if products is None else 0.0)
@@ -645,7 +645,7 @@ class ControlPeriod(Generic[T]):
 
 
 def guard_of(axes: Axes, axis: str, hold: Callable[[float], float]) -> Guard:
-    """Return when an axis is skipped, and what its drives are then."""
+    """Return the condition under which an axis is skipped, and its drives then."""
     reads = tuple(
         PortValue(kind, axis, port)
         for kind in ("reference", "measured")
@@ -674,7 +674,7 @@ def _held_by(axis: str, line: SignalLine | Learn, index: int) -> Remembered:
 
 
 def _wound(axes: Axes, line: SignalLine, source: Source) -> Drive | None:
-    """Return the drive whose limits an anti-windup looks at; None without."""
+    """Return the drive whose limits an anti-windup uses; None without."""
     kind = source.record
     if not kind.windup or not kind.settings(dict(source.options))[_argument(kind.windup)]:
         return None
@@ -682,17 +682,17 @@ def _wound(axes: Axes, line: SignalLine, source: Source) -> Drive | None:
 
 
 def _argument(option: str) -> str:
-    """Return the argument of an update that an option says."""
+    """Return the argument of an update for an option."""
     return option.replace("-", "_")
 
 
 @cache
 def seen(root: Node, kind: SourceKind, first: bool | None) -> Node:
-    """Return an update where it is known whether states that start as NaN have seen anything."""
+    """Return an update specialised to the first or a later period, for states starting as NaN."""
     if first is None:
         return root
     for state in kind.states:
-        # An update asks by s == s, which is false for NaN.
+        # An update tests s == s, false for NaN.
         begun = isinstance(state.start, float) and math.isnan(state.start) and first
         root = substituted(root, unseen(symbol(state.name)), constant(float(begun)))
     return specialise(root, {})
@@ -700,7 +700,7 @@ def seen(root: Node, kind: SourceKind, first: bool | None) -> Node:
 
 @cache
 def zoomed(times: tuple[int, ...], *, wait: bool) -> tuple[Node, ...]:
-    """Return what zoom makes of ``signal 0`` …: magnified while all are ``inside`` the window.
+    """Return the magnified ``signal 0`` …: while all are ``inside`` the window.
 
     A signal that the line names several times is magnified as often.
     """

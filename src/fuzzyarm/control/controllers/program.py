@@ -46,7 +46,7 @@ Sheet = RuleBase | LookupTable
 """A rule base or a table that a controller looks up."""
 
 AXIS = "joint"
-"""Name of the input that tells the tables of the axes apart, with levels 1, 2 …"""
+"""Input that distinguishes the tables of the axes, with levels 1, 2 …"""
 
 
 class SourceError(FuzzyarmError, ValueError):
@@ -69,7 +69,7 @@ class Wiring:
     size : int
         Number of cells, the clock included.
     starts : dict
-        Of drives whose actuators have a start: the value before the first period.
+        Initial values of drives whose actuators have one.
     """
 
     references: Mapping[tuple[str, str], int]
@@ -91,7 +91,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Guard:
-    """What stands around the instructions of an axis.
+    """Conditions around the instructions of an axis.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Guard:
     reads : tuple of int
         Cells of references and measured values; where one is not a number, the axis is skipped.
     drives : dict
-        Of the cell of each drive, what it is sent in a skipped period; None: its last value.
+        By cell of a drive, its value in a skipped period; None: the last one.
     """
 
     begin: int
@@ -125,19 +125,19 @@ class ControllerCode:
     signals : dict
         The cell of each axis and signal.
     learned : dict
-        Of each axis and each table that learns, where it stands.
+        Location of each learning table of each axis.
     rings : tuple of (int, int)
         The rings of learners, to be emptied before another run with the same tables.
     gains : dict
         The cells of each gain, one for each axis.
     rulebases : dict
-        By the cell of their first result, the name in the text and the rule base asked there.
+        By the cell of their first result: name in the text and rule base.
     tables : dict
         By the cell of their first value, the name in the text and the table of one axis.
     updates : dict
         By the first cell of their frame, the sources with an update.
     guards : dict
-        Of each axis that reads a reference or a measured value, its :class:`Guard`.
+        The :class:`Guard` of each axis with measured or reference inputs.
     """
 
     code: list[int]
@@ -152,7 +152,7 @@ class ControllerCode:
     guards: Mapping[str, Guard]
 
     def skipped(self, cells: Sequence[float] | NDArray[np.float64]) -> dict[str, int]:
-        """Return how many periods each axis has skipped, of the cells after a run."""
+        """Return the number of skipped periods of each axis, from the cells after a run."""
         return {axis: int(cells[guard.count]) for axis, guard in self.guards.items()}
 
     def cells_with(
@@ -222,9 +222,9 @@ def write_down(
     partners : mapping
         Address and arrays of the laws that it names.
     wiring : Wiring
-        Of the plant.
+        Cells of the plant's ports.
     arithmetic : RunArithmetic
-        Of the run.
+        Arithmetic of the run.
 
     Raises
     ------
@@ -239,16 +239,16 @@ _FUSED = {
     (to.MULTIPLY, to.MULTIPLY): to.MULTIPLY_BOTH,
     (to.MULTIPLY, to.DIVIDE): to.MULTIPLY_DIVIDE,
 }
-"""Pairs of instructions that fuse when the second takes the result of the first."""
+"""Pairs of instructions that fuse if the second uses the result of the first."""
 
 
 def _argument(word: str) -> str:
-    """Return the argument of an update that an option says."""
+    """Return the argument of an update for an option."""
     return word.replace("-", "_")
 
 
 class _Writer:
-    """Cells and code under construction; `axis` is the one that is written."""
+    """Cells and code under construction; `axis` is the current one."""
 
     def __init__(
         self,
@@ -265,11 +265,11 @@ class _Writer:
         self.arithmetic = arithmetic
         self.code: list[int] = []
         self.lists: list[int] = []
-        self.list_fields: list[int] = []  # where in the code the begin of a list stands
+        self.list_fields: list[int] = []  # positions in the code of the begins of lists
         self.cells: list[float] = [0.0] * wiring.size
-        self.parts: list[NDArray[np.float64]] = []  # blocks, behind the cells
+        self.parts: list[NDArray[np.float64]] = []  # blocks, after the cells
         self.parts_size = 0
-        self.part_fields: list[int] = []  # where in the lists a cell of a part stands
+        self.part_fields: list[int] = []  # positions in the lists of cells of parts
         self.numbers: dict[float, int] = {}
         self.signal_cells: dict[tuple[str, str], int] = {}  # signals of the axes
         self.gains: dict[str, tuple[int, ...]] = {}
@@ -346,7 +346,7 @@ class _Writer:
             self.guards[self.axis] = Guard(begin, end, count, reads, drives)
 
     def _guard_list(self) -> list[int]:
-        """Return the list of guards, which is the first one."""
+        """Return the list of guards, the first of all lists."""
         cells = dict.fromkeys(cell for guard in self.guards.values() for cell in guard.reads)
         stored = stored_single if self.arithmetic.single else stored_double
         address = address_of(
@@ -413,7 +413,7 @@ class _Writer:
         self.code[-1] = int(rounded)
 
     def _list(self, field: int, items: Sequence[int]) -> None:
-        """Add a list; it begins where operand `field` of the last instruction says."""
+        """Add a list; operand `field` of the last instruction is its begin."""
         position = len(self.code) - to.INSTRUCTION + field
         self.code[position] = len(self.lists)
         self.list_fields.append(position)
@@ -430,7 +430,7 @@ class _Writer:
             self.gains[gain.name] = tuple(self._cell(value) for value in stored)
 
     def _write_partners(self) -> None:
-        """Run each law once; both axes read what it leaves."""
+        """Run each law once; both axes read its results."""
         for name, (address, block) in self.partners.items():
             numbers = self._cell(*map(float, block.numbers))
             memory = self._cell(*map(float, block.memory))
@@ -490,7 +490,7 @@ class _Writer:
             first, *others = product.factors
             cell = self._factors(self._operand(first.value), others)
             if total < 0 and not product.negative:
-                # A product that is begun next must not overwrite this one.
+                # A later product must not overwrite this one.
                 total = cell if len(products) == 1 else self._copy(cell)
                 continue
             before = self._number(0.0) if total < 0 else total
@@ -542,7 +542,7 @@ class _Writer:
         return self.scratch
 
     def _taken_of(self, source: Source) -> int:
-        """Return the cell of what a source is taken of: a signal, or of a port."""
+        """Return the cell of a source's operand: a signal, or a value of a port."""
         of = (self.axis, source.name)
         ports = source.record.ports
         if not ports:
@@ -557,7 +557,7 @@ class _Writer:
         return self._do(to.SUBTRACT, self.scratch, set_point, self.wiring.measured[of])
 
     def _gain_of_drive(self, axes: Axes, line: SignalLine, drive: Drive) -> int:
-        """Return the cell of how a drive grows with an integral; 1 where that is not constant."""
+        """Return the cell of a drive's sensitivity to an integral; 1 if not constant."""
         products = axes.gain_of(line.names[0], drive, self.gains)
         if not products:
             return self._number(1.0 if products is None else 0.0)
@@ -618,7 +618,7 @@ class _Writer:
         self.parts.append(numbers)
         self.parts_size += len(numbers)
         holds = [output.no_rule == "hold" for output in rulebase.outputs]
-        # Before a rule has fired there is no value to hold.
+        # Before any rule has fired there is no value to hold.
         results = [self._cell(math.nan if holds_output else 0.0) for holds_output in holds]
         self.inferences[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
@@ -718,7 +718,7 @@ def skipped_drives(
     axes : Axes
         Lines of an axis; several drives of a port add up.
     hold : callable
-        Rounds a value as it is stored.
+        Rounds a value for storage.
 
     Returns
     -------

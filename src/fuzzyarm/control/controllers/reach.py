@@ -1,6 +1,6 @@
 """Where each signal of a controller can be: a control period over ranges, from the ports on.
 
-It is safe, not tight: signals count as independent. What nothing bounds reaches everywhere.
+Safe, not tight: signals count as independent. A signal without bounds has an infinite range.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from fuzzyarm.symbolic.operations import EVERYTHING, OPERATIONS, Interval
 from fuzzyarm.symbolic.sources import Surroundings
 
 FED_BACK, PORT, MADE = 3, 2, 1
-"""What keeps a signal within its universe: the loop itself (errors and rates, which a loop that
-works keeps small), its plant (measured and reference values), or the text alone."""
+"""What keeps a signal within its universe: the loop (errors and rates, small in a working loop),
+the plant (measured and reference values), or the text alone."""
 
 
 @dataclass(frozen=True)
@@ -51,21 +51,21 @@ class Reach:
     at : Interval
         All its values.
     pace : float
-        Largest change per second, as far as the plant says how fast a port moves. The jumps of a
-        reference are left out.
+        Largest rate, per second, as far as the plant's rates are known. Jumps of a reference are
+        excluded.
     kept : int
-        What keeps it small: `FED_BACK`, `PORT` or `MADE`.
+        `FED_BACK`, `PORT` or `MADE`.
     unit : dict or None
         None where it is not certain.
     origins : frozenset of str
-        The values that it is made of.
+        The values on which it depends.
     tight : bool
-        Whether it can go to the ends: false for a sum of which two parts have an origin in common,
-        as ``r - lag``, which may cancel.
+        Whether it can reach its ends: false for a sum whose terms share an origin, as ``r - lag``,
+        which may cancel.
     scaled : bool
         Whether a gain with a unit is among its factors.
     name : str
-        Of a signal or a gain, while a line reads it.
+        Name of a signal or a gain, while a line reads it.
     """
 
     at: Interval = EVERYTHING
@@ -80,16 +80,16 @@ class Reach:
 
 @dataclass(frozen=True)
 class LookUp:
-    """A signal that goes into a rule base or a table.
+    """A signal used as an input of a rule base or a table.
 
     Attributes
     ----------
     sheet, signal : str
         Their names.
     universe : Interval
-        What the rule base or the table tells apart.
+        Universe of the input.
     sheet_unit : dict or None
-        The unit that the input has by its description; None where that says none.
+        Unit of the input by its description; None if unknown.
     line : SignalLine or Learn
         Where.
     """
@@ -107,7 +107,7 @@ class LookUp:
 class Meeting:
     """A product in which a unit meets one of its kind: `name` is the factor that brings it.
 
-    `option` says what it is where it is not a factor: then all of the unit has to cancel.
+    `option` names it if it is not a factor: then the whole unit has to cancel.
     """
 
     name: str
@@ -119,14 +119,14 @@ class Meeting:
 
 @dataclass
 class Reaches:
-    """What the walk found.
+    """The results of the walk.
 
     Attributes
     ----------
     signals : dict
         By axis and name.
     sources : dict
-        By axis and source, what comes from ports and memory, before factors.
+        By axis and source, the value from ports and memory, before factors.
     look_ups : list of LookUp
         In the order of the text.
     drives : dict
@@ -150,7 +150,7 @@ def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
     text : ControllerText
         With the rule bases and tables that could be read.
     site : Site or None
-        The plant, where it is known.
+        The plant, if known.
     """
     return Ranges(text, site).walk()
 
@@ -168,7 +168,7 @@ def hull(*intervals: Interval) -> Interval:
 
 
 def overlap(a: Interval, b: Interval) -> Interval:
-    """Return what two intervals share; its ends cross where that is nothing."""
+    """Return the intersection of two intervals; its ends cross if it is empty."""
     return Interval(max(a.low, b.low), min(a.high, b.high))
 
 
@@ -188,14 +188,14 @@ def symmetric(size: float) -> Interval:
 
 
 class Ranges(Algebra[Reach]):
-    """Ranges as the numbers of a control period; what is found on the way is noted.
+    """Ranges as the numbers of a control period, with notes on the way.
 
     Parameters
     ----------
     text : ControllerText
         The controller.
     site : Site or None
-        The plant, where it is known.
+        The plant, if known.
     """
 
     def __init__(self, text: ControllerText, site: Site | None) -> None:
@@ -252,7 +252,7 @@ class Ranges(Algebra[Reach]):
     def _times(self, a: Reach, b: Reach, word: str) -> Reach:
         power = -1 if word == "divide" else 1
         pace = math.inf
-        # A product moves with its only factor that does; of two that move nothing is known.
+        # A product with one varying factor varies with it; with two, its rate is unknown.
         if b.pace == 0.0:
             pace = largest(combine(word, symmetric(a.pace), b.at))
         elif a.pace == 0.0 and word == "multiply":
@@ -279,10 +279,10 @@ class Ranges(Algebra[Reach]):
         return replace(x, at=_clipped(x.at, Interval(low, high)))
 
     def near(self, x: Reach, before: Reach, most: float) -> Reach:
-        """Return it as it is: a slew arrives everywhere."""
+        """Return x unchanged: a slew limit reaches every value in time."""
         return x
 
-    # --- what is noted ---
+    # --- notes ---
 
     def walk(self) -> Reaches:
         """Go over all lines."""
@@ -327,7 +327,7 @@ class Ranges(Algebra[Reach]):
         return reach
 
     def _meet_options(self, update: Update[Reach]) -> None:
-        """Note gains that have to be in the unit of what a source is taken of."""
+        """Note gains that must have the unit of a source's operand."""
         unit = update.x.unit
         for word, value in update.source.options:
             if not isinstance(value, str) or not update.kind.options[word].alike:
@@ -359,7 +359,7 @@ class Ranges(Algebra[Reach]):
         if kind.kept == "signal":
             return replace(bounds, kept=reach.kept, origins=reach.origins, tight=reach.tight)
         kept_by = FED_BACK if kind.kept == "loop" else MADE
-        # What the text alone keeps small goes wherever it can.
+        # A signal bounded by the text alone is assumed to use its whole range.
         tight = kept_by == MADE or reach.tight
         return replace(bounds, kept=kept_by, origins=_own(update.source), tight=tight)
 
@@ -377,7 +377,7 @@ class Ranges(Algebra[Reach]):
         port = outputs.get(address)
         if port is None:  # a reference of an acceleration
             return Reach(kept=FED_BACK, origins=origins)
-        # How fast a port moves is the range of the port that is its rate, where there is one.
+        # The rate of a port is bounded by the range of the port that is its rate, if there is one.
         rates = [
             largest(Interval(other.low, other.high))
             for (axis, _), other in outputs.items()
@@ -463,12 +463,12 @@ def _conclusions(sheet: Sheet | None) -> list[Reach]:
 
 
 def _own(of: Source) -> frozenset[str]:
-    """Return the origin of a source that is not made of others."""
+    """Return the origin of a source that depends on no other."""
     return frozenset({f"{of.kind} {of.name} {of.inputs}"})
 
 
 def _universes(sheet: Sheet, names: Sequence[str]) -> Iterator[Interval]:
-    """Yield what a rule base or a table tells apart, of each input."""
+    """Yield the universe of each input of a rule base or a table."""
     for name in names:
         if isinstance(sheet, RuleBase):
             variable = sheet.variable(name)

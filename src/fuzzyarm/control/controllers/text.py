@@ -1,4 +1,4 @@
-"""Controllers as text: their files, what does not fit, and one step at a time."""
+"""Controllers as text: their files, mismatches, and execution step by step."""
 
 from __future__ import annotations
 
@@ -72,11 +72,11 @@ class ControllerText(Shown, OfKind):
     Attributes
     ----------
     model : ControllerModel
-        What the text says.
+        Model of the text.
     sheets : mapping of str to tuple of RuleBase or LookupTable
         By the names of the text, one for all axes or one for each.
     path : str
-        Of the file, empty where there is none.
+        Path of the file, empty without one.
     source : str
         The text as it was read; empty where the controller has been changed since.
     """
@@ -143,7 +143,7 @@ def read_controller(
     instead : mapping, optional
         Rule bases and tables in place of those that its ``use`` lines name.
     change : callable, optional
-        From what the text says to what is to be read instead.
+        From the model to the sheets to be read instead.
     source : str, optional
         The text, where it is not that of the file.
 
@@ -182,8 +182,8 @@ def used_files(
     sheets.update(instead or {})
     faults: list[Diagnostic] = []
     for use in model.uses:
-        # A table that begins at zero has no file: it takes its grid from the performance table,
-        # which may stand in a later line. So `with_files` makes it.
+        # A table that starts at zero has no file: its grid is that of the performance table,
+        # possibly in a later line. So `with_files` makes it.
         if use.name in sheets or use.files == (ZERO,):
             continue
         try:
@@ -199,7 +199,7 @@ def with_files(
     path: str = "",
     instead: Mapping[str, tuple[Sheet, ...]] | None = None,
 ) -> tuple[ControllerText, list[Diagnostic]]:
-    """Return a controller with the files that it uses, and what is unreadable or does not fit."""
+    """Return a controller with its files, and findings on unreadable or unsuitable ones."""
     sheets, faults = used_files(model, folder, path, instead)
     for use in model.uses:
         if use.name not in sheets and use.files == (ZERO,):
@@ -239,7 +239,7 @@ def _files_for(folder: Path) -> list[str]:
 
 
 def read_sheet(file: str, folder: Path) -> Sheet:
-    """Read a rule base or a table: beside the controller, or a shipped one."""
+    """Read a rule base or a table from beside the controller, or a shipped one."""
     path = sheet_path(file, folder)
     # Keyed by its last change, also of a file that has its old time: an edit counts in a long run.
     now = path.stat()
@@ -305,7 +305,7 @@ def zeros_like(table: LookupTable) -> LookupTable:
 
 
 def by_name(name: str, sheet: Sheet) -> Change:
-    """Return what asks a rule base or a table in another's place for its inputs by name."""
+    """Return a change that substitutes a rule base or a table, with its inputs matched by name."""
     inputs = tuple(input_name for input_name in input_names(sheet) if input_name != AXIS)
     what = f"rule base '{sheet.name}'" if isinstance(sheet, RuleBase) else "the table"
 
@@ -343,7 +343,7 @@ def input_names(sheet: Sheet) -> tuple[str, ...]:
 
 
 def teaching(rate: float | None = None, delay: int | None = None) -> Change:
-    """Return what gives the learners of a controller another rate and delay."""
+    """Return a change of the rate and the delay of learners."""
 
     def change(model: ControllerModel) -> ControllerModel:
         def taught(line: Line) -> Line:
@@ -359,11 +359,11 @@ def teaching(rate: float | None = None, delay: int | None = None) -> Change:
     return change
 
 
-# --- What does not fit ---
+# --- Mismatches ---
 
 
 def misfits(text: ControllerText) -> Iterator[Diagnostic]:
-    """Yield what does not fit between a controller and its rule bases and tables."""
+    """Yield mismatches between a controller and its rule bases and tables."""
     for _, line in text.model.lines():
         if isinstance(line, SignalLine) and line.source is not None and line.source.inputs:
             source = line.source
@@ -435,7 +435,7 @@ class PortError(FuzzyarmError, KeyError):
 
 
 def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
-    """Yield axis and port of what a controller asks for."""
+    """Yield axis and port of the controller's ports."""
     for axes in model.axes:
         for port in axes.ports(kind):
             for axis in axes.names:
@@ -443,14 +443,14 @@ def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
 
 
 def wiring_of(model: ControllerModel) -> Wiring:
-    """Give each port that a controller asks for a cell of its own, behind the clock."""
+    """Assign each port of a controller its own cell, after the clock."""
     at = CLOCK
     cells: list[dict[tuple[str, str], int]] = []
     for kind in ("reference", "measured", "drive"):
         ports = list(ports_of(model, kind))
         cells.append({port: at + index for index, port in enumerate(ports)})
         at += len(ports)
-    # In one row behind the clock: references, measured values, drives.
+    # In one row after the clock: references, measured values, drives.
     references, measured, drives = cells
     return Wiring(references, measured, drives, (), at, {})
 
@@ -486,7 +486,7 @@ def _number(value: object, what: str, port: str) -> float:
 
 
 class ControllerRun:
-    """A controller as it runs: what it remembers, and a step for each period.
+    """A running controller: its state, and a step for each period.
 
     Parameters
     ----------
@@ -497,12 +497,12 @@ class ControllerRun:
     single : bool, optional
         Whether signals and gains are stored in single precision.
     compiled : bool, optional
-        Whether it runs as machine code; by default as the environment wants it.
+        Whether it runs as machine code; by default as the environment says.
 
     Raises
     ------
     SourceError
-        If it has a partner, which knows the arm only, or a rule base that cannot be evaluated.
+        If it has a partner, which needs the arm, or a rule base that cannot be evaluated.
     GainError
         If it does not have a gain, or one cannot have such a value.
 
@@ -541,7 +541,7 @@ class ControllerRun:
             model, text.sheets, {}, self._wiring, self.arithmetic
         )
         binding = {"stored": stored_single if single else stored_double}
-        # "if": the kernel takes an array of whole numbers, the code, and one of floats, the cells.
+        # "if": the kernel takes an int64 array, the code, and a float64 array, the cells.
         self._step: Callable[..., None] = routine(step, "if", binding, compiled=compiled)
         code = np.array(self.program.code, np.int64)
         self._code = code if compiled else view(code)
@@ -563,27 +563,27 @@ class ControllerRun:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """What it measures: ``port`` of one axis, ``axis.port`` of several."""
+        """Names of its measured inputs: ``port`` with one axis, ``axis.port`` with several."""
         return tuple(self._names[1])
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What it needs a reference of."""
+        """Names of its references."""
         return tuple(self._names[0])
 
     @property
     def drives(self) -> tuple[str, ...]:
-        """What it drives."""
+        """Names of its drives."""
         return tuple(self._names[2])
 
     @property
     def state(self) -> tuple[float, ...]:
-        """What it remembers: how many periods it ran, then what its sources keep."""
+        """Its state: number of periods, then the states of its sources."""
         return (float(self._periods), *(float(self._cells[cell]) for cell in self._memory))
 
     @state.setter
     def state(self, values: Sequence[float]) -> None:
-        """Set it to what it was before; a first number of 0 starts it anew, whatever follows."""
+        """Restore a state; a first number of 0 resets it, whatever follows."""
         periods, *memory = values
         if len(memory) != len(self._memory):
             count = 1 + len(self._memory)
@@ -603,7 +603,7 @@ class ControllerRun:
         Parameters
         ----------
         measured, reference : mapping of str to float
-            By port; names that it does not ask for are left alone.
+            By port; other names are ignored.
 
         Returns
         -------
@@ -632,7 +632,7 @@ class ControllerRun:
 
     @property
     def skipped(self) -> dict[str, int]:
-        """How many periods each axis has skipped: a value that it reads was not a number."""
+        """Number of skipped periods of each axis: one of its inputs was NaN."""
         return self.program.skipped(self._cells)
 
     def signal(self, axis: str, name: str) -> float:

@@ -1,10 +1,9 @@
 """Updates of sources as functions by address, and the layout of their numbers in the cells.
 
-Each line with a source that has an update owns a **frame** of cells, in this order: the
-value of the source, its states, and the other arguments of its update: its input, the period, then
-numbers of its options and values fetched from other cells in every period. The
-function takes the arguments as one array and fills in what it gives and remembers, which is the
-beginning of the frame.
+Each line with a source has a **frame** of cells, in this order: the value of the source, its
+states, and the other arguments of its update: its operand, the period, then constants of its
+options and values fetched from other cells in every period. The function takes the arguments as
+one array and overwrites value and states, the beginning of the frame.
 
 Those of the built-in sources are part of the machine code; of another one it is a program of
 operations (:mod:`fuzzyarm.symbolic.programs`).
@@ -29,7 +28,7 @@ from fuzzyarm.symbolic.sources import VALUE, SourceKind, Surroundings, unseen
 __all__ = ["UPDATE_ARRAYS", "range_of_source", "update_address", "update_function"]
 
 UPDATE_ARRAYS = "ff"
-"""Arguments; what is given and remembered."""
+"""Arguments; value and states."""
 
 
 def update_address(kind: SourceKind, *, compiled: bool) -> int:
@@ -40,7 +39,7 @@ def update_address(kind: SourceKind, *, compiled: bool) -> int:
 
 @cache
 def update_function(kind: SourceKind) -> Callable[[Any, Any], None]:
-    """Return the update of a source as a function of its arguments, and what it fills in."""
+    """Return the update of a source as a function from its arguments to value and states."""
     name = f"{kind.name.replace('-', '_')}_update"
     function: Any = row_function(_source(kind, name), name)
     function.__program__ = lambda: program_of(_roots(kind), (), kind.symbols)
@@ -48,7 +47,7 @@ def update_function(kind: SourceKind) -> Callable[[Any, Any], None]:
 
 
 def _roots(kind: SourceKind) -> list[Node]:
-    """Return what is given and what is remembered, as expressions over the arguments."""
+    """Return value and next states, as expressions over the arguments."""
     nodes = {VALUE: kind.expression}
     return [kind.expression, *(replace(root, nodes) for root in kind.nexts)]
 
@@ -125,7 +124,7 @@ def range_of_source(
 
 
 def _unseen(state: str) -> str:
-    """Return the symbol of the condition that a state has seen nothing yet."""
+    """Return the symbol of the condition that a state has no value yet."""
     return f"unseen {state}"
 
 

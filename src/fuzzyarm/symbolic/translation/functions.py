@@ -314,8 +314,7 @@ class _Function:
         step = numbers[2] if len(numbers) == 3 else "1"
         sign = ">" if step.startswith(("-", "(-")) else "<"
         # The end is evaluated once, as in `range`: the body may change its operands. And the name
-        # keeps its
-        # last value after the loop.
+        # keeps its last value after the loop.
         index = self.temporary()
         head = self.target.counted.format(index=index, start=start, end=end, sign=sign, step=step)
         lines = self.stored(target, TypedText(index, WHOLE))
