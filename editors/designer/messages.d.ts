@@ -629,6 +629,12 @@ declare namespace Messages {
     names: Array<string>;
   }
 
+  interface Stored {
+    is: "stored";
+    file: string;
+    text: string;
+  }
+
   interface Answer {
     is: "answer";
     id: number;
@@ -808,6 +814,7 @@ declare namespace Messages {
     | Moved
     | Names
     | Unsaved
+    | Stored
     | Answer
     | JobNews
     | Failed

@@ -20,7 +20,8 @@ class Page:
 
     def __init__(self, folder, files):
         self.said, self.downloads = [], Downloads()
-        self.hear = begin(files, self.take, self.downloads, folder / "files")
+        self.folder = folder / "files"
+        self.hear, self.store = begin(files, self.take, self.downloads, self.folder)
 
     def take(self, text):
         self.said.append(json.loads(text))
@@ -29,6 +30,10 @@ class Page:
         """Say something, and return the first answer that is wanted."""
         known = len(self.said)
         self.hear(json.dumps(message))
+        return await self.heard(wanted, known)
+
+    async def heard(self, wanted, known):
+        """Return the first answer that is wanted after those that are known."""
         for _ in range(2000):
             for each in self.said[known:]:
                 if wanted(each):
@@ -51,6 +56,29 @@ async def test_a_text_is_checked_while_it_is_typed(tmp_path):
         do="push", file="tipper.frb", version=opened["version"], updates=updates,
     )  # fmt: skip
     assert "error" in found["summary"]
+
+
+async def test_a_new_file_is_to_be_stored_and_what_another_tab_stores_is_taken(tmp_path):
+    page = Page(tmp_path, {"tipper.frb": TIPPER})
+    await page.tell(kind("opened"), do="open", file="tipper.frb")
+    renamed = {"do": "folder", "what": "rename", "file": "tipper.frb", "name": "waiter.frb"}
+    await page.tell(kind("moved"), id=1, **renamed)
+    kinds = [each["is"] for each in page.said]
+    assert kinds.index("stored") < kinds.index("moved")  # the page then forgets the old name
+    assert page.said[kinds.index("stored")]["text"] == TIPPER
+
+    # The tab that had it open and wrote it takes what the other one makes of it.
+    updates = [{"clientID": "x", "changes": [[0, "# mine", ""], len(TIPPER)]}]
+    await page.tell(kind("updates"), do="push", file="waiter.frb", version=0, updates=updates)
+    known = len(page.said)
+    page.store("waiter.frb", f"# theirs\n{TIPPER}")
+    status = await page.heard(lambda message: "saved" in message, known)
+    assert (status["conflict"], status["dirty"]) == (False, False)
+    page.store("new.frb", TIPPER)
+    await page.heard(lambda m: m["is"] == "names" and "new.frb" in m["names"], known)
+    page.store("waiter.frb", None)
+    assert (await page.heard(kind("moved"), known))["to"] == ""
+    assert [path.name for path in page.folder.iterdir()] == ["new.frb"]
 
 
 async def test_what_is_exported_is_given_to_the_page(tmp_path):

@@ -7,26 +7,35 @@ import { Tabs } from "../../../src/fuzzyarm/apps/designer/page/playground/tabs.j
 /** A browser: locks and channels of its tabs. */
 function browser() {
   const channels = [];
-  const queue = [];
-  let holder = null;
-  const grant = (act) => {
+  const locks = new Map(); // by name: who holds it, and who waits
+  const lockOf = (name) => locks.get(name) ?? locks.set(name, { holder: null, queue: [] }).get(name);
+  const grant = (lock, act) => {
     const mine = { reject: null };
-    holder = mine;
+    lock.holder = mine;
     const stolen = new Promise((_, reject) => (mine.reject = reject));
     return Promise.race([Promise.resolve(act({})), stolen]).finally(() => {
-      if (holder !== mine) return;
-      holder = null;
-      queue.shift()?.();
+      if (lock.holder !== mine) return;
+      lock.holder = null;
+      lock.queue.shift()?.();
     });
   };
-  const request = async (_name, options, act = options) => {
+  const request = async (name, options, act) => {
+    const lock = lockOf(name);
     if (options.steal) {
-      holder?.reject(new Error("stolen"));
-      return grant(act);
+      lock.holder?.reject(new Error("stolen"));
+      return grant(lock, act);
     }
-    if (!holder) return grant(act);
+    if (!lock.holder) return grant(lock, act);
     if (options.ifAvailable) return act(null);
-    return new Promise((resolve) => queue.push(() => resolve(grant(act))));
+    return new Promise((resolve, reject) => {
+      const begin = () => resolve(grant(lock, act));
+      lock.queue.push(begin);
+      options.signal.onabort = () => {
+        if (!lock.queue.includes(begin)) return;
+        lock.queue.splice(lock.queue.indexOf(begin), 1);
+        reject(new Error("aborted"));
+      };
+    });
   };
   class BroadcastChannel {
     constructor() {
@@ -36,49 +45,60 @@ function browser() {
       for (const each of channels) if (each !== this) queueMicrotask(() => each.onmessage({ data }));
     }
   }
-  return () => {
-    const store = new Map();
-    const sessionStorage = {
-      getItem: (key) => store.get(key) ?? null,
-      setItem: (key, value) => store.set(key, value),
-      removeItem: (key) => store.delete(key),
-    };
-    return { BroadcastChannel, sessionStorage, navigator: { locks: { request } } };
-  };
-}
-
-async function tab(host) {
-  const seen = [];
-  const page = {};
-  for (const name of ["flush", "turned", "load"]) page[name] = () => seen.push(name);
-  const tabs = new Tabs(page, host);
-  await tabs.begin();
-  return { tabs, seen };
+  return { BroadcastChannel, navigator: { locks: { request } } };
 }
 
 const settled = () => new Promise((resolve) => setTimeout(resolve, 5));
 
-test("of two tabs one writes, and hands over what it has", async () => {
-  const open = browser();
-  const [mine, theirs] = [open(), open()];
-  const one = await tab(mine);
-  const two = await tab(theirs);
-  assert.deepEqual([one.tabs.writes, two.tabs.writes], [true, false]);
-  two.tabs.take();
+async function tab(host, ...files) {
+  const seen = [];
+  const tabs = new Tabs(
+    {
+      kept: (file) => `text of ${file}`,
+      turned: (file, text = "") => seen.push(`${file} ${tabs.writes(file) ? "writes" : "reads"} ${text}`.trim()),
+    },
+    host,
+  );
+  for (const file of files) tabs.open(file);
   await settled();
-  assert.deepEqual(one.seen, ["flush", "turned"]); // what was typed is kept first
-  assert.deepEqual(two.seen, ["load"]);
-  const again = await tab(theirs); // loaded anew, it takes the lock
+  return { tabs, seen };
+}
+
+test("tabs on different files both write; of those on one file one does", async () => {
+  const host = browser();
+  const one = await tab(host, "a", "b");
+  const two = await tab(host, "b", "c");
+  assert.deepEqual(["a", "b"].map(one.tabs.writes), [true, true]);
+  assert.deepEqual(["b", "c"].map(two.tabs.writes), [false, true]);
+  assert.equal(await two.tabs.isFree("a"), false); // not open there
+  assert.equal(await two.tabs.isFree("d"), true);
+  one.tabs.close("b");
   await settled();
-  assert.deepEqual([one.tabs.writes, again.tabs.writes], [false, true]);
+  assert.equal(two.tabs.writes("b"), true);
+  assert.deepEqual(two.seen, ["b reads", "b writes"]);
 });
 
-test("without locks the tab that stored last writes", async () => {
-  const { tabs, seen } = await tab({ ...browser()(), navigator: {} });
-  assert.equal(tabs.writes, true);
-  tabs.stored();
-  assert.equal(tabs.writes, false);
-  assert.deepEqual(seen, ["turned"]);
+test("a tab hands over a file with all that it has, to the one that asks and not to one that waits", async () => {
+  const host = browser();
+  const [one, two, three] = [await tab(host, "a"), await tab(host, "a"), await tab(host, "a")];
+  three.tabs.take("a");
+  await settled();
+  assert.deepEqual([one.seen, three.seen], [["a reads"], ["a reads", "a writes text of a"]]);
+  assert.deepEqual(
+    [one, two, three].map(({ tabs }) => tabs.writes("a")),
+    [false, false, true],
+  );
+  three.tabs.close("a");
+  await settled();
+  assert.equal([one, two].filter(({ tabs }) => tabs.writes("a")).length, 1);
+});
+
+test("without locks the tab that stored a file last writes it", async () => {
+  const { tabs, seen } = await tab({}, "a", "b");
+  tabs.stored("a");
+  assert.deepEqual(["a", "b"].map(tabs.writes), [false, true]);
+  tabs.take("a");
+  assert.deepEqual(seen, ["a reads", "a writes"]);
 });
 
 test("a link carries a controller and the files that it uses", async () => {

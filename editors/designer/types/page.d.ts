@@ -61,10 +61,15 @@ declare namespace Page {
     gone?(): { why: string; kept: string } | null;
     buttons?(hand: Hand): HTMLElement[];
     begin?(desk: any): void;
+    moved?(desk: any, before: string): void;
     listed?(names: string[]): void;
-    /** Whether this tab writes, and have it do so; without, the server says which window does. */
-    writes?(): boolean;
-    write?(): void;
+    /** A file that has come to be. */
+    stored?(file: { file: string; text: string }): void;
+    /** Whether this tab writes a file, and have it do so; without, the server says which window does. */
+    writes?(file: string): boolean;
+    write?(file: string): void;
+    /** Whether no other tab writes a file, which need not be open. */
+    isFree?(file: string): Promise<boolean>;
   }
 
   /** Two numbers: an end and the other, or a place. */

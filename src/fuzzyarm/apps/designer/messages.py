@@ -326,6 +326,7 @@ Writer = TypedDict("Writer", {"is": Literal["writer"], "file": str, "writes": bo
 Moved = TypedDict("Moved", {"is": Literal["moved"], "file": str, "to": str})
 Names = TypedDict("Names", {"is": Literal["names"], "names": list[str], "first": str})
 Unsaved = TypedDict("Unsaved", {"is": Literal["unsaved"], "names": list[str]})
+Stored = TypedDict("Stored", {"is": Literal["stored"], "file": str, "text": str})
 Answer = TypedDict(
     "Answer",
     {"is": Literal["answer"], "id": int, "error": NotRequired[str], "internal": NotRequired[bool]},
@@ -363,6 +364,7 @@ HEARD = (
     Moved,
     Names,
     Unsaved,
+    Stored,
     Answer,
     JobNews,
     Failed,

@@ -14,14 +14,15 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import contextlib
 import json
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.designer import requests
-from fuzzyarm.apps.designer.faults import error_of, internal_words
+from fuzzyarm.apps.designer.faults import LOG, error_of, internal_words
 from fuzzyarm.apps.designer.folder import Workspace, converted_file
 from fuzzyarm.apps.designer.jobs import Downloads, WindowJob, Work
 from fuzzyarm.apps.designer.messages import Moved, Names, Opened, Reopened, Unsaved, Updates, Writer
@@ -97,6 +98,9 @@ class Window:
         await self._send(json.dumps(jsonable(message)))
 
 
+LOOK_EVERY = 0.4
+"""Seconds between two looks at the open files."""
+
 MOST_JOBS = 32
 """Works of one window at a time; each is a thread, and all of them slow the answering."""
 
@@ -130,6 +134,7 @@ class OpenFiles:
         self._checks: dict[str, asyncio.Task[None]] = {}
         self._running: set[asyncio.Task[None]] = set()
         self._unsaved: list[str] = []  # as the windows know them
+        self._logged_faults: set[tuple[str, str]] = set()  # of what is done again and again
 
     # --- Runs ---
 
@@ -469,6 +474,43 @@ class OpenFiles:
         news: Unsaved = {"is": "unsaved", "names": names}
         for window in [candidate for candidate in self.windows if candidate.follows]:
             await window.tell(news)
+
+    async def watch(self) -> None:
+        """Look at the open files now and then, and which there are."""
+        stamp, names = self.workspace.stamp(), self.workspace.files()
+        while True:
+            await asyncio.sleep(LOOK_EVERY)
+            # Whatever fails may succeed at the next look; without one no window would hear more.
+            with self._logged("looking at the folder"):
+                now = self.workspace.stamp()
+                if now != stamp:
+                    before, names = names, self.workspace.files()
+                    stamp = now
+                    if names != before:
+                        await self._tell_names(names, list(self.windows))
+            for name in {name for window in self.windows for name in window.files}:
+                with self._logged(f"looking at {name}"):
+                    await self._look_at(name)
+
+    @contextlib.contextmanager
+    def _logged(self, doing: str) -> Iterator[None]:
+        """Go on whatever fails; a fault of the program is in the log, once."""
+        try:
+            yield
+        except (FuzzyarmError, OSError):
+            LOG.debug("failed: %s", doing, exc_info=True)
+        except Exception as error:
+            if (doing, repr(error)) not in self._logged_faults:
+                self._logged_faults.add((doing, repr(error)))
+                internal_words(error, doing)
+
+    async def _look_at(self, name: str) -> None:
+        """Tell the windows on a file what another program has written."""
+        shared = self.workspace.opened(name)
+        before = shared.version if shared else 0
+        if shared and shared.look():
+            reread = shared.version != before
+            await self._changed(name, shared, before, disk=True, reread=reread)
 
     async def _hello(
         self, window: Window, _request: requests.BareMessage, _: dict[str, Any]

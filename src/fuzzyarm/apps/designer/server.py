@@ -14,7 +14,7 @@ import contextlib
 import hashlib
 import secrets
 import socket
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -28,7 +28,6 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.apps.designer.assets import asset, index_page
-from fuzzyarm.apps.designer.faults import LOG, internal_words
 from fuzzyarm.apps.designer.folder import IMPORTS, LARGEST_IMPORT, Workspace
 from fuzzyarm.apps.designer.guard import AccessGuard, token_for
 from fuzzyarm.apps.designer.open_files import OpenFiles, Window
@@ -42,9 +41,6 @@ if TYPE_CHECKING:
 LARGEST_MESSAGE = 32 * 1024 * 1024
 OWN_PORTS = range(20_000, 30_000)
 """Of folders: below those that systems give to connections."""
-
-LOOK_EVERY = 0.4
-"""Seconds between two looks at the open files."""
 
 
 class ServerPortError(FuzzyarmError, OSError):
@@ -76,7 +72,6 @@ class Designer(OpenFiles):
         super().__init__(workspace, plants)
         self._farewell = farewell
         self.token = token
-        self._logged_faults: set[tuple[str, str]] = set()  # of what is done again and again
 
     def app(self) -> ASGIApp:
         """Return the application."""
@@ -90,7 +85,7 @@ class Designer(OpenFiles):
 
     @contextlib.asynccontextmanager
     async def _lifespan(self, _app: Starlette) -> Any:
-        task = asyncio.create_task(self._watch())
+        task = asyncio.create_task(self.watch())
         with confined(self.workspace.folder, shipped_folder()):
             yield
         task.cancel()
@@ -160,45 +155,6 @@ class Designer(OpenFiles):
             self.windows.remove(window)
             for name in window.files.copy():
                 await self._leave(window, name)
-
-    # --- The folder ---
-
-    async def _watch(self) -> None:
-        """Look at the open files now and then, and which there are."""
-        stamp, names = self.workspace.stamp(), self.workspace.files()
-        while True:
-            await asyncio.sleep(LOOK_EVERY)
-            # Whatever fails may succeed at the next look; without one no window would hear more.
-            with self._logged("looking at the folder"):
-                now = self.workspace.stamp()
-                if now != stamp:
-                    before, names = names, self.workspace.files()
-                    stamp = now
-                    if names != before:
-                        await self._tell_names(names, list(self.windows))
-            for name in {name for window in self.windows for name in window.files}:
-                with self._logged(f"looking at {name}"):
-                    await self._look_at(name)
-
-    @contextlib.contextmanager
-    def _logged(self, doing: str) -> Iterator[None]:
-        """Go on whatever fails; a fault of the program is in the log, once."""
-        try:
-            yield
-        except (FuzzyarmError, OSError):
-            LOG.debug("failed: %s", doing, exc_info=True)
-        except Exception as error:
-            if (doing, repr(error)) not in self._logged_faults:
-                self._logged_faults.add((doing, repr(error)))
-                internal_words(error, doing)
-
-    async def _look_at(self, name: str) -> None:
-        """Tell the windows on a file what another program has written."""
-        shared = self.workspace.opened(name)
-        before = shared.version if shared else 0
-        if shared and shared.look():
-            reread = shared.version != before
-            await self._changed(name, shared, before, disk=True, reread=reread)
 
 
 def _bound(listening: socket.socket, port: int | None, token: str) -> None:

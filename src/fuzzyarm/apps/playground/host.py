@@ -9,16 +9,21 @@ from __future__ import annotations
 
 import asyncio
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from fuzzyarm.apps.designer.folder import Workspace
 from fuzzyarm.apps.designer.jobs import Downloads
+from fuzzyarm.apps.designer.messages import Stored
 from fuzzyarm.apps.designer.names import OutsideError, demand_name
 from fuzzyarm.apps.designer.open_files import OpenFiles, Window
-from fuzzyarm.apps.designer.shared import SharedText
+from fuzzyarm.apps.designer.shared import DISK, SharedText
 from fuzzyarm.apps.designer.threads import can_take_turns
+from fuzzyarm.base.errors import FuzzyarmError
 
 __all__ = ["LARGEST_TEXT", "PageFiles", "begin", "warm"]
 
@@ -60,9 +65,10 @@ class PageFiles(OpenFiles):
         super().__init__(workspace)
         self.windows.append(window)
         self.downloads = downloads
-        # Held, or they would be dropped.
-        self.listening: asyncio.Future[None] | None = None
-        self.foreseeing: asyncio.Future[None] | None = None
+        self._stored = set(workspace.files())  # as the page knows them
+        self.letters: asyncio.Queue[Callable[[], Awaitable[None]]] = asyncio.Queue()
+        self.tasks: list[asyncio.Future[None]] = []
+        """Held, or they would be dropped."""
 
     def _why_not(self, what: str) -> str:
         if what not in WAITING or can_take_turns():
@@ -71,6 +77,45 @@ class PageFiles(OpenFiles):
             "a run needs a browser that lets WebAssembly wait (JSPI), such as Chrome from version"
             " 137 on; all else of this page works without"
         )
+
+    async def listen(self) -> None:
+        """Do one after the other what the page and its other tabs say."""
+        while True:
+            letter = await self.letters.get()
+            with self._logged("hearing a page"):
+                await letter()
+
+    async def store(self, name: str, text: str | None) -> None:
+        """Take what another tab of the page has stored of a file, or that it is gone."""
+        shared = self.workspace.opened(name)
+        if text is None:
+            await self._moved(self.workspace.answer({"what": "delete", "file": name}))
+        elif shared is None:
+            (self.workspace.folder / demand_name(name)).write_bytes(text.encode())
+            self._stored.add(name)
+        else:
+            before = shared.version
+            shared.replace(text, DISK)
+            shared.save()
+            await self._changed(name, shared, before, disk=True)
+
+    async def _tell_names(self, names: list[str], windows: list[Window]) -> None:
+        await self._keep(names)
+        await super()._tell_names(names, windows)
+
+    async def _moved(self, answer: dict[str, Any]) -> None:
+        await self._keep(self.workspace.files())  # before the page forgets an old name
+        await super()._moved(answer)
+
+    async def _keep(self, names: list[str]) -> None:
+        """Have the page store files that have come to be here."""
+        for name in set(names) - self._stored:
+            with suppress(FuzzyarmError, OSError):
+                text = self.workspace.session(name).text
+                news: Stored = {"is": "stored", "file": name, "text": text}
+                for window in self.windows:
+                    await window.tell(news)
+        self._stored = set(names)
 
     def _check(self, name: str, shared: SharedText) -> None:
         size = len(shared.text)
@@ -100,7 +145,7 @@ class Blobs(Downloads):
 def begin(
     files: Mapping[str, str], send: Callable[[str], None], downloads: Downloads | None = None,
     folder: Path = FOLDER, *, can_load_more: bool = False,
-) -> Callable[[str], None]:  # fmt: skip
+) -> tuple[Callable[[str], None], Callable[[str, str | None], None]]:  # fmt: skip
     """Answer a page.
 
     Parameters
@@ -118,8 +163,10 @@ def begin(
 
     Returns
     -------
-    callable
+    hear : callable
         Takes what the page says.
+    store : callable
+        Takes the name of a file and what another tab has stored of it, or None.
     """
     # A folder without kernels was said to its writer; a visitor can do nothing about it.
     warnings.filterwarnings("ignore", "no machine code was built", RuntimeWarning)
@@ -136,11 +183,6 @@ def begin(
 
     window = Window(tell)
     page = PageFiles(Workspace(folder), window, downloads or Blobs())
-    letters: asyncio.Queue[str] = asyncio.Queue()
-
-    async def listen() -> None:
-        while True:
-            await page.hear(window, await letters.get())
 
     async def foresee() -> None:
         await asyncio.sleep(FORESIGHT)
@@ -148,10 +190,17 @@ def begin(
             await asyncio.sleep(0.05)  # what the page says meanwhile comes first
             import_module(f"fuzzyarm.{name}")
 
-    page.listening = asyncio.ensure_future(listen())
+    page.tasks += [asyncio.ensure_future(page.listen()), asyncio.ensure_future(page.watch())]
     if can_load_more:
-        page.foreseeing = asyncio.ensure_future(foresee())
-    return letters.put_nowait
+        page.tasks.append(asyncio.ensure_future(foresee()))
+
+    def hear(text: str) -> None:
+        page.letters.put_nowait(partial(page.hear, window, text))
+
+    def store(name: str, text: str | None) -> None:
+        page.letters.put_nowait(partial(page.store, name, text))
+
+    return hear, store
 
 
 def warm() -> None:

@@ -12,7 +12,7 @@ import { TextPane } from "./text.js";
 import { S } from "./strings.js";
 
 const FILES = "files"; // the view of the folder
-const LOOKS = ["list", "findings", "users", "carried"]; // questions about the folder that change nothing in it
+const CHANGES = ["rename", "delete"]; // what is done to a file of the folder
 
 /** The desk of a file; `page` is what all desks share, `views` which views it has. */
 export class Desk {
@@ -100,10 +100,10 @@ export class Desk {
       settled: () => this.text.sent(),
       gone: this.link.gone,
       replace: (words) => this.text.replace(words),
-      folder: (asked) =>
-        LOOKS.includes(asked.what) || (this.page.writes?.() ?? true)
+      folder: async (asked) =>
+        !CHANGES.includes(asked.what) || ((await this.page.isFree?.(asked.file)) ?? true)
           ? this.connection.folder(asked)
-          : Promise.resolve({ error: S.follows }),
+          : { error: S.follows },
       file: () => this.file,
       onDrop: (act) => {
         this.bring = act;
@@ -194,8 +194,8 @@ export class Desk {
 
   focus = (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus();
 
-  /** Whether this window writes the file; in a page that keeps files itself, only one tab does. */
-  mayWrite = () => this.writes && (this.page.writes?.() ?? true);
+  /** Whether this window writes the file; in a page that keeps files itself, one tab does. */
+  mayWrite = () => this.writes && (this.page.writes?.(this.file) ?? true);
 
   /** Another tab writes from now on, or this one. */
   turned = () => {
@@ -270,7 +270,8 @@ export class Desk {
   tellFollowing = (words = this.text.settled() ? S.follows : S.behind) => {
     if (this.banner.firstChild?.textContent === S.notSavedHere) return;
     // While nothing answers, only a page that keeps the files itself can say who writes.
-    const write = this.page.write ?? (this.lost ? null : () => this.send({ do: "write" }));
+    const own = this.page.write;
+    const write = own ? () => own(this.file) : this.lost ? null : () => this.send({ do: "write" });
     const why = this.lost ? ` ${this.page.gone().why}` : "";
     this.tell(words + why, ...(write ? [el("button", { textContent: S.writeHere, onclick: write })] : []));
   };

@@ -54,6 +54,7 @@ class Whole {
       buttons: around.buttons,
       writes: around.writes,
       write: around.write,
+      isFree: around.isFree,
       unsaved: () => this.unsaved,
       turnTo: this.turnTo,
       listed: this.listed,
@@ -84,6 +85,7 @@ class Whole {
     if (message.is === "moved") this.moved(message);
     else if (message.is === "names") this.changedFiles(message);
     else if (message.is === "unsaved") this.changedTexts(message);
+    else if (message.is === "stored") this.around.stored(message);
     else (this.desks.get(message.file) ?? (message.file ? null : this.shown))?.take(message);
   };
 
@@ -189,6 +191,7 @@ class Whole {
     this.desks.delete(file);
     if (to) {
       desk.move(to);
+      this.around.moved?.(desk, file);
       this.desks.set(to, desk);
       desk.offer(this.names);
     }

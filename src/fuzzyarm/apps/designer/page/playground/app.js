@@ -22,11 +22,25 @@ const start = JSON.parse(document.getElementById("start").textContent);
 const kept = new Kept();
 kept.begin(start.texts);
 const desks = new Set(); // all that there are
-const tabs = new Tabs({
-  flush: () => desks.forEach((desk) => desk.keep()),
-  turned: () => desks.forEach((desk) => desk.turned()),
-  load: () => location.reload(),
+const of = (file) => [...desks].find((desk) => desk.file === file);
+const tabs = new Tabs(
+  { kept: (file) => of(file)?.keep() ?? kept.get(file), turned: (file, text) => of(file)?.turn(text) },
+  kept.lasting ? globalThis : {},
+);
+/** @type {typeof P.loading | null} */
+let state = P.loading; // what is said until Python is there
+const line = pythonLine(start, () => kept.all(), {
+  doing: (what) => say({ ...P.loading, why: P.doing[what] ?? what }),
+  ready: () => {
+    state = null;
+  },
+  failed: (why) => say(P.failed(why)),
 });
+
+function say(now) {
+  state = now;
+  for (const desk of desks) desk.tellLost();
+}
 
 /** Take the files of the address; what is to be said of them, and nothing is lost. */
 async function arrived() {
@@ -70,38 +84,46 @@ function download(hand) {
   setTimeout(() => URL.revokeObjectURL(href), 1000);
 }
 
-/** Keep what is typed, a moment after it is; where another tab writes, show what that one keeps. */
+/** Keep what is typed, a moment after it is; write, or read, as the tabs say. */
 function keeping(desk) {
   let later = 0;
-  const soon = () => {
-    clearTimeout(later);
-    later = setTimeout(desk.keep, LATER);
-  };
+  let awaited = null; // what another tab has written of the file, until it is here
+  const text = () => desk.text.state().text;
+  desk.isOurs = () => tabs.writes(desk.file) && awaited === null;
   desk.keep = () => {
     clearTimeout(later);
-    if (!desk.file || !desk.text.state().epoch) return;
-    const text = desk.text.state().text;
-    if (!tabs.writes) desk.text.take(kept.get(desk.file) ?? text);
-    else if (!kept.put(desk.file, text)) desk.link.say(P.notKept);
+    if (!desk.file || !desk.text.state().epoch || !desk.isOurs()) return null;
+    if (!kept.put(desk.file, text())) desk.link.say(P.notKept);
+    return text();
   };
-  desk.store.on("edited", soon);
-  desk.store.on("closed", () => clearTimeout(later));
+  desk.turn = (theirs) => {
+    awaited = tabs.writes(desk.file) ? (theirs ?? kept.get(desk.file)) : null;
+    if (awaited !== null) desk.hear(awaited);
+    arrive();
+    desk.turned();
+  };
+  /** Take what another tab has stored. */
+  desk.hear = (theirs) => {
+    if (state) desk.text.take(theirs);
+    else line.store(desk.file, theirs);
+  };
+  const arrive = () => {
+    if (awaited !== text()) return;
+    awaited = null;
+    desk.turned();
+  };
+  desk.store.on("edited", () => {
+    arrive();
+    clearTimeout(later);
+    later = setTimeout(desk.keep, LATER);
+  });
+  desk.store.on("closed", () => {
+    clearTimeout(later);
+    tabs.close(desk.file);
+  });
 }
 
 function open() {
-  /** @type {typeof P.loading | null} */
-  let state = P.loading; // what is said until Python is there
-  const say = (now) => {
-    state = now;
-    for (const desk of desks) desk.tellLost();
-  };
-  const line = pythonLine(start, () => kept.all(), {
-    doing: (what) => say({ ...P.loading, why: P.doing[what] ?? what }),
-    ready: () => {
-      state = null;
-    },
-    failed: (why) => say(P.failed(why)),
-  });
   const whole = openWindow({ ...start, files: kept.names(), first: firstOf(kept.names()) }, VIEWS, {
     line,
     keeps: kept.lasting,
@@ -111,7 +133,9 @@ function open() {
       el("button", { textContent: P.download, title: P.downloadHint, onclick: () => download(hand) }),
     ],
     begin: (desk) => {
+      keeping(desk);
       desks.add(desk);
+      tabs.open(desk.file);
       desk.store.on("closed", () => desks.delete(desk));
       const text = kept.get(desk.file);
       if (state) {
@@ -120,15 +144,26 @@ function open() {
         if (text !== null) desk.take(opened);
         desk.lose();
       }
-      keeping(desk);
     },
-    listed: (names) => {
-      if (tabs.writes) kept.offer(names);
+    moved: (desk, before) => {
+      tabs.close(before);
+      tabs.open(desk.file);
     },
-    writes: () => tabs.writes,
-    write: () => tabs.take(),
+    listed: (names) => kept.offer(names),
+    stored: ({ file, text }) => kept.put(file, text),
+    writes: (file) => of(file)?.isOurs() ?? true,
+    write: (file) => tabs.take(file),
+    isFree: tabs.isFree,
   });
   expose(whole);
+  // What another tab stores is here what another program writes.
+  window.addEventListener("storage", ({ key, newValue }) => {
+    const file = key && kept.nameOf(key);
+    if (!file) return;
+    tabs.stored(file);
+    if (state && newValue !== null) of(file)?.hear(newValue);
+    line.store(file, newValue);
+  });
 }
 
 function firstOf(names) {
@@ -142,13 +177,8 @@ function standing(words) {
 }
 
 window.addEventListener("pagehide", () => desks.forEach((desk) => desk.keep()));
-window.addEventListener("storage", () => {
-  tabs.stored();
-  if (!tabs.writes) desks.forEach((desk) => desk.keep());
-});
 
 async function main() {
-  if (kept.lasting) await tabs.begin();
   const words = await arrived();
   const why = canRunPython();
   if (why) standing(why);

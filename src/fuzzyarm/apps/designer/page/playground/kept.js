@@ -49,13 +49,10 @@ export class Kept {
     this.store.setItem(BEGUN, "");
   }
 
-  names() {
-    return this.store
-      .keys()
-      .filter((key) => key.startsWith(PREFIX))
-      .map((key) => key.slice(PREFIX.length))
-      .sort();
-  }
+  /** The file whose text is stored under a key; empty where none is. */
+  nameOf = (key) => (key.startsWith(PREFIX) ? key.slice(PREFIX.length) : "");
+
+  names = () => this.store.keys().map(this.nameOf).filter(Boolean).sort();
 
   /** @returns {string | null} */
   get(name) {

@@ -1,7 +1,7 @@
 // The Python of the page, in a worker of its own: it starts Python with fuzzyarm, and hands texts to and fro.
 //
-// What it is told: `begin` (the files that are there), then `said` (a message of the page). What it tells: `doing` (words),
-// `ready`, `said` (a message for the page), `failed`.
+// What it is told: `begin` (the files that are there), then `said` (a message of the page) and `stored` (what another tab
+// has stored of a file). What it tells: `doing` (words), `ready`, `said` (a message for the page), `failed`.
 
 import { startPython, takingOver } from "./start.js";
 
@@ -35,19 +35,21 @@ async function begin({ files, parts }) {
   const python = await started(parts);
   postMessage({ doing: "fuzzyarm" });
   const host = python.pyimport("fuzzyarm.apps.playground.host");
-  const hear = host.begin.callKwargs(python.toPy(files), (text) => postMessage({ said: text }), {
+  const [hear, store] = host.begin.callKwargs(python.toPy(files), (text) => postMessage({ said: text }), {
     can_load_more: true,
   });
   postMessage({ ready: true });
-  return hear;
+  return { hear, store };
 }
 
-let hear = null;
+let begun = null;
 
 self.onmessage = async ({ data }) => {
   try {
-    if (data.begin) hear = await begin(data.begin);
-    else hear(data.said);
+    begun ??= begin(data.begin);
+    const { hear, store } = await begun;
+    if (data.said) hear(data.said);
+    else if (data.stored) store(data.stored.file, data.stored.text ?? undefined); // null would not be None
   } catch (error) {
     postMessage({ failed: String(error?.message ?? error) });
   }

@@ -17,12 +17,14 @@ export function canRunPython() {
  * @param {any} start what the page knows
  * @param {() => Record<string, string>} texts that there are
  * @param {{ doing(what: string): void, ready(): void, failed(why: string): void }} tell
- * @returns {Page.Line}
+ * @returns {Page.Line & { store(file: string, text: string | null): void }} `store` takes what another tab has stored
  */
 export function pythonLine(start, texts, tell) {
   const parts = start.python;
-  return ({ opened, heard, closed }) => {
-    const worker = new Worker("python.js", { type: "module" });
+  /** @type {Worker} */
+  let worker;
+  const line = ({ opened, heard, closed }) => {
+    worker = new Worker("python.js", { type: "module" });
     let isOpen = false;
     const fail = (why) => {
       isOpen = false;
@@ -46,6 +48,7 @@ export function pythonLine(start, texts, tell) {
     worker.postMessage({ begin: { files: texts(), parts } });
     return { send: (said) => worker.postMessage({ said }), isOpen: () => isOpen, drop: () => fail(P.notLoaded) };
   };
+  return Object.assign(line, { store: (file, text) => worker.postMessage({ stored: { file, text } }) });
 }
 
 /** Keep the page for when there is no network, where the browser lets it. */
