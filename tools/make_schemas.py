@@ -773,7 +773,7 @@ TRACE = record_of(
         ),
     },
 )
-_CHANGE = record_of(Change, "a change", kind={"enum": ["added", "removed", "changed"]})
+_CHANGE = record_of(Change, "a change", kind={"enum": ["renamed", "added", "removed", "changed"]})
 _SYSTEM = record(
     "a system of a script",
     name=text("its name"),

@@ -170,6 +170,23 @@ def test_a_mistyped_file_gets_the_nearest_one(folder, capsys, command):
     assert "did you mean 'pd7.frb'?" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("theirs", ["what a person wrote\n", "made by fuzzyarm, from b.frb"])
+def test_of_a_pair_nothing_is_written_where_its_other_file_is_not_replaced(folder, capsys, theirs):
+    Path("o.h").write_text(theirs)
+    if "made" in theirs:
+        shutil.copy("tipper.frb", "b.frb")
+        assert main(["compile", "b.frb", "-o", "o.h", "--force"]) == 0
+        theirs = Path("o.h").read_text()
+    for model in ("pd7.frb", "servo.frb"):
+        assert main(["compile", model, "-o", "o.c"]) == 1
+        why = "it was made of b.frb" if "b.frb" in theirs else "fuzzyarm did not write it"
+        assert f"o.h is not replaced: {why} (--force replaces it)" in capsys.readouterr().err
+        assert Path("o.h").read_text() == theirs
+        assert not Path("o.c").exists()
+    assert main(["compile", "pd7.frb", "-o", "o.c", "--force"]) == 0
+    assert main(["compile", "pd7.frb", "-o", "o.c"]) == 0
+
+
 def test_a_demo_keeps_the_files_of_its_folder(tmp_path, capsys):
     theirs = tmp_path / "servo.frb"
     theirs.write_text("what a person wrote\n")

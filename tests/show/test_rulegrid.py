@@ -87,10 +87,31 @@ def test_differences_name_each_rule():
     assert compare_rulebases(before, before).same
 
 
+def test_what_has_another_name_alone_is_one_line():
+    rules = (
+        "input s 0 .. 2\noutput w 0 .. 3\nterms s: triangles C H\nterms w: triangles X Y\n"
+        "rule if s is C then w is X\nrule if s is H and a is LO then w is Y\n"
+    )
+    before = rulebase(rules)
+    renamed = rules.replace("s is", "temp is").replace("input s", "input temp")
+    renamed = renamed.replace("terms s", "terms temp").replace(" C", " cold")
+    changes = [("input", "s", "temp")], [("term of temp", "C", "cold")]
+    diff = compare_rulebases(before, rulebase(renamed))
+    assert not diff.rules
+    assert not diff.same
+    for found, expected in zip((diff.settings, diff.terms), changes, strict=True):
+        assert [(c.what, c.before, c.after) for c in found] == expected
+        assert {c.kind for c in found} == {"renamed"}
+    # With another range it is another variable.
+    diff = compare_rulebases(before, rulebase(renamed.replace("0 .. 2", "0 .. 4")))
+    assert {c.kind for c in diff.settings} == {"added", "removed"}
+
+
 def test_names_with_words_of_the_language_in_them_are_told_apart():
-    rules = "term y '{0} then M': triangle 0 0.5 1\nrule if a is LO then y is '{0} then M'\n"
+    rules = "term y '{0} then M': triangle 0 {1} 1\nrule if a is LO then y is '{0} then M'\n"
     before, after = (
-        rulebase("term y 'S then M': triangle 0 0.5 1\n" + rules.format(word)) for word in "LX"
+        rulebase("term y 'S then M': triangle 0 0.5 1\n" + rules.format(word, peak))
+        for word, peak in (("L", 0.25), ("X", 0.75))
     )
     assert [(c.kind, c.before, c.after) for c in compare_rulebases(before, after).rules] == [
         ("changed", "y is 'L then M'", "y is 'X then M'")

@@ -13,8 +13,15 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.made import marked
-from fuzzyarm.base.protected import demand_made, demand_no_source, is_in_command, note_result
+from fuzzyarm.base.made import is_made_file, marked, source_in
+from fuzzyarm.base.protected import (
+    ForeignFileError,
+    demand_made,
+    demand_no_source,
+    is_in_command,
+    keeps_foreign,
+    note_result,
+)
 
 _roots: list[Path] = []
 """Folders to which this process is confined; all files, if empty."""
@@ -104,6 +111,19 @@ def demand_writable(path: str | Path) -> None:
             os.close(handle)
             os.unlink(name)
     note_result(path)
+
+
+def demand_companion(path: Path, content: bytes, named: Path) -> None:
+    """Raise ForeignFileError if a command would replace what was made of another file.
+
+    For a file that is written beside the `named` one, of which an earlier pair may be there.
+    """
+    if not keeps_foreign() or not path.is_file() or not is_made_file(path):
+        return
+    source = source_in(path.read_bytes())
+    pair = named.is_file() and source_in(named.read_bytes()) == source
+    if source and not pair and source_in(content) != source:
+        raise ForeignFileError(str(path), f"it was made of {source}")
 
 
 def same_file(one: str | Path, other: str | Path) -> bool:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import re
 
-__all__ = ["is_made", "is_made_file", "marked"]
+__all__ = ["is_made", "is_made_file", "marked", "source_in"]
 
 MARK = "Written by fuzzyarm"
 
@@ -39,6 +39,12 @@ _ENDING = {
 def is_made(data: bytes) -> bool:
     """Whether the content of a file has the mark."""
     return bool(_MARKED.search(data[:_ENDS]) or _MARKED.search(data[-_ENDS:]))
+
+
+def source_in(data: bytes) -> str:
+    """Return the file that an exported text was made of, as its head says; else nothing."""
+    found = re.search(rb"^\W*source: (.+)$", data[:_ENDS], re.MULTILINE)
+    return found[1].decode(errors="replace").strip() if found else ""
 
 
 def is_made_file(path: str | os.PathLike[str]) -> bool:

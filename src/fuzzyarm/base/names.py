@@ -18,24 +18,50 @@ def nearest(word: str, choices: Iterable[str]) -> str | None:
 
     A difference in case alone comes first, then few edits relative to the length.
     """
-    options = list(choices)
-    for option in options:
-        if option.casefold() == word.casefold():
-            return option
-    if len(word) > 100:
-        return None
+    near = several_nearest(word, choices, 1)
+    return near[0] if near else None
+
+
+def several_nearest(word: str, choices: Iterable[str], most: int = 3) -> list[str]:
+    """Return at most so many likely meanings of `word` among `choices`, the likeliest first."""
+    options, key = list(choices), word.casefold()
+    same = [option for option in options if option.casefold() == key]
+    if same or len(word) > 100:
+        return same[:1]
+    begun = [option for option in options if len(key) > 3 and option.casefold().startswith(key)]
     similar = (option for option in options if abs(len(option) - len(word)) <= _LENGTHS)
-    return _closest(word, tuple(islice(similar, _MOST)))
+    closest = _closest(key, tuple(islice(similar, _MOST)))
+    return list(dict.fromkeys([*sorted(begun, key=len), *closest]))[:most]
 
 
 @lru_cache(maxsize=2048)
-def _closest(word: str, options: tuple[str, ...]) -> str | None:
+def _closest(key: str, options: tuple[str, ...]) -> list[str]:
     # Cached: an editor checks the same mistake at every key stroke until it is corrected.
     import difflib
 
-    cutoff = 0.5 if len(word) <= 3 else 0.6
-    matches = difflib.get_close_matches(word, options, n=1, cutoff=cutoff)
-    return matches[0] if matches else None
+    cutoff = 0.5 if len(key) <= 3 else 0.6
+    spellings = {option.casefold(): option for option in reversed(options)}
+    matches = difflib.get_close_matches(key, spellings, n=_LENGTHS, cutoff=cutoff)
+    return [spellings[match] for match in matches if _is_slip(key, match)]
+
+
+def _is_slip(word: str, meant: str) -> bool:
+    """Whether a word is another one with at most one edit for each three letters."""
+    return _edits(word, meant) <= max(1, (max(len(word), len(meant)) + 1) // 3)
+
+
+def _edits(one: str, other: str) -> int:
+    """Return the letters to insert, delete, replace or swap with their neighbours."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, a in enumerate(one):
+        older, before, row = before, row, [i + 1]
+        for j, b in enumerate(other):
+            cost = min(before[j + 1] + 1, row[j] + 1, before[j] + (a != b))
+            if i and j and a == other[j - 1] and one[i - 1] == b:
+                cost = min(cost, older[j - 1] + 1)
+            row.append(cost)
+    return row[-1]
 
 
 def did_you_mean(*names: str) -> str:

@@ -55,7 +55,7 @@ class SourceFileError(FuzzyarmError, ValueError):
 
 
 class ForeignFileError(FuzzyarmError, ValueError):
-    """A command would replace a file not written by fuzzyarm.
+    """A command would replace a file not written by fuzzyarm, or one made of another file.
 
     Attributes
     ----------
@@ -63,10 +63,8 @@ class ForeignFileError(FuzzyarmError, ValueError):
         The file.
     """
 
-    def __init__(self, path: str) -> None:
-        super().__init__(
-            f"{path} is not replaced: fuzzyarm did not write it", hint="--force replaces it"
-        )
+    def __init__(self, path: str, why: str = "fuzzyarm did not write it") -> None:
+        super().__init__(f"{path} is not replaced: {why}", hint="--force replaces it")
         self.path = path
 
 

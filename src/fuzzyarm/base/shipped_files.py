@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import re
 from pathlib import Path
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.keywords import demand_text
-from fuzzyarm.base.names import near_hint
+from fuzzyarm.base.names import did_you_mean, near_hint, nearest
 
 
 class NotShippedError(FuzzyarmError, FileNotFoundError):
@@ -21,10 +23,10 @@ class NotShippedError(FuzzyarmError, FileNotFoundError):
 
     def __init__(self, name: str, names: list[str]) -> None:
         hint, _ = near_hint(name, names)
-        super().__init__(
-            f"no shipped rule base or table is called '{name}'",
-            hint=hint or f"there are {', '.join(names)}",
-        )
+        alike = [each for each in names if name and name in each]
+        if not hint:
+            hint = f"there are {', '.join(alike)}" if alike else "fuzzyarm shipped  lists them"
+        super().__init__(f"no shipped rule base or table is called '{name}'", hint=hint)
         self.name = name
 
 
@@ -71,6 +73,25 @@ def shipped(name: str) -> Path:
     if path is None:
         raise NotShippedError(name, shipped_names())
     return path
+
+
+def missing_file_hint(path: str | os.PathLike[str]) -> str:
+    """Return which file may be meant by the path of one that is not there; empty for none.
+
+    A shipped one of that name comes first, then one in the same folder whose name is like it.
+    """
+    folder, name = os.path.split(os.fspath(path))
+    stem, suffix = os.path.splitext(name)
+    if not folder and (found := {name, f"{name}.frb"} & set(_shipped_files())):
+        return f"fuzzyarm shipped {found.pop()} -o .  copies the shipped one"
+    with contextlib.suppress(OSError):
+        files = sorted(os.listdir(folder or "."), key=lambda each: not each.endswith(suffix))
+        stems: dict[str, str] = {}
+        for each in files:
+            stems.setdefault(os.path.splitext(each)[0], each)
+        if found_stem := nearest(stem, stems):
+            return did_you_mean(os.path.join(folder, stems[found_stem]))
+    return ""
 
 
 _HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)

@@ -17,6 +17,7 @@ from fuzzyarm.base.errors import FuzzyarmError, UsageError, WordError
 from fuzzyarm.base.folders import READABLE, TABLES
 from fuzzyarm.base.keywords import demand_path, demand_text
 from fuzzyarm.base.names import typed
+from fuzzyarm.base.shipped_files import missing_file_hint
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
@@ -81,6 +82,8 @@ class UnknownKindError(FuzzyarmError, ValueError):
         message, hint = f"{path}: cannot tell what kind of file this is", f"known: {endings}"
         if known_as := called(path):
             message, hint = f"{path}: this is {known_as[0]}, not a text", known_as[1]
+        elif not os.path.exists(path) and (near := missing_file_hint(path)):
+            message, hint = f"{path}: no such file", near
         super().__init__(message, hint=hint)
         self.path = path
 

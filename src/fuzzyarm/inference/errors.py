@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.names import did_you_mean
+from fuzzyarm.base.names import did_you_mean, several_nearest
 
 
 class InferenceError(FuzzyarmError, ValueError):
@@ -24,11 +24,9 @@ class UnknownNameError(InferenceError):
     """
 
     def __init__(self, name: str, known: Iterable[str], *, what: str = "input") -> None:
-        import difflib  # takes longer to import than most files take to check
-
         self.name = name
         self.known = tuple(known)
-        near = difflib.get_close_matches(name, self.known, n=1)
+        near = several_nearest(name, self.known, 1)
         listed = ", ".join(self.known) or "none"
         hint = did_you_mean(*near) if near else f"there are: {listed}"
         super().__init__(f"there is no {what} '{name}'", hint=hint)

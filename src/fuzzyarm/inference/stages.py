@@ -8,15 +8,13 @@ another one. A rule that reads how far an output of its own block is asserted ne
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import replace
 
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.language.model.rulebase import (
-    Expression,
-    Hedged,
     Input,
     Is,
     Output,
@@ -25,6 +23,7 @@ from fuzzyarm.language.model.rulebase import (
     Shape,
     Term,
     propositions,
+    with_propositions,
 )
 
 
@@ -137,23 +136,13 @@ def _rule_of_stage(rule: Rule, degrees: Set[str], names: Set[str], sets: Mapping
 
     return replace(
         rule,
-        antecedent=_with_propositions(rule.antecedent, renamed),
+        antecedent=with_propositions(rule.antecedent, renamed),
         consequents=tuple(
             replace(c, variable=sets.get(c.variable, c.variable))
             for c in rule.consequents
             if c.variable in names
         ),
     )
-
-
-def _with_propositions(expression: Expression, change: Callable[[Is], Is]) -> Expression:
-    """Return an expression with other propositions."""
-    if isinstance(expression, Is):
-        return change(expression)
-    if isinstance(expression, Hedged):
-        return replace(expression, operand=_with_propositions(expression.operand, change))
-    operands = (_with_propositions(operand, change) for operand in expression.operands)
-    return replace(expression, operands=tuple(operands))
 
 
 def _over_more(output: Output, more: int) -> Output:
@@ -197,7 +186,7 @@ def without_values(stage: RuleBase, missing: tuple[str, ...]) -> RuleBase:
 
     blocks = (
         replace(block, rules=tuple(
-            replace(rule, antecedent=_with_propositions(rule.antecedent, unhedged))
+            replace(rule, antecedent=with_propositions(rule.antecedent, unhedged))
             for rule in block.rules
         ))
         for block in stage.blocks

@@ -115,8 +115,19 @@ class _Parser(argparse.ArgumentParser):
         from fuzzyarm.base.names import nearest
 
         name = option.partition("=")[0]
-        near = len(name) > 2 and nearest(name, self._option_string_actions)
-        return f"no option {name}" + (f" (did you mean {near}?)" if near else "")
+        options = {
+            each.lstrip("-"): each for each in self._option_string_actions if each[:2] == "--"
+        }
+        word = _OPTIONS_MEANT.get(name.lstrip("-"), name.lstrip("-"))
+        near = len(name) > 2 and nearest(word, options)
+        return f"no option {name}" + (f" (did you mean {options[near]}?)" if near else "")
+
+
+_OPTIONS_MEANT = {
+    "duration": "for", "time": "for", "output": "out", "gain": "set", "gains": "set",
+    "param": "set", "parameter": "set", "seconds": "for",
+}  # fmt: skip
+"""What people type for an option, by the word that it has here."""
 
 
 _OWN_WORDS = (
@@ -346,20 +357,13 @@ def print_os_error(error: OSError, path: str | None = None) -> None:
     if isinstance(error, FileNotFoundError) and folder and not os.path.isdir(folder):
         print_error(f"no such folder: '{folder}'")
         return
-    near = _nearest_file(str(path)) if isinstance(error, FileNotFoundError) and path else ""
-    print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}{near}")
+    hint = ""
+    if isinstance(error, FileNotFoundError) and path:
+        from fuzzyarm.base.shipped_files import missing_file_hint
 
-
-def _nearest_file(path: str) -> str:
-    """Return the question whether a file that is there was meant; empty where none is like it."""
-    from fuzzyarm.base.names import did_you_mean, nearest
-
-    folder, name = os.path.split(path)
-    with suppress(OSError):
-        found = nearest(name, sorted(os.listdir(folder or ".")))
-        if found:
-            return f" ({did_you_mean(os.path.join(folder, found))})"
-    return ""
+        hint = missing_file_hint(str(path))
+    message = f"{f'{path}: ' if path else ''}{error.strerror or error}"
+    print_error(f"{message} ({hint})" if hint else message)
 
 
 def print_findings(findings: Sequence[Diagnostic], text: str, stream: TextIO) -> None:

@@ -268,7 +268,6 @@ def _write(table: LookupTable, request: ExportWords) -> None:
 
 def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
     """Write source text and say how accurate and how large it is."""
-    from fuzzyarm.base.files import write_atomically
     from fuzzyarm.exchange.compiled import making_of, source_of
 
     if request.precision is not None and request.q is not None:
@@ -277,8 +276,7 @@ def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
     with busy("compiling") as progress, _of_file(request.file):
         exported, reports = source_of(model, request.out, how, progress)
     report = _report(request, how, exported)
-    for where, text in exported.files:
-        write_atomically(where, text)
+    exported.write()
     _write_report(request.report, report)
     if request.json:
         tables = [_report_data(table, request.out) for table in reports]

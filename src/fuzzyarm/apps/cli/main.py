@@ -314,12 +314,11 @@ def _overview(words: list[str], name: str | None) -> int:
     if name in GONE:
         print_error(f"the command '{name}' has gone; {GONE[name]}")
         return EXIT_USAGE
-    import difflib
-
-    from fuzzyarm.base.names import did_you_mean
+    from fuzzyarm.base.names import did_you_mean, several_nearest
 
     word = name or words[0]
-    near = [MEANT[word]] if word in MEANT else difflib.get_close_matches(word, COMMANDS, n=1)
+    choices = ("--version", "--help", "--print-completion") if word[0] == "-" else COMMANDS
+    near = [MEANT[word]] if word in MEANT else several_nearest(word, choices, 1)
     hint = did_you_mean(*near) if near else "see fuzzyarm --help"
     print_error(f"no command '{word}'; {hint}")
     return EXIT_USAGE

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.apps.show.rulebase import expression_words, norm_words
@@ -13,7 +13,19 @@ from fuzzyarm.apps.show.table import table_grids
 from fuzzyarm.apps.show.terms import shape_words
 from fuzzyarm.base.numbers import number_text, short_bins, short_levels
 from fuzzyarm.language.edit.hover import rule_sentence
-from fuzzyarm.language.model.rulebase import And, Expression, Is, Or, RuleBase, Variable
+from fuzzyarm.language.model.rulebase import (
+    And,
+    Consequent,
+    Expression,
+    Input,
+    Is,
+    Or,
+    Output,
+    RuleBase,
+    Term,
+    Variable,
+    with_propositions,
+)
 from fuzzyarm.language.tokens import name_text
 
 if TYPE_CHECKING:
@@ -21,6 +33,9 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from fuzzyarm.table.diff import CellChange, TableDiff
+
+_Variable = TypeVar("_Variable", Input, Output)
+_Mention = TypeVar("_Mention", Is, Consequent)
 
 
 # --- The differences between two rule bases: rule by rule, term by term, setting by setting ---
@@ -33,7 +48,7 @@ class Change:
     Attributes
     ----------
     kind : str
-        ``changed``, ``added`` or ``removed``.
+        ``renamed``, ``changed``, ``added`` or ``removed``.
     what : str
         Where: the antecedent of a rule, the name of a term, a setting.
     before, after : str
@@ -46,7 +61,7 @@ class Change:
     after: str
 
     def __str__(self) -> str:
-        if self.kind == "changed":
+        if self.before and self.after:
             return f"{self.what}: {self.before} -> {self.after}"
         return f"{self.what}: {self.before or self.after}"
 
@@ -76,14 +91,114 @@ def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
     before, after : RuleBase
         Two versions.
     """
+    before, names, terms = _with_names_of(before, after)
     return RuleBaseDiff(
         tuple(changes(_rules(before), _rules(after))),
-        tuple(changes(_terms(before), _terms(after))),
-        tuple(changes(_settings(before), _settings(after))),
+        (*terms, *changes(_terms(before), _terms(after))),
+        (*names, *changes(_settings(before), _settings(after))),
     )
 
 
-_MARKS = {"changed": ("~", "yellow"), "added": ("+", "green"), "removed": ("-", "red")}
+def _with_names_of(
+    before: RuleBase, after: RuleBase
+) -> tuple[RuleBase, list[Change], list[Change]]:
+    """Return a rule base with the names of a later version, and what was renamed.
+
+    A variable or term has another name where one that is gone and one that is new are otherwise
+    the same: the range and terms of a variable, the shapes of a term.
+    """
+    names: dict[str, str] = {}
+    found: list[Change] = []
+    for role, old, new in (
+        ("input", before.inputs, after.inputs), ("output", before.outputs, after.outputs),
+    ):  # fmt: skip
+        for one, other in _renamed(old, new, _same_variable):
+            names[one] = other
+            found.append(Change("renamed", role, name_text(one), name_text(other)))
+    terms: dict[tuple[str, str], str] = {}
+    found_terms: list[Change] = []
+    later = {variable.name: variable for variable in (*after.inputs, *after.outputs)}
+    for variable in (*before.inputs, *before.outputs):
+        name = names.get(variable.name, variable.name)
+        if name in later:
+            for one, other in _renamed(variable.terms, later[name].terms, _same_term):
+                terms[variable.name, one] = other
+                what = f"term of {name_text(name)}"
+                found_terms.append(Change("renamed", what, name_text(one), name_text(other)))
+    return _with_names(before, names, terms), found, found_terms
+
+
+def _renamed(
+    old: Sequence[Variable | Term], new: Sequence[Variable | Term], alike: Callable[..., bool]
+) -> Iterator[tuple[str, str]]:
+    """Yield the names of what is gone with those of what came for it."""
+    known = {each.name for each in old}
+    came = [each for each in new if each.name not in known]
+    kept = {each.name for each in new}
+    for gone in old:
+        heir = next((each for each in came if alike(gone, each)), None)
+        if gone.name not in kept and heir is not None:
+            came.remove(heir)
+            yield gone.name, heir.name
+
+
+def _same_variable(one: Variable, other: Variable) -> bool:
+    pairs = ((term.shape, term.lower) for term in one.terms)
+    others = ((term.shape, term.lower) for term in other.terms)
+    return (one.low, one.high) == (other.low, other.high) and list(pairs) == list(others)
+
+
+def _same_term(one: Term, other: Term) -> bool:
+    return (one.shape, one.lower) == (other.shape, other.lower)
+
+
+def _with_names(
+    rulebase: RuleBase, names: Mapping[str, str], terms: Mapping[tuple[str, str], str]
+) -> RuleBase:
+    """Return a rule base whose variables and terms have other names; formulas keep theirs."""
+    if not names and not terms:
+        return rulebase
+
+    def named(part: _Mention) -> _Mention:
+        term = terms.get((part.variable, part.term), part.term)
+        return replace(part, variable=names.get(part.variable, part.variable), term=term)
+
+    def variable(each: _Variable) -> _Variable:
+        own = tuple(replace(t, name=terms.get((each.name, t.name), t.name)) for t in each.terms)
+        return replace(each, name=names.get(each.name, each.name), terms=own)
+
+    blocks = [
+        replace(block, rules=tuple(
+            replace(
+                rule,
+                antecedent=with_propositions(rule.antecedent, named),
+                consequents=tuple(map(named, rule.consequents)),
+            )
+            for rule in block.rules
+        ))
+        for block in rulebase.blocks
+    ]  # fmt: skip
+    lookup = rulebase.lookup and replace(rulebase.lookup, axes=tuple(
+        replace(axis, variable=names.get(axis.variable, axis.variable))
+        for axis in rulebase.lookup.axes
+    ))  # fmt: skip
+    return replace(
+        rulebase,
+        inputs=tuple(map(variable, rulebase.inputs)),
+        outputs=tuple(map(variable, rulebase.outputs)),
+        blocks=tuple(blocks),
+        lookup=lookup,
+        expectations=(),
+        properties=(),
+    )
+
+
+_MARKS = {
+    "renamed": ("~", "yellow"),
+    "changed": ("~", "yellow"),
+    "added": ("+", "green"),
+    "removed": ("-", "red"),
+}
 
 
 def rulebase_diff_view(diff: RuleBaseDiff) -> Group:

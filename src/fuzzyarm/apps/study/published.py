@@ -13,7 +13,7 @@ from functools import cache
 from importlib.resources import files
 
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.names import did_you_mean
+from fuzzyarm.base.names import did_you_mean, several_nearest
 from fuzzyarm.plant.setting import (
     STUDY_CONVENTIONAL,
     STUDY_DIRECT,
@@ -165,10 +165,8 @@ def find_rows(names: list[str]) -> list[PublishedRow]:
     for name in names:
         hits = {row.identifier for row in rows if name.lower() in _names(row)}
         if not hits:
-            import difflib
-
             aliases = dict.fromkeys(alias for row in rows for alias in sorted(_names(row)))
-            raise UnknownRowError(name, difflib.get_close_matches(name.lower(), aliases, n=3))
+            raise UnknownRowError(name, several_nearest(name, aliases))
         identifiers |= hits
     return [row for row in rows if row.identifier in identifiers]
 

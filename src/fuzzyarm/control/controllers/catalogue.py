@@ -22,8 +22,8 @@ from typing import Literal
 
 from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.names import did_you_mean
-from fuzzyarm.base.shipped_files import shipped, shipped_names
+from fuzzyarm.base.names import did_you_mean, several_nearest
+from fuzzyarm.base.shipped_files import missing_file_hint, shipped, shipped_names
 from fuzzyarm.control.controllers.adaptive import (
     ADAPTIVE_CRITICALLY_DAMPED_LAW,
     DECENTRALISED_LAW,
@@ -517,6 +517,8 @@ class UnknownControllerError(FuzzyarmError, LookupError):
     def __init__(self, name: str, near: list[str]) -> None:
         if os.path.isdir(name):
             hint = "it is a folder: name a file in it"
+        elif file_hint := missing_file_hint(name):
+            hint = file_hint
         elif near:
             hint = did_you_mean(*near)
         else:
@@ -598,9 +600,7 @@ def notes_on(name: str) -> list[str]:
 
 def near_names(name: str) -> list[str]:
     """Return up to three names of the catalogue that look like `name`."""
-    import difflib
-
-    return difflib.get_close_matches(name.lower(), list(CATALOGUE), n=3, cutoff=0.5)
+    return several_nearest(name, CATALOGUE)
 
 
 ADDENDS = {"fuzzy": "fuzzy-lut"}

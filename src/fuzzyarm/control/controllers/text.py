@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import islice
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -217,10 +218,11 @@ def with_files(
 def _unreadable(use: Use, error: OSError | ValueError, path: str, folder: Path) -> Diagnostic:
     files = " or ".join(f"'{file}'" for file in use.files)
     if isinstance(error, RuleBaseError):
-        first = error.diagnostics[0]
+        first = next(filter(attrgetter("is_error"), error.diagnostics), error.diagnostics[0])
         place = f"line {first.span.line}:{first.span.column}"
         message = f"{files} has mistakes: {first.message} ({place})"
-        return Diagnostic("faulty-file", message, use.span, hint=first.hint, path=path)
+        hint = f"in {Path(first.path).name}: {first.hint}" if first.hint and first.path else ""
+        return Diagnostic("faulty-file", message, use.span, hint=hint, path=path)
     reason = error.strerror if isinstance(error, OSError) else None
     message = f"cannot read {files}: {reason or error}"
     hint = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fuzzyarm.base.names import near_hint
 from fuzzyarm.exchange.export.numbers import ExportError
 
 __all__ = ["BOARDS", "Board", "Footprint", "board_named", "demand_fit"]
@@ -86,7 +87,10 @@ BOARDS = {
 def board_named(name: str) -> Board:
     """Return a board; ExportError if its name is unknown."""
     if name not in BOARDS:
-        raise ExportError(f"no board '{name}'", hint=f"there are {', '.join(BOARDS)}")
+        raise ExportError(
+            f"no board '{name}'",
+            hint=near_hint(name, BOARDS)[0] or f"there are {', '.join(BOARDS)}",
+        )
     return BOARDS[name]
 
 

@@ -141,9 +141,22 @@ def _python_array(
 
 
 def _python_cast(text: str, before: Kind, after: Kind) -> str:
-    if _is_float(after):
-        return f"float({text})"
-    return f"int({text})" if _is_float(before) else text
+    if _is_float(before) == _is_float(after):
+        return text
+    return f"{'float' if _is_float(after) else 'int'}({text})"
+
+
+# A product is no number where an argument is a text, and keeps the sign of zero.
+_PYTHON_CHECK = """def _checked(value, name):
+    number = None
+    try:
+        number = float(value * 1.0)
+    except TypeError:
+        pass
+    if number is None:
+        raise TypeError("%s is not a number: %r" % (name, value))
+    return number
+"""
 
 
 PYTHON = Target(
@@ -154,7 +167,8 @@ PYTHON = Target(
     function=("def {name}({parameters}):", ""), when="if {}:", otherwise="else:", loop="while {}:",
     repeat="for {index} in range({count}):", end="", remark="# {}",
     walk=python_walk, room=('{name} = memoryview(array("d", bytes(8 * {count})))', "{}"),
-    flawed_floats=True,
+    flawed_floats=True, helpers=("checked",),
+    checked=('{0} = _checked({0}, "{0}")', _PYTHON_CHECK),
 )  # fmt: skip
 
 
@@ -265,7 +279,11 @@ JAVASCRIPT = Target(
     function=("{public}function {name}({parameters}) {{", "}\n"),
     repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
     walk=javascript_walk, room=("const {name} = new Float64Array({count});", "{}"),
-    helpers=tuple(name for name, _ in _JAVASCRIPT_HELPERS.values()),
+    helpers=("checked", *(name for name, _ in _JAVASCRIPT_HELPERS.values())),
+    checked=('checked({0}, "{0}");', """const checked = (value, name) => {
+  if (typeof value === "number") return;
+  throw new TypeError(`${name} is not a number: ${JSON.stringify(value)}`);
+};"""),
 )  # fmt: skip
 
 
@@ -276,9 +294,7 @@ def _by_name(printer: Printer) -> list[str]:
         return []
     pairs = []
     for key, function in public:
-        arguments = ", ".join(
-            f"Number(given[{script_json(v.stem)}])" for v in function.parameters.values()
-        )
+        arguments = ", ".join(f"given[{script_json(v.stem)}]" for v in function.parameters.values())
         pairs.append(f"    {script_json(function.stem)}: {printer.called[key]}({arguments}),")
     return [
         f"export const inputs = {script_json(printer.program.inputs)};",

@@ -106,7 +106,8 @@ def _class(printer: Printer, module: Module) -> Iterator[str]:
         starts.append(module.start.format(**words) + ("" if module.field else remark))
     kinds = [printer.target.types.get(each.kind, "") for each in printer.program.drives.values()]
     blocks: dict[str, Sequence[str] | str] = {
-        "fields": fields, "starts": starts, "step": function.lines(step.body),
+        "fields": fields, "starts": starts,
+        "step": [*function.checks(), *function.lines(step.body)],
         "parameters": ", ".join(filter(None, [module.own, *function.parameter_texts()])),
         "returned": kinds[0] if len(kinds) == 1 else f"({', '.join(kinds)})",
     }  # fmt: skip

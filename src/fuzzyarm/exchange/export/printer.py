@@ -107,6 +107,9 @@ class Target:
         The statement that makes the room of a walk, and how it is handed over.
     flawed_floats : bool
         Whether a port of the language may compute in floats of 32 bits.
+    checked : tuple of str
+        The statement that refuses an argument that is not a number, with a hole for its name, and
+        the definition that it calls, in a language without types.
     """
 
     language: Language
@@ -150,6 +153,7 @@ class Target:
     flawed_floats: bool = False
     walk: Callable[[Printer, DefuzzifierWalk], str] | None = None
     room: tuple[str, str] = ("", "{}")
+    checked: tuple[str, str] = ("", "")
 
 
 @dataclass
@@ -359,8 +363,21 @@ class FunctionPrinter:
             read |= {node.array for node in nodes if isinstance(node, Element | Search)}
             unread = [f"    {self.target.unused.format(self.rename[key])}"
                       for key in function.parameters if key not in read]  # fmt: skip
-        lines = [f"    {line}" for line in self.lines(function.body)]
+        checks = self.checks() if function.public else []
+        lines = [f"    {line}" for line in [*checks, *self.lines(function.body)]]
         return [opening, *remark, *unread, *lines, end]
+
+    def checks(self) -> list[str]:
+        """Return the statements that refuse arguments that are not numbers."""
+        statement, definition = self.target.checked
+        numbers = [
+            self.rename[key]
+            for key, variable in self.function.parameters.items()
+            if statement and variable.kind is not TRUTH and not variable.of_array
+        ]
+        if numbers:
+            self.printer.helper("checked", definition)
+        return [statement.format(name) for name in numbers]
 
     # ── statements ───────────────────────────────────────────────────────────────────
 

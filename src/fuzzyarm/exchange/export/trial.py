@@ -52,8 +52,9 @@ def _cast(text: str, _before: Kind, after: Kind) -> str:
 _NAMES: Mapping[Kind, str] = {np.float32: "single", np.float64: "float"}
 
 _EVALUATED = replace(
-    PYTHON, operation=_operation, number=_number, array=_array, cast=_cast, flawed_floats=False
-)
+    PYTHON, operation=_operation, number=_number, array=_array, cast=_cast, flawed_floats=False,
+    checked=("", ""),
+)  # fmt: skip
 
 
 class EvaluatedController:

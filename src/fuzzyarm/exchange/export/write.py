@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.base.files import write_atomically
-from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.base.files import demand_companion, demand_writable, write_atomically
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.c import controller_c, routines_c
 from fuzzyarm.exchange.export.controller_lowering import controller_program
@@ -45,29 +44,50 @@ from fuzzyarm.symbolic.identifiers import C_RESERVED, DEVICES, ST_RESERVED, iden
 from fuzzyarm.table import LookupTable
 from fuzzyarm.version import __version__
 
-_PROJECTS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
-    {".xml": plcopen_xml, ".scl": scl_source}
-)
-_STRUCTURED = (".st", *_PROJECTS)
+_Texts = tuple[tuple[Path, str | bytes], ...]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Exported:
-    """Files, not yet written.
+class Files:
+    """Files of an export, not yet written.
 
     Attributes
     ----------
-    routines : tuple of Routine
-        The functions in them.
+    path : Path
+        The one that was asked for; others go beside it.
     files : tuple of (Path, str or bytes)
         Where and what.
     calls : tuple of str
         What each routine is called: a C prototype, the name of a function block, or its variables.
     """
 
-    routines: tuple[Routine, ...]
-    files: tuple[tuple[Path, str | bytes], ...]
+    path: Path
+    files: _Texts
     calls: tuple[str, ...]
+
+    def write(self) -> None:
+        """Write the files, each whole; none of them if one cannot be written."""
+        for path, content in self.files:
+            if path != self.path and isinstance(content, str):
+                demand_companion(path, content.encode(), self.path)
+            demand_writable(path)
+        for path, content in self.files:
+            write_atomically(path, content)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Exported(Files):
+    """Files of rule bases or tables, not yet written.
+
+    Attributes
+    ----------
+    routines : tuple of Routine
+        The functions in them.
+    path, files, calls
+        As for `Files`.
+    """
+
+    routines: tuple[Routine, ...]
 
 
 def routines_of(
@@ -170,36 +190,10 @@ def export_files(
     ExportError
         If the suffix is none of these, `name` is not an identifier, or no C compiler is there.
     """
-    path = Path(path)
-    suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
-    routine_list = tuple(routines)
-    if suffix in MODULES:
-        text, module_calls = routines_module(routine_list, MODULES[suffix], path.stem)
-        return Exported(routines=routine_list, files=((path, text),), calls=module_calls)
-    if suffix == ".st":
-        text, blocks = structured_text(routine_list, prefix)
-        return Exported(routines=routine_list, files=((path, text),), calls=tuple(blocks))
-    if suffix in _STRUCTURED:
-        project = routines_project(routine_list, prefix)
-        return Exported(
-            routines=routine_list,
-            files=((path, _PROJECTS[suffix](project)),),
-            calls=project.blocks,
-        )
-    if suffix == ".fmu":
-        targets = platforms_named(platforms, fmi) if platforms is not None else ()
-        unit = routines_fmu(routine_list, prefix, fmi, targets)
-        words = tuple(_variables_of(routine) for routine in routine_list)
-        return Exported(routines=routine_list, files=((path, unit),), calls=words)
-    # A header alone holds the functions as `static inline`; a source keeps them out of its header.
-    made = routines_c(routine_list, prefix, path.stem, suffix)
-    files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
-    return Exported(routines=routine_list, files=files, calls=made.prototypes)
-
-
-def _variables_of(routine: Routine) -> str:
-    inputs = ", ".join(argument.name for argument in routine.arguments if not argument.holds)
-    return f"{routine.output.name} of {inputs}"
+    made = _made(tuple(routines), path, name, fmi, platforms)
+    return Exported(
+        routines=tuple(routines), path=Path(path), files=made.files, calls=tuple(made.calls)
+    )
 
 
 def write_export(
@@ -224,16 +218,15 @@ def write_export(
         If the folder cannot be written.
     """
     exported = export_files(routines, path, name)
-    for where, text in exported.files:
-        write_atomically(where, text)
+    exported.write()
     return exported
 
 
-def _suffix_and_prefix(path: Path, name: str | None, suffixes: Sequence[str]) -> tuple[str, str]:
+def _suffix_and_prefix(path: Path, name: str | None) -> tuple[str, str]:
     """Return the suffix of a path and what begins the identifiers; refuse what cannot be."""
     suffix = path.suffix.lower()
-    if suffix not in suffixes:
-        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(suffixes))
+    if suffix not in _FORMS:
+        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(_FORMS))
     # All that cannot be is refused here, before a routine is printed and measured.
     if path.stem.upper() in DEVICES:
         raise ExportError(
@@ -253,31 +246,120 @@ def _suffix_and_prefix(path: Path, name: str | None, suffixes: Sequence[str]) ->
     return suffix, name
 
 
+# --- Languages by suffix ---
+
+_Given = tuple[Routine, ...] | ControllerProgram
+
+
+class _To(NamedTuple):
+    """Where an export goes: its path, what begins identifiers, and the wishes for a unit."""
+
+    path: Path
+    prefix: str
+    fmi: int
+    platforms: str | None
+
+    def file(self, content: str | bytes) -> _Texts:
+        return ((self.path, content),)
+
+
+class _Made(NamedTuple):
+    """Files and calls; a controller whose difference was measured on the text itself."""
+
+    files: _Texts
+    calls: Sequence[str]
+    measured: ControllerProgram | None = None
+
+
+def _in_c(given: _Given, to: _To) -> _Made:
+    # A header alone holds the functions as `static inline`; a source keeps them out of its header.
+    stem, suffix = to.path.stem, to.path.suffix.lower()
+    if isinstance(given, ControllerProgram):
+        vectors, head = given.tried.vectors, given.head()
+        made = controller_c(given.steps, to.prefix, stem, suffix, vectors, head)
+    else:
+        made = routines_c(given, to.prefix, stem, suffix)
+    files = tuple((to.path.with_suffix(end), text) for end, text in made.files.items())
+    return _Made(files, made.prototypes)
+
+
+def _in_structured_text(given: _Given, to: _To) -> _Made:
+    if isinstance(given, ControllerProgram):
+        text, block = controller_st(given, to.prefix)
+        return _Made(to.file(text), (block,))
+    text, blocks = structured_text(given, to.prefix)
+    return _Made(to.file(text), blocks)
+
+
+def _project(written: Callable[[Project], str]) -> Callable[[_Given, _To], _Made]:
+    def in_project(given: _Given, to: _To) -> _Made:
+        if isinstance(given, ControllerProgram):
+            project = controller_project(given, to.prefix)
+        else:
+            project = routines_project(given, to.prefix)
+        return _Made(to.file(written(project)), project.blocks)
+
+    return in_project
+
+
+def _module(module: Module) -> Callable[[_Given, _To], _Made]:
+    def in_module(given: _Given, to: _To) -> _Made:
+        if isinstance(given, ControllerProgram):
+            text, calls, measured = controller_module(given, module, to.path.stem)
+            return _Made(to.file(text), calls, measured)
+        text, calls = routines_module(given, module, to.path.stem)
+        return _Made(to.file(text), calls)
+
+    return in_module
+
+
+def _in_unit(given: _Given, to: _To) -> _Made:
+    targets = platforms_named(to.platforms, to.fmi) if to.platforms is not None else ()
+    if isinstance(given, ControllerProgram):
+        return _Made(to.file(controller_fmu(given, to.prefix, to.fmi, targets)), ())
+    unit = routines_fmu(given, to.prefix, to.fmi, targets)
+    return _Made(to.file(unit), list(map(_variables_of, given)))
+
+
+def _variables_of(routine: Routine) -> str:
+    inputs = ", ".join(argument.name for argument in routine.arguments if not argument.holds)
+    return f"{routine.output.name} of {inputs}"
+
+
+_FORMS: Mapping[str, Callable[[_Given, _To], _Made]] = MappingProxyType({
+    ".h": _in_c, ".c": _in_c,
+    ".st": _in_structured_text, ".xml": _project(plcopen_xml), ".scl": _project(scl_source),
+    **{suffix: _module(module) for suffix, module in MODULES.items()},
+    ".fmu": _in_unit,
+})  # fmt: skip
+
+_STRUCTURED = (".st", ".xml", ".scl")
+
+
+def _made(
+    given: _Given, path: str | Path, name: str | None, fmi: int, platforms: str | None
+) -> _Made:
+    path = Path(path)
+    suffix, prefix = _suffix_and_prefix(path, name)
+    return _FORMS[suffix](given, _To(path, prefix, fmi, platforms))
+
+
 # --- Controllers ---
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExportedController:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ExportedController(Files):
     """Files of a controller, not yet written.
 
     Attributes
     ----------
     program : ControllerProgram
         What is in them.
-    files : tuple of (Path, str or bytes)
-        Where and what.
-    calls : tuple of str
-        Prototypes, or the name of a function block.
+    path, files, calls
+        As for `Files`; a call is a prototype, or the name of a function block.
     """
 
     program: ControllerProgram
-    files: tuple[tuple[Path, str | bytes], ...]
-    calls: tuple[str, ...]
-
-    def write(self) -> None:
-        """Write the files, each whole or not at all."""
-        for path, content in self.files:
-            write_atomically(path, content)
 
 
 def export_controller(
@@ -309,27 +391,13 @@ def export_controller(
     ExportError
         If the suffix is none of these, something cannot be exported, or no C compiler is there.
     """
-    path = Path(path)
-    suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
-    if suffix == ".st":
-        content, block = controller_st(program, prefix)
-        return ExportedController(program=program, files=((path, content),), calls=(block,))
-    if suffix in _STRUCTURED:
-        project = controller_project(program, prefix)
-        content = _PROJECTS[suffix](project)
-        return ExportedController(program=program, files=((path, content),), calls=project.blocks)
-    if suffix in MODULES:
-        text, calls, program = controller_module(program, MODULES[suffix], path.stem)
-        return ExportedController(program=program, files=((path, text),), calls=calls)
-    if suffix == ".fmu":
-        targets = platforms_named(platforms, fmi) if platforms is not None else ()
-        unit = controller_fmu(program, prefix, fmi, targets)
-        return ExportedController(program=program, files=((path, unit),), calls=())
-    made = controller_c(
-        program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
+    made = _made(program, path, name, fmi, platforms)
+    return ExportedController(
+        program=made.measured or program,
+        path=Path(path),
+        files=made.files,
+        calls=tuple(made.calls),
     )
-    listed_files = tuple((path.with_suffix(end), text) for end, text in made.files.items())
-    return ExportedController(program=program, files=listed_files, calls=made.prototypes)
 
 
 # --- Modules in one file ---

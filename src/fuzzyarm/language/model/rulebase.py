@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import TYPE_CHECKING
 
@@ -696,6 +696,24 @@ def outline(rulebase: RuleBase) -> str:
     ]
     words = f"{names[0]} → {names[1]}, {count} rule{'' if count == 1 else 's'}"
     return f"{shortened(rulebase.name)}: {words}"
+
+
+def with_propositions(expression: Expression, change: Callable[[Is], Is]) -> Expression:
+    """Return an expression with other propositions.
+
+    Parameters
+    ----------
+    expression : Expression
+        An antecedent.
+    change : callable
+        From a proposition to the one in its place.
+    """
+    if isinstance(expression, Is):
+        return change(expression)
+    if isinstance(expression, Hedged):
+        return replace(expression, operand=with_propositions(expression.operand, change))
+    operands = (with_propositions(operand, change) for operand in expression.operands)
+    return replace(expression, operands=tuple(operands))
 
 
 def propositions(expression: Expression) -> Iterator[Is]:
