@@ -25,8 +25,7 @@ Rule bases and controllers in Python
     RuleBase            A whole fuzzy system as a value: variables, rules, and how the rules
                         are evaluated.
     RuleBaseBuilder     A rule base that is being written; what it means by now is its model.
-    AnyRuleBase         A rule base: the immutable value that a file means, or one that is
-                        being written.
+    AnyRuleBase         A rule base: the immutable value of a file, or one under construction.
     ControllerText      A controller as text, with the rule bases and tables that it uses.
     Shape               The membership function of a term, or the value of a consequent.
     from_live           Return the rule base that a live object of another fuzzy library is.

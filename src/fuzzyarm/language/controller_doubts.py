@@ -1,4 +1,4 @@
-"""What is probably not meant in a controller, told by its lines alone."""
+"""Probable mistakes in a controller, from its lines alone."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def doubts_of_lines(model: ControllerModel) -> Iterator[Diagnostic]:
 
 
 def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
-    """Yield integrals that nothing bounds while their drive has a limit, and idle anti-windup."""
+    """Yield unbounded integrals in limited drives, and anti-windup without effect."""
     for line in axes.lines:
         if not isinstance(line, SignalLine) or line.source is None or not line.source.record.windup:
             continue
@@ -51,7 +51,7 @@ def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
 
 
 def _unknown_gain(line: SignalLine, drive: Drive) -> Iterator[Diagnostic]:
-    """Yield an anti-windup that has to know by how much the drive grows, and cannot."""
+    """Yield an anti-windup whose drive has no known sensitivity to the integral."""
     assert line.source is not None
     name = line.names[0]
     if line.source.option("anti-windup") == "hold":
@@ -67,7 +67,7 @@ def _unknown_gain(line: SignalLine, drive: Drive) -> Iterator[Diagnostic]:
 
 
 def _limits_that_add_up(axes: Axes) -> Iterator[Diagnostic]:
-    """Yield drives of one port of which more than one has limits."""
+    """Yield drives of one port with more than one pair of limits."""
     first: dict[str, Drive] = {}
     for line in axes.lines:
         if not isinstance(line, Drive) or line.within is None:
@@ -87,7 +87,7 @@ def _limits_that_add_up(axes: Axes) -> Iterator[Diagnostic]:
 
 
 def _tables_that_nothing_reads(axes: Axes) -> Iterator[Diagnostic]:
-    """Yield learners whose table no line looks up."""
+    """Yield learners whose table is never looked up."""
     lookups = {
         line.source.name
         for line in axes.lines
@@ -106,7 +106,7 @@ def _tables_that_nothing_reads(axes: Axes) -> Iterator[Diagnostic]:
 
 
 def _sums_without_set_points(model: ControllerModel, axes: Axes) -> Iterator[Diagnostic]:
-    """Yield sums that are cleared in every period, as no set point lasts longer."""
+    """Yield sums cleared in every period, because no set point lasts longer."""
     if model.every > 1:
         return
     for line in axes.lines:

@@ -46,14 +46,14 @@ MAX_EVERY = 100_000
 def elaborate_controller(
     nodes: Sequence[StatementNode], rulebase: RuleBase | None
 ) -> tuple[ControllerModel, list[Diagnostic]]:
-    """Return the controller that statements mean, and what is wrong with it.
+    """Return the model of a controller from its statements, with the findings.
 
     Parameters
     ----------
     nodes : sequence of StatementNode
-        Of a file with a line ``controller``, those of a rule base among them.
+        Statements of a file with a line ``controller``, including those of a rule base.
     rulebase : RuleBase or None
-        The one that stands in the same file.
+        The rule base in the same file.
     """
     return _Scope(nodes, rulebase).controller()
 
@@ -66,7 +66,7 @@ class _Scope:
         self.rulebase = rulebase
         self.scope = Scope()
         self.broken = {node.keyword for node in nodes if isinstance(node, Broken)}
-        # What a line would have read that could not be read itself.
+        # Whether unreadable lines may define the missing names.
         self.unread = any(map(_is_unread, nodes))
         self.numbers: dict[str, str] = {}  # gains and partners
         self.sheets: dict[str, str] = {}
@@ -108,9 +108,7 @@ class _Scope:
             self._claims(),
         )
         self._judge_whole(heading, axes)
-        if (
-            not self.broken and not self.unread
-        ):  # a line that could not be read may be what is missed
+        if not self.broken and not self.unread:  # an unreadable line may define it
             self.scope.diagnostics += doubts_of_lines(model)
         return model, self.scope.diagnostics
 
@@ -206,7 +204,7 @@ class _Scope:
                 self._declare(node.name, self.numbers)
 
     def _gain(self, node: GainModel, count: int) -> GainModel | None:
-        if not node.values:  # the fault has been told
+        if not node.values:  # already reported
             return None
         values, tune = node.values, node.tune
         try:
@@ -342,7 +340,7 @@ class _Scope:
     def _unknown(
         self, name: str, what: str, word: str, choices: Collection[str], new: str = ""
     ) -> None:
-        """Report a name that nothing has; `new` says how it would be made."""
+        """Report an unknown name; `new` says how to define it."""
         hint, replacement = near_hint(word, choices)
         if not hint:
             there = "there are " + ", ".join(list(choices)[:10]) if choices else ""
@@ -379,7 +377,7 @@ class _Scope:
             self._need_gain(value)
 
     def _turned(self, what: str, low: float, high: float) -> None:
-        """Report a range that does not go up; where it goes down, with both ends changed."""
+        """Report an empty range; for reversed ends, with the ends exchanged."""
         verb = "must go from a lower to a higher number"
         right = f"{number_text(high)} .. {number_text(low)}" if high < low else None
         self.scope.report(
@@ -403,7 +401,7 @@ class _Scope:
             names.add(word)
 
     def _judge_source(self, source: Source, span: Span) -> None:
-        """Report what a source needs, and numbers that it cannot have."""
+        """Report missing options of a source, and invalid numbers."""
         options = dict(source.options)
         for word, option in source.record.options.items():
             if option.needed and word not in options:
@@ -424,7 +422,7 @@ class _Scope:
                     self.scope.report("bad-number", message, value.span)
 
     def _judge_periods(self, source: Source, word: str, time: Time) -> None:
-        """Report a time that is not a whole number of control periods, or that is too many."""
+        """Report a time that is not a whole number of control periods, or too long."""
         period = next((node.time for node in self.nodes if isinstance(node, PeriodNode)), 0.0)
         if not period > 0.0:
             return
@@ -439,12 +437,12 @@ class _Scope:
             self.scope.report("bad-number", message, time.figure.span, hint=hint)
 
     def _numbers_of(self, value: Figure | Word) -> list[float]:
-        """Return a number, or those of a gain, as far as they are known."""
+        """Return a number, or the known values of a gain."""
         if isinstance(value, Figure):
             return [value]
         for node in self.nodes:
             if isinstance(node, GainModel) and node.name == value:
-                with suppress(ZeroDivisionError):  # which is reported where the gain stands
+                with suppress(ZeroDivisionError):  # reported at the gain
                     return [amount.value(math.pi) for amount in node.values]
         return []
 
@@ -480,7 +478,7 @@ class _Scope:
         )
 
     def _drive(self, node: Drive, signals: dict[str, str]) -> Drive:
-        """Judge a line; one that is turned round drives nothing."""
+        """Check a line; one with reversed limits drives nothing."""
         if node.within is not None and not node.within[0] < node.within[1]:
             self._turned("limits", *node.within)
         if node.slew is not None and not node.slew > 0.0:
@@ -547,7 +545,7 @@ class _Scope:
 
     def _judge_unused(self) -> None:
         if self.broken or self.unread:
-            return  # what reads it may be what could not be read
+            return  # an unreadable line may use it
         for what, words, read in (
             ("gain or partner", self.numbers, self.numbers_read),
             ("rule base or table", self.sheets, self.sheets_read),
@@ -583,7 +581,7 @@ class _Scope:
 
 
 def _drive_for(axes: Axes) -> str:
-    """Return what would drive the plant: the last signal, which may have the name of its port."""
+    """Return the likely drive: the last signal, possibly named like its port."""
     signals = [line for line in axes.lines if isinstance(line, SignalLine)]
     if not signals:
         return "voltage = u"
@@ -609,7 +607,7 @@ def _axes(count: int) -> str:
 
 
 def _values_hint(node: GainModel) -> str:
-    """Say what values a gain takes; of two numbers that may be one with a comma, that one."""
+    """Describe the values of a gain; two numbers may be one with a decimal comma."""
     if len(node.values) == 2:
         first, second = map(amount_text, node.values)
         if first.lstrip("-").isdigit() and second.isdigit():
@@ -621,7 +619,7 @@ _ONE_OR_EACH = "one value for all axes, or one for each"
 
 
 def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:
-    """Return the signals that are made before the next axis."""
+    """Return the signals defined before the next axis."""
     spans: dict[str, Span] = {}
     for node in nodes:
         if isinstance(node, Axes):

@@ -1,8 +1,8 @@
 """The statements of a controller: a row of parts each.
 
-They stand below a line ``controller NAME``, and are words of the language there only. Rows are as
-:mod:`fuzzyarm.language.rows` says; their nodes are the records of
-:mod:`fuzzyarm.language.model.controller`, and what a signal may come from is its table ``SOURCES``.
+They follow a line ``controller NAME``, and are words of the language only there. Rows are as in
+:mod:`fuzzyarm.language.rows`; their nodes are the records of
+:mod:`fuzzyarm.language.model.controller`, and the sources of signals are its table ``SOURCES``.
 
 To add a statement of a controller: its record in the model, which is its own node; its row here;
 its meaning in :mod:`fuzzyarm.language.controller_meaning`; its line in
@@ -88,7 +88,7 @@ __all__ = [
     "SetPointNode",
 ]
 
-# --- Lines that are a field of the model, not a record ---
+# --- Lines that become fields of the model, not records ---
 
 
 class PeriodNode(NamedTuple):
@@ -109,7 +109,7 @@ class SetPointNode(NamedTuple):
 
 
 class _Body(Part):
-    """What a signal is: a source, its factors and options, or a sum of products."""
+    """The definition of a signal: a source with factors and options, or a sum of products."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         values["source"], values["products"] = read_body(cursor)
@@ -173,12 +173,12 @@ def _read_gains_of_law(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
 
 
 def _read_unit(cursor: Cursor) -> Word:
-    """Read a string in double quotes; where there is none, nothing that stands nowhere."""
+    """Read a string in double quotes; without one, an empty word without position."""
     return cursor.string() or Word("")
 
 
 def _unit_text(unit: str) -> str:
-    # An empty unit that the file writes out is printed again; one that is absent is not.
+    # An explicit empty unit is printed again; an absent one is not.
     has_unit = unit or (isinstance(unit, Word) and unit.span is not NOWHERE)
     return quote(unit, '"') if has_unit else ""
 
@@ -188,12 +188,12 @@ LEARN_OPTIONS = {
     "rate": OptionKind("number", "share of the performance value that corrects"),
     "bound": OptionKind("number", "largest magnitude of a cell"),
 }
-"""What stands after the commas of ``learn``."""
+"""Options of ``learn``."""
 
 # --- The statements ---
 
 SIGNAL = "signal"
-"""What stands for the word of a line that begins with a name: ``NAME = …``."""
+"""Key of lines that begin with a name: ``NAME = …``."""
 
 _TUNE = StatementRow(
     Tune,

@@ -37,7 +37,7 @@ from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SHAPES
 # --- The names in scope, and the findings ---
 
 _MOST_HINTS = 200
-"""Findings beyond these are told without a guess at what was meant."""
+"""Number of findings with hints; later ones have none."""
 
 
 class Draft:
@@ -58,9 +58,9 @@ class Draft:
 class Scope:
     """The variables of a file by name, and the findings so far.
 
-    `broken_variables` says whether a declaration could not be read, `full` which roles have
-    had more variables than the language takes, `presumed` what rules speak of where no
-    variable of its role is declared, which is one finding.
+    `broken_variables` is true if a declaration was unreadable, `full` has the roles with too many
+    variables, `presumed` the names in rules where no variable of their role is declared, which is
+    one finding.
     """
 
     def __init__(self) -> None:
@@ -72,7 +72,7 @@ class Scope:
 
     @property
     def overflows(self) -> bool:
-        """Whether there are more findings than one run reports: looking on is useless."""
+        """Whether the findings exceed the limit of one run, so that further search is useless."""
         return len(self.diagnostics) > MAX_DIAGNOSTICS
 
     def report(
@@ -92,7 +92,7 @@ class Scope:
         )
 
     def variable(self, word: Word, role: str = "") -> Draft | None:
-        """Return the variable called by `word`; report it where there is none of that role."""
+        """Return the variable `word`; report it if none of that role exists."""
         draft = self.drafts.get(word)
         if draft is None:
             # A broken `input` line is reported once, not at every use of its name.
@@ -111,7 +111,7 @@ class Scope:
         return draft
 
     def term(self, draft: Draft | None, word: Word) -> Term | None:
-        """Return the term of `draft` called by `word`; report it where there is none."""
+        """Return the term `word` of `draft`; report it if there is none."""
         if draft is None:
             return None
         term = draft.terms.get(word)
@@ -141,7 +141,7 @@ class Scope:
 
 
 def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape | None:
-    """Return the shape that `node` means, or None after a report."""
+    """Return the shape of `node`, or None after a report."""
     height = 1.0 if node.height is None else node.height
     if not 0.0 < height <= 1.0:
         assert node.height is not None
@@ -231,7 +231,7 @@ def _elaborate_lower(node: ShapeNode, upper: Shape, draft: Draft, scope: Scope) 
 
 
 def _no_interval(upper: Shape, lower: Shape, draft: Draft) -> str:
-    """Return why nothing lies between two shapes; empty where something does."""
+    """Return why the interval between two shapes is empty; "" if it is not."""
     kinds = {upper.kind, lower.kind}
     if len(kinds) > 1 and kinds & {"singleton", "linear", "formula"}:
         return f"{upper.kind} over {lower.kind}: both must be sets, or values of one kind"
@@ -263,7 +263,7 @@ def _lower_above(upper: Shape, lower: Shape, low: float, high: float) -> str:
 
 
 def _degrees_of(shape: Shape) -> Callable[[float], float] | None:
-    """Return a shape as a function; None for a formula that is not one of the position alone."""
+    """Return a shape as a function; None for a formula of more than the position."""
     if shape.kind != "formula":
         return membership_function(shape)
     from fuzzyarm.symbolic.formulas import FormulaError, read_formula
@@ -321,7 +321,7 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
 
 
 def _range_fault(low: float, high: float) -> str | None:
-    """Return what makes the range from `low` to `high` absurd, or None."""
+    """Return why the range from `low` to `high` is invalid, or None."""
     if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (low, high)):
         return f"goes beyond {MAX_MAGNITUDE:g}"
     if high - low < MIN_WIDTH:
@@ -367,7 +367,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
                 word.span,
                 hint="give it a finite range, or its terms lines of their own:  term …",
             )
-            # The terms are known all the same, so that their uses are not mistakes too.
+            # The terms are known anyway, so that their uses are not reported, too.
             for name in node.names:
                 _add(draft, Term(str(name), Shape("singleton", (0.0,)), name.span), scope)
             continue
@@ -390,8 +390,8 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
 def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]:
     """Return `count` shapes of `family` with peaks spread evenly from `low` to `high`.
 
-    Triangles have their feet under the neighbouring peaks, gaussians cross their
-    neighbours at one half, singletons stand at the peaks. A single shape stands in the middle.
+    Triangles have their feet under the neighbouring peaks, gaussians cross their neighbours at one
+    half, singletons are at the peaks. A single shape is in the middle.
     """
     if count == 1:
         return [Shape("singleton", (0.5 * (low + high),))]
@@ -410,7 +410,7 @@ def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]
 def _add(draft: Draft, term: Term, scope: Scope, *, spread: bool = False) -> None:
     earlier = draft.terms.get(term.name)
     if earlier is not None and (term.name in draft.spread) != spread:
-        # A `term` line replaces the shape that `terms` spread, whichever comes first.
+        # A `term` line overrides the shape from `terms`, in either order.
         if not spread:
             draft.terms[term.name] = term
             draft.spread.discard(term.name)
@@ -438,7 +438,7 @@ _MAX_SAMPLES = 1_000_000
 
 
 class Norms(TypedDict, total=False):
-    """What a block of rules is evaluated by; see RuleBlock."""
+    """The norms of a block of rules; see RuleBlock."""
 
     conjunction: str
     disjunction: str

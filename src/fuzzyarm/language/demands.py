@@ -1,4 +1,4 @@
-"""What a file demands of its rule base: ``expect``, ``prove``, ``lookup`` and ``tune``."""
+"""Demands of a file on its rule base: ``expect``, ``prove``, ``lookup`` and ``tune``."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     outcomes = tuple(_outcome(outcome, scope) for outcome in node.outcomes)
     if len(scope.diagnostics) > before:
         return None
-    # The model holds inputs in the order of their declaration, whatever the line says.
+    # The model has inputs in the order of their declaration, not of the line.
     order = {name: i for i, name in enumerate(scope.names("input"))}
     inputs = tuple(sorted(values.items(), key=lambda item: order[item[0]]))
     return Expectation(inputs, outcomes, node.span)
@@ -275,11 +275,11 @@ def _rounding(item: LookupItem | None, scope: Scope) -> float | None:
 # --- The `tune` block ---
 
 MOST_GAP = 50.0
-"""Of neighbouring peaks, percent of the range."""
+"""Largest gap of neighbouring peaks, percent of the range."""
 
 
 def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
-    """Return what the ``tune`` block lets move, as far as it is sound."""
+    """Return the tuning of a ``tune`` block, as far as it is valid."""
     peaks: list[PeakTuning] = []
     gains: list[GainTuning] = []
     kept_names: list[tuple[str, str]] = []
@@ -297,7 +297,7 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
             terms = [scope.term(draft, word) for word in item.terms]
             names = [term.name for term in terms if term is not None]
             if draft is not None and len(names) == len(item.terms):
-                # The empty name stands for all terms of the variable.
+                # The empty name means all terms of the variable.
                 kept_names += [(draft.name, name) for name in names or [""]]
     return Tuning(tuple(peaks), tuple(gains), tuple(kept_names))
 

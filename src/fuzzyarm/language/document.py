@@ -1,7 +1,7 @@
 """A whole file as a syntax tree: grouped into statements, read, and printed in canonical form.
 
-Reading never raises: what cannot be read becomes a diagnostic, and reading goes on with the
-next statement. A memory of the last reading keeps an editor quick.
+Reading never raises: unreadable text becomes a diagnostic, and reading continues with the next
+statement. A memory of the last reading makes editors fast.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Document(NamedTuple):
     allowed : mapping of int to frozenset of str
         Names that ``# allow`` silences, by line.
     diagnostics : tuple of Diagnostic
-        What the lexer and the parser found.
+        Findings of lexer and parser.
     """
 
     statements: tuple[Statement, ...]
@@ -88,8 +88,8 @@ HEADINGS = ("rulebase", "controller")
 def statements_below(heading: str) -> Records:
     """Return the statements below a heading by the words that start them.
 
-    Those of a controller are imported when one is read: a check of a rule base, which is over
-    in some tens of milliseconds, would wait for them for a third of its time.
+    Those of a controller are imported on demand: they would take a third of the time of checking a
+    rule base, some tens of milliseconds.
     """
     if heading == "rulebase":
         return ChainMap(STATEMENTS, {CONTROLLER.word: CONTROLLER})
@@ -100,14 +100,14 @@ def statements_below(heading: str) -> Records:
 
 
 def _signals() -> StatementKind:
-    """Return the statement without its own word, which stands below ``axis``."""
+    """Return the statement without a keyword, valid below ``axis``."""
     from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 
     return CONTROLLER_STATEMENTS[SIGNAL]
 
 
 def section_at(lines: Sequence[SourceLine], number: int) -> str:
-    """Return the heading, one of :data:`HEADINGS`, that a line stands below."""
+    """Return the heading, one of :data:`HEADINGS`, of a line."""
     for line in reversed(lines[: number - 1]):
         word = line.tokens[0].text if line.tokens and line.tokens[0].kind == "name" else ""
         if word in HEADINGS:
@@ -116,7 +116,7 @@ def section_at(lines: Sequence[SourceLine], number: int) -> str:
 
 
 class _StatementTokens:
-    """The tokens of one statement and the lines below it, if it takes any."""
+    """The tokens of one statement and of the lines below it, if it takes any."""
 
     def __init__(
         self, record: StatementKind, tokens: tuple[Token, ...], before: tuple[str, ...], behind: str
@@ -164,8 +164,8 @@ def _group_lines(
 ) -> tuple[list[_StatementTokens], tuple[str, ...]]:
     """Return the statements of `lines` and the comments after the last one.
 
-    A line that starts with a statement's word starts a statement. Any other line belongs to
-    the statement above it if that takes it; else it is an ``unknown-statement``.
+    A line with the keyword of a statement starts a statement. Any other line belongs to the
+    statement above if that takes it; else it is an ``unknown-statement``.
     """
     groups: list[_StatementTokens] = []
     waiting: list[str] = []
@@ -200,7 +200,7 @@ def _group_lines(
             )
             if replacement is None:
                 continue
-            # Read on as what was probably meant, so that one slip does not look like many.
+            # Continue with the probable intention, so that one slip is one finding.
             name_token = first._replace(kind="name", text=replacement)
             tokens = (name_token, *line.tokens[1:])
             groups.append(
@@ -215,7 +215,7 @@ def _group_lines(
 
 
 def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
-    """Return what a word that starts no statement below a heading was probably meant for."""
+    """Return the probable statement for an unknown word below a heading."""
     for other in HEADINGS:
         if other != heading and word in statements_below(other):
             return f"it belongs below a line  {other} NAME", None
@@ -223,7 +223,7 @@ def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
 
 
 def _signal_hint(line: SourceLine, heading: str) -> str:
-    """Return where a definition goes that stands above the axes of a controller."""
+    """Return where a definition above the axes of a controller belongs."""
     name = line.tokens[0].text
     if heading != "controller" or [token.text for token in line.tokens[1:2]] != ["="]:
         return ""
@@ -243,7 +243,7 @@ def _record_of(
     if in_axis and _is_signal(line, has_keyword=record is not None):
         return _signals()
     if record is None and heading == "controller" and _is_stray(line, groups):
-        return _signals()  # its axis is what is missing
+        return _signals()  # only its axis is missing
     return record
 
 
@@ -254,7 +254,7 @@ def _is_signal(line: SourceLine, *, has_keyword: bool) -> bool:
 
 
 def _is_stray(line: SourceLine, groups: Sequence[_StatementTokens]) -> bool:
-    """Whether a line defines a signal although no axis stands above it."""
+    """Whether a line defines a signal although no axis precedes it."""
     defines = len(line.tokens) > 1 and line.tokens[1].text == "="
     return defines and line.indented and bool(groups) and groups[-1].tokens[-1].text != ","
 
@@ -271,8 +271,8 @@ def _allowances(lines: list[SourceLine]) -> dict[int, frozenset[str]]:
 
 # --- The memory of the last reading ---
 #
-# An editor reads the same file again after every key stroke. Lines and statements that stand
-# where they stood are taken over; the result is the same with a memory and without.
+# An editor reads the same file after every key stroke. Unchanged lines and statements are reused;
+# the result is the same with and without a memory.
 
 Found = tuple[Diagnostic, ...]
 
@@ -294,7 +294,7 @@ class ParseMemory:
         return [line for _, line, _ in self._lines]
 
     def tokenize(self, text: str, diagnostics: list[Diagnostic]) -> list[SourceLine]:
-        """Return what :func:`fuzzyarm.language.tokens.tokenize` returns."""
+        """Return the result of :func:`fuzzyarm.language.tokens.tokenize`."""
         before = self._lines
         self._lines = []
         for index, line in enumerate(split_lines(text)):
@@ -318,7 +318,7 @@ class ParseMemory:
         return earlier[1], earlier[2]
 
     def finish(self) -> None:
-        """Forget what the text that has just been read does not have."""
+        """Forget everything not in the text just read."""
         self._statements, self._fresh = self._fresh, {}
 
     def enter_scope(self, scope: Hashable) -> None:
@@ -337,7 +337,7 @@ class ParseMemory:
     def keep_rules(
         self, node: StatementNode, rules: list[Rule], findings: list[Diagnostic]
     ) -> None:
-        """Remember what a statement means."""
+        """Store the meaning of a statement."""
         self._fresh_rules[id(node)] = (node, rules, tuple(findings))
 
 
@@ -347,8 +347,7 @@ class ParseMemory:
 def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
     """Return the syntax tree of `text` with every lexical and syntactic mistake.
 
-    A statement that cannot be read is kept as :class:`Broken`. With a `memory`, what has not
-    changed since the last text is not read again.
+    An unreadable statement is kept as :class:`Broken`. With a `memory`, unchanged parts are reused.
     """
     too_large = size_fault(text)
     if too_large is not None:
@@ -385,7 +384,7 @@ def _read_lines(
             node, line_diagnostics = read(group)
             diagnostics += line_diagnostics
         statements.append(Statement(node, Trivia(group.before, group.behind)))
-    # The lexer's complaint of a token comes before the parser's of the same one.
+    # The lexer's finding on a token precedes the parser's.
     first: dict[tuple[int, int], Diagnostic] = {}
     strange = {d.line for d in diagnostics if d.name == "unexpected-character"}
     for diagnostic in diagnostics:
@@ -396,8 +395,8 @@ def _read_lines(
 
 
 def _read_group(group: _StatementTokens) -> tuple[StatementNode, Found]:
-    # A token that the lexer has already complained of needs no second complaint: it is read as the
-    # name that was probably meant.
+    # A token already reported by the lexer needs no second finding: it is read as the probable
+    # name.
     is_reported = any(token.kind == "bad" for token in group.tokens)
     tokens = [t._replace(kind="name") if t.kind == "bad" else t for t in group.tokens]
     cursor = Cursor(tokens, group.lines)
@@ -413,7 +412,7 @@ def _read_group(group: _StatementTokens) -> tuple[StatementNode, Found]:
 
 
 def size_fault(text: str) -> Diagnostic | None:
-    """Return what makes a text larger than one may be; None for others."""
+    """Return the finding on an oversized text; None for others."""
     if len(text) > MAX_CHARACTERS:
         return Diagnostic(
             "file-too-large",
@@ -442,8 +441,8 @@ def size_fault(text: str) -> Diagnostic | None:
 def print_document(document: Document) -> str:
     """Return the canonical text of `document`, which must be free of broken statements.
 
-    Neighbouring variables and neighbouring terms are aligned; a grid has blank lines
-    around it; never more than one blank line stands in a row.
+    Neighbouring variables and neighbouring terms are aligned; a grid has blank lines around it;
+    there is never more than one blank line in a row.
     """
     lines: list[str] = []
     previous: StatementNode | None = None
@@ -472,7 +471,7 @@ _WIDTH = 100
 
 
 def _broken(line: str) -> list[str]:
-    """Return a line that is too long for a text as several, all but the first indented."""
+    """Return an overlong line as several, all but the first indented."""
     margin = line[: len(line) - len(line.lstrip())]
     lines, words, length = [], list[str](), 0
     for match in _WORDS.finditer(line):

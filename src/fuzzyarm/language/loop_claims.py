@@ -75,7 +75,7 @@ class LoopClaimNode(NamedTuple):
 
     @property
     def claim(self) -> LoopClaim:
-        """What it means."""
+        """The claim as a model."""
 
         def stretches(nodes: tuple[StateStretch, ...]) -> tuple[tuple[str, float, float], ...]:
             return tuple((str(n.name), float(n.low), float(n.high)) for n in nodes)
@@ -99,7 +99,7 @@ class LoopClaimNode(NamedTuple):
             "" if output is None else str(output.name),
             0.0 if output is None else float(output.low),
             0.0 if output is None else float(output.high),
-            # Spelt out for mypy: the model wants one of three literals, the node has any text.
+            # Spelt out for mypy: the model needs a literal, the node has any text.
             "after" if self.when == "after" else "during" if self.when == "during" else "always",
             begin,
             end,

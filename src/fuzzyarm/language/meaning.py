@@ -78,11 +78,10 @@ UNNAMED = "unnamed"
 def elaborate(
     document: Document, memory: ParseMemory | None = None
 ) -> tuple[RuleBase, list[Diagnostic]]:
-    """Return the rule base that `document` means, and what is wrong with it.
+    """Return the rule base of `document`, with the findings.
 
-    Statements may stand in any order; where one is at fault it is left out, so the result
-    is complete only if no diagnostic is an error. With a `memory`, rules that stand as they
-    stood are not judged again.
+    Statements may be in any order; a faulty one is left out, so the result is complete only without
+    errors. With a `memory`, unchanged rules are not checked again.
     """
     memory = memory or ParseMemory()
     scope = Scope()
@@ -125,10 +124,10 @@ def elaborate(
 
 
 def judge_statement(node: StatementNode, scope: Scope) -> None:
-    """Add one statement to `scope`, below those that it has, and report what is wrong with it.
+    """Add one statement to `scope`, after those before, and report its faults.
 
-    For a rule base that is written statement by statement: the findings of :func:`elaborate` at
-    this point, except for those that need the whole file.
+    For a rule base built statement by statement: the findings of :func:`elaborate` at this point,
+    except those that need the whole file.
     """
     if isinstance(node, VariableNode):
         declare_variable(node, scope)

@@ -1,7 +1,7 @@
-"""The parts that a row is made of: words, names, numbers, and parts that hold others.
+"""The parts of a row: words, names, numbers, and composite parts.
 
-Each part says of itself how it is read (asking a cursor, so that completion follows), how it is
-printed, which names it mentions, and what stands for it in a table of the syntax.
+Each part defines how it is read (through a cursor, from which completion follows), how it is
+printed, the names it mentions, and its form in a table of the syntax.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 Values = dict[str, Any]
-"""What has been read so far, by the names of the fields."""
+"""Fields read so far, by name."""
 
 _TIGHT = {",": "before", ":": "before", ")": "before", "(": "both", ".": "both"}
 """Marks without a blank on one side or both."""
@@ -86,7 +86,7 @@ class Printed:
 
 
 class Part:
-    """One part of a row; the base class reads, prints and names nothing."""
+    """One part of a row; the base class reads, prints and mentions nothing."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it into `values`."""
@@ -102,7 +102,7 @@ class Part:
         return iter(())
 
     def fields(self) -> Iterator[tuple[str, Any]]:
-        """Yield the fields that it reads, each with what it is where it is not there."""
+        """Yield the fields that it reads, each with its value when absent."""
         return iter(())
 
     def words(self) -> Iterator[tuple[str, str]]:
@@ -131,7 +131,7 @@ class Keyword(Part):
 
 
 class FixedText(Part):
-    """A word or a mark that is required; `where` completes *expected 'x' …*."""
+    """A mandatory word or mark; `where` completes *expected 'x' …*."""
 
     def __init__(self, text: str, where: str = "", doc: str = "") -> None:
         self.text, self.where, self.doc = text, where, doc
@@ -184,7 +184,7 @@ class Flag(Part):
 
 
 class Column(Part):
-    """Where a column begins that is aligned with those of neighbouring lines."""
+    """The begin of a column aligned with neighbouring lines."""
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
@@ -203,7 +203,7 @@ class Break(Part):
 
 
 class Suggest(Part):
-    """Names a longer phrase that is possible here, for an editor to offer."""
+    """Names a longer phrase possible here, for an editor to offer."""
 
     def __init__(self, what: str, about: tuple[str, ...] = ()) -> None:
         self.what, self.about = what, about
@@ -338,7 +338,7 @@ class IntervalPart(Part):
 
 
 class Text(Part):
-    """A string in double quotes; it may be left out unless `what` says what is expected."""
+    """A string in double quotes; optional unless `what` describes the expectation."""
 
     def __init__(self, field: str, what: str = "", label: str = '"description"') -> None:
         self.field, self.what, self.label = field, what, label
@@ -371,21 +371,21 @@ class Phrase(Part):
     Parameters
     ----------
     field : str
-        Of the node.
+        Field of the node.
     read : callable
         From the cursor to the value.
     label : str
         In a table of the syntax.
     show : callable, optional
-        From the value to its text; ``str`` by default. What is empty is not printed.
+        From the value to its text; ``str`` by default. Empty values are not printed.
     mentions : callable, optional
-        From the value to its names; the value is asked by default, if it can be.
+        From the value to its names; by default the value's own `mentions`, if it has them.
     empty : object, optional
         Value of the field without the phrase.
     words : mapping, optional
         Its words of the language.
     tight : str, optional
-        ``before``, where no blank stands in front.
+        ``before`` for no blank before it.
     """
 
     def __init__(
@@ -438,7 +438,7 @@ class Phrase(Part):
 
 
 class Several(Part):
-    """One or more of something, with a mark between; not where `stop` stands after the mark."""
+    """One or more of a part, separated by a mark; unless `stop` follows the mark."""
 
     def __init__(
         self, part: Any, between: tuple[str, ...] = (",",), stop: str = "", label: str = ""
@@ -480,7 +480,7 @@ class Several(Part):
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""
         for item in getattr(node, self.part.field):
-            # A part asks a node for its field, so each item takes the place of the field.
+            # A part reads its field from a node, so each item takes the place of the field.
             yield from self.part.mentions(_Holder(node, self.part.field, item))
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -505,7 +505,7 @@ class _Holder:
 
 
 class _Together(Part):
-    """Parts that are read, printed and asked one after the other."""
+    """Parts read and printed one after the other."""
 
     parts: tuple[Part, ...]
 
@@ -545,7 +545,7 @@ class Maybe(_Together):
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         here = cursor.accept(self.first, likely=self.likely) is not None
-        # Absent parts too have their values, since the node is made of all its fields.
+        # Absent parts have values, too, since the node needs all its fields.
         for name, empty in self.fields():
             values.setdefault(name, empty)
         if here:
@@ -597,7 +597,7 @@ class OptionParts(Part):
         """Read it."""
         values.update(self.fields())
         while cursor.accept(","):
-            # The last option demands its word: its message stands for all of them.
+            # The last option requires its word: its message covers all of them.
             *others, last = self.options
             for option in others:
                 if cursor.accept(option.first):

@@ -1,7 +1,7 @@
-"""The parts that statements are made of: propositions and antecedents, shapes, settings.
+"""Building blocks of statements: propositions and antecedents, shapes, settings.
 
-Each is a node of the syntax tree that knows how it is read (``read``, from a cursor), how it
-is written (``str``, canonical) and which variables and terms it names (``mentions``).
+Each is a node of the syntax tree that defines how it is read (``read``, from a cursor), written
+(``str``, canonical), and which variables and terms it names (``mentions``).
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from fuzzyarm.language.model.rulebase import SAMPLINGS
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 
-# --- What a text names ---
+# --- Names in a text ---
 
 
 class NameKind(StrEnum):
-    """What a name stands for."""
+    """The kind of object behind a name."""
 
     RULEBASE = "rulebase"
     VARIABLE = "variable"
@@ -51,7 +51,7 @@ class Occurrence(NamedTuple):
     Attributes
     ----------
     kind : NameKind
-        What it stands for.
+        The kind of object.
     name : str
         Without quotes.
     span : Span
@@ -100,7 +100,7 @@ def aligned(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
         return [f"  {' '.join(filter(None, row))}" for row in rows]
     lines = []
     for row in rows:
-        # Columns as a terminal shows them: a wide character takes two.
+        # Widths in terminal columns: a wide character takes two.
         padded = (text + " " * (widths[i] - display_width(text)) for i, text in enumerate(row))
         lines.append("  " + gap.join(padded).rstrip())
     return lines
@@ -128,7 +128,7 @@ class HedgeNode(NamedTuple):
         while (token := cursor.peek()) is not None and token.text in HEDGES.words:
             name = HEDGES.words[token.text]
             parameters = HEDGES[name].parameters
-            # A hedge with a number is one before a parenthesis only; else it is a name.
+            # A hedge with a number needs a parenthesis; otherwise the word is a name.
             if token.kind != "name" or (parameters and not cursor.next_is("(", 1)):
                 break
             word, number = Word(name, cursor.take().span), None
@@ -185,11 +185,11 @@ class PropositionNode(NamedTuple):
 
 
 _FOLLOW = ("and", "or", "then", "with")
-"""Words that may stand after a proposition."""
+"""Words that may follow a proposition."""
 
 
 def _unknown_hedge(word: Word) -> Fault:
-    """Return the fault of a word that stands where only a hedge can."""
+    """Return the fault of a word in the position of a hedge."""
     HEDGES.get(word)  # looks among other packages' kinds, then it is read again
     hint, replacement = near_hint(word, HEDGES.words)
     hint = hint or f"hedges are {', '.join(HEDGES.words)}"
@@ -282,7 +282,7 @@ class LinearPart(NamedTuple):
     def read(cls, cursor: Cursor, sign: float) -> LinearPart:
         """Read a summand after a plus or minus."""
         start = cursor.span
-        # Only a name leaves its sign to be read here (`- - x`); a number takes its own.
+        # Only a name leaves its sign to be read here (`- - x`); a number includes its own.
         while not cursor.at_figure and cursor.accept("-"):
             sign = -sign
         if not cursor.at_figure:
@@ -303,9 +303,8 @@ class LinearPart(NamedTuple):
 class ShapeNode(NamedTuple):
     """A shape with its numbers, maybe over another: the two of an interval type-2 term.
 
-    `figures` are the numbers in order (for ``points`` the pairs laid flat), `parts` the
-    summands of ``linear``, `formula` the text of ``formula``, `lower` what stands after
-    ``over``.
+    `figures` are the numbers in order (for ``points`` the pairs flattened), `parts` the summands of
+    ``linear``, `formula` the text of ``formula``, `lower` the shape after ``over``.
     """
 
     kind: Word
@@ -382,7 +381,7 @@ def _read_parameters(cursor: Cursor, kind: str) -> tuple[Figure, ...]:
     if not figures and not cursor.at_end:
         cursor.fail(f"the numbers of {kind}: {' '.join(names)}")
     if len(figures) > len(names):
-        # Only what is too many is marked.
+        # Mark only the surplus.
         start = figures[len(names)].span
     message = f"{kind} takes {len(names)} numbers ({', '.join(names)}), found {len(figures)}"
     span = start.to(figures[-1].span) if figures else start
@@ -418,7 +417,7 @@ def _sum_text(parts: tuple[LinearPart, ...]) -> str:
     first, *rest = parts
     text = first.text(first.factor)
     for part in rest:
-        # The text tells, not `< 0.0`: a factor of -0.0 keeps its sign.
+        # Decide by text, not `< 0.0`: a factor of -0.0 keeps its sign.
         negative = number_text(part.factor).startswith("-")
         text += f" {'-' if negative else '+'} {part.text(abs(part.factor))}"
     return text
@@ -445,10 +444,10 @@ def _formula_mentions(text: str, span: Span) -> Iterator[Occurrence]:
 
 
 class Setting(NamedTuple):
-    """A record: what a setting is called, what it means, what it belongs to, what it takes.
+    """The definition of a setting.
 
-    `of` is ``rules``, ``outputs`` or ``variables``; `number` says what a number in place of
-    a word means, empty where there is none; `infinite` whether that may be infinite or NaN.
+    `of` is ``rules``, ``outputs`` or ``variables``; `number` describes a number in place of a word,
+    empty if none is allowed; `infinite` is whether that may be infinite or NaN.
     """
 
     word: str
@@ -461,9 +460,9 @@ class Setting(NamedTuple):
     expected: str = "one of"
 
 
-# Asked at each use, not copied: other packages register norms later.
+# Evaluated at each use, not copied: other packages register norms later.
 class _Disjunctions(Collection[str]):
-    """The S-norms that ``or`` takes: all but those for aggregation only."""
+    """The S-norms for ``or``: all but those for aggregation only."""
 
     def __contains__(self, word: object) -> bool:
         return word in SNORMS and not SNORMS[str(word)].aggregates
@@ -534,7 +533,7 @@ class SettingNode(NamedTuple):
     """One ``key value`` of ``inference`` or ``block``.
 
     `value` is the word of the value, `figure` its number (``no-rule 0``), `resolution` and
-    `sampling` what stands in the parentheses of a defuzzifier, `exact` the word itself.
+    `sampling` the parentheses of a defuzzifier, `exact` the word itself.
     """
 
     key: Word

@@ -39,18 +39,18 @@ MANY = 3
 
 
 class Parsed(NamedTuple):
-    """What a text says.
+    """The result of reading a text.
 
     Attributes
     ----------
     document : Document
         The syntax tree.
     partial : RuleBase
-        What the sound statements of a rule base mean, whatever the others are like.
+        Model of the valid statements of a rule base, whatever the faults of others.
     diagnostics : tuple of Diagnostic
         Every mistake, in the order of the text.
     whole : ControllerModel or None
-        What the sound statements of a controller mean, in a file that has one.
+        Model of the valid statements of a controller, in a file that has one.
     """
 
     document: Document
@@ -65,13 +65,13 @@ class Parsed(NamedTuple):
 
     @property
     def rulebase(self) -> RuleBase | None:
-        """The rule base, or None if any diagnostic is an error or there is none."""
+        """The rule base, or None if there is an error or no rule base."""
         sound = not any(d.is_error for d in self.diagnostics)
         return self.partial if sound and (self.whole is None or self.whole.rulebases) else None
 
     @property
     def controller(self) -> ControllerModel | None:
-        """The controller, or None if any diagnostic is an error or there is none."""
+        """The controller, or None if there is an error or no controller."""
         return None if any(d.is_error for d in self.diagnostics) else self.whole
 
 
@@ -85,12 +85,12 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     path : str
         Name of the file, for the diagnostics.
     memory : ParseMemory, optional
-        What is known of an earlier version of the text; makes reading quicker.
+        Memory of an earlier version of the text; speeds up reading.
 
     Returns
     -------
     Parsed
-        The rule base where there is no error, and every mistake in order.
+        The rule base if there is no error, and every mistake in order.
     """
     document = parse_document(demand_text("parse", text), memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
@@ -110,7 +110,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
         heads = {type(statement.node) for statement in repaired.statements}
     whole: ControllerModel | None = None
     partial, findings = RuleBase(UNNAMED, (), (), ()), list[Diagnostic]()
-    # A controller whose heading cannot be read is not a rule base without rules.
+    # A controller with an unreadable heading is not a rule base without rules.
     headless = any(
         isinstance(item.node, Broken) and item.node.keyword == "controller"
         for item in repaired.statements
@@ -138,16 +138,16 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
 
 
 KEPT = 16
-"""Texts whose meaning is kept."""
+"""Number of cached texts."""
 
 LONG = 200_000
 """Characters from which on a text is not kept."""
 
 
 def parse_once(text: str, path: str = "<text>") -> Parsed:
-    """Return what :func:`parse` does; a text that was read lately is not read anew.
+    """Return the result of :func:`parse`, cached for recent texts.
 
-    So its rule bases stay the same objects, and what was made of them is found again.
+    So equal texts share rule base objects, and everything cached for these.
     """
     return parse(text, path) if len(text) > LONG else _parsed(text, path)
 
@@ -161,7 +161,7 @@ emptied_with_kinds(_parsed.cache_clear)
 
 
 def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
-    """Say of an unknown kind that a package which may have it cannot be loaded."""
+    """Mention in a finding on an unknown kind that a package with kinds failed to load."""
     unknown = diagnostic.name in ("unknown-shape", "unknown-choice", "unknown-hedge")
     if not unknown or diagnostic.replacement is not None:
         return diagnostic
@@ -194,7 +194,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
     """
     note_source(path)
     with open(path, "rb") as file:
-        # UTF-8 takes at most four bytes for a character; one more tells that it is too large.
+        # UTF-8 has at most four bytes for a character; one byte more shows that it is too large.
         return decoded(file.read(4 * MAX_CHARACTERS + 1), os.fspath(path))
 
 
@@ -268,7 +268,7 @@ def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
 
 
 def format_text(text: str, path: str = "<text>") -> str:
-    """Return `text` in canonical form; formatting the result again changes nothing.
+    """Return `text` in canonical form; idempotent.
 
     Parameters
     ----------
@@ -280,8 +280,8 @@ def format_text(text: str, path: str = "<text>") -> str:
     Raises
     ------
     RuleBaseError
-        If `text` has mistakes: what is not understood is not rewritten. Or if its canonical form
-        is larger than a text may be.
+        If `text` has mistakes: unintelligible text is not rewritten. Or if its canonical form
+        exceeds the size limit.
     """
     parsed = parse(text, path)
     if any(diagnostic.is_error for diagnostic in parsed.diagnostics):

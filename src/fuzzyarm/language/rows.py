@@ -67,7 +67,7 @@ class Inside(Part):
 
 
 class Lines(Part):
-    """The lines below the statement, each a separate node; one that is at fault is left out."""
+    """The lines below the statement, each a separate node; a faulty one is left out."""
 
     def __init__(self, field: str, row: StatementRow) -> None:
         self.field, self.row = field, row
@@ -111,7 +111,7 @@ class StatementRow:
     Parameters
     ----------
     node : type
-        Made of the fields that the parts read, and of ``span`` where it has that.
+        Class made of the fields that the parts read, and of ``span`` if it has that.
     parts : Part
         In order.
     indent : str, optional
@@ -147,11 +147,11 @@ class StatementRow:
         return line
 
     def text(self, node: Any) -> str:
-        """Return a node as it is written."""
+        """Return the text of a node."""
         return self.indent + self._printed(node).text
 
     def columns(self, node: Any) -> list[str]:
-        """Return what stands below the same of neighbours."""
+        """Return the cells to align with neighbouring lines."""
         columns = self._printed(node).columns
         while len(columns) > 1 and not columns[-1]:
             columns.pop()
@@ -163,7 +163,7 @@ class StatementRow:
         return any(isinstance(part, Column) for part in _all_parts(self.parts))
 
     def below(self, node: Any) -> list[tuple[str, Trivia]] | None:
-        """Return the lines below; None where the statement takes none."""
+        """Return the lines below; None if the statement takes none."""
         lines_below = [part.below(node) for part in self.parts if isinstance(part, Lines)]
         return lines_below[0] if lines_below else None
 
@@ -174,7 +174,7 @@ class StatementRow:
 
     @property
     def syntax(self) -> str:
-        """What follows the first word, in a table of the language."""
+        """The form after the first word, in a table of the language."""
         sketch = Printed()
         for part in self.parts:
             part.sketch(sketch)
@@ -193,7 +193,7 @@ def _all_parts(parts: Sequence[Part]) -> Iterator[Part]:
 
 
 class ByHand(StatementRow):
-    """A node that is not a line of parts: ``read``, ``__str__`` and ``mentions`` are its own."""
+    """A node with its own ``read``, ``__str__`` and ``mentions``, not a line of parts."""
 
     def __init__(self, node: type[Any], syntax: str, words: Mapping[str, str]) -> None:
         super().__init__(node)
@@ -204,7 +204,7 @@ class ByHand(StatementRow):
         return self.node.read(cursor)
 
     def text(self, node: Any) -> str:
-        """Return it as it is written."""
+        """Return its text."""
         return str(node)
 
     def below(self, node: Any) -> list[tuple[str, Trivia]] | None:
@@ -220,7 +220,7 @@ class ByHand(StatementRow):
 
     @property
     def syntax(self) -> str:
-        """What follows the first word."""
+        """The form after the first word."""
         return self._syntax
 
     @property
@@ -260,7 +260,7 @@ class StatementKind:
 
     @property
     def syntax(self) -> str:
-        """What follows the word."""
+        """The form after the word."""
         return self.row.syntax
 
     @property
@@ -273,7 +273,7 @@ class StatementKind:
 
 
 def text_of(node: Any) -> str:
-    """Return a node as it is written."""
+    """Return the text of a node."""
     return ROWS[type(node)].text(node)
 
 
@@ -285,12 +285,12 @@ def sentence(node: Any) -> str:
 
 
 def columns_of(node: Any) -> list[str]:
-    """Return what stands below the same of neighbours."""
+    """Return the cells to align with neighbouring lines."""
     return ROWS[type(node)].columns(node)
 
 
 def lines_below(node: Any) -> list[tuple[str, Trivia]] | None:
-    """Return the lines of a statement that takes lines, aligned; None for any other."""
+    """Return the lines of a statement that takes lines, aligned; None for others."""
     row = ROWS.get(type(node))
     return None if row is None else row.below(node)
 

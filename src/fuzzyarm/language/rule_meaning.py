@@ -1,4 +1,4 @@
-"""What rules mean: sentences and grids as rules of the model."""
+"""The meaning of rules: sentences and grids as rules of the model."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
 
 
 def _lacks_header(node: GridNode, scope: Scope) -> bool:
-    """Report a grid whose first line is a row, with the header that it wants."""
+    """Report a grid whose first line is a row, with the missing header."""
     label = node.column
     if node.row is not None or label in scope.drafts:
         return False
@@ -97,7 +97,7 @@ def _lacks_header(node: GridNode, scope: Scope) -> bool:
 
 
 def _turned(node: GridNode, scope: Scope) -> GridNode:
-    """Return a grid whose header has rows and columns the wrong way round as it was meant."""
+    """Return the intended grid for a header with rows and columns exchanged."""
     if node.row is None or not node.rows:
         return node
     down, across = scope.drafts.get(node.row), scope.drafts.get(node.column)
@@ -252,5 +252,5 @@ def _weight(figure: Figure | None, scope: Scope) -> float | None:
 
 
 def report_too_many(span: Span, scope: Scope) -> None:
-    """Report that the file has more rules than the language takes."""
+    """Report that the file has more rules than the limit."""
     scope.report("too-many-rules", f"more than {MAX_RULES:,} rules", span)

@@ -1,6 +1,6 @@
 """The statements that are rules: grids, and sentences.
 
-Nodes as :mod:`fuzzyarm.language.statements` says, where their records are.
+Nodes as described in :mod:`fuzzyarm.language.statements`, with their records.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class RowNode(NamedTuple):
                     hint="" if surplus else "a cell without a rule is written as a dot",
                 )
             )
-        # The label of a grid over one input is its output; the first one stands for all.
+        # The label of a grid over one input is its output; the first label applies to all.
         alone = grid.row is None and label == grid.output
         return tuple(
             cls(
@@ -184,7 +184,7 @@ class GridNode(NamedTuple):
 
     @staticmethod
     def read_header(cursor: Cursor) -> tuple[Word | None, Word, tuple[Word, ...]]:
-        """Read the variable down (if there is one), the variable across and its terms."""
+        """Read the variable down (if any), the variable across and its terms."""
         cursor.suggest("headers")
         column = cursor.variable("the name of the row variable", "input")
         row: Word | None = None
@@ -233,7 +233,7 @@ class GridNode(NamedTuple):
 
 
 def _cell_text(cells: Sequence[CellNode]) -> str:
-    """Return a cell as it is written; one dot where no output has a rule."""
+    """Return the text of a cell; one dot if no output has a rule."""
     texts = list(map(str, cells))
     return "." if set(texts) == {"."} else "/".join(texts)
 

@@ -1,8 +1,8 @@
 """The parts that the lines of a controller are made of: times, numbers, sources, sums, options.
 
 Their nodes are the records of :mod:`fuzzyarm.language.model.controller`; here is how each is read
-from a cursor, how it is written, and which names it mentions. What a signal may come from, and the
-options of each source, is the table :data:`fuzzyarm.language.model.controller.SOURCES`.
+from a cursor, how it is written, and which names it mentions. The sources of signals with their
+options are the table :data:`fuzzyarm.language.model.controller.SOURCES`.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ __all__ = [
 ]
 
 Body = tuple[Source | None, tuple[Product, ...]]
-"""What stands after the ``=`` of a signal."""
+"""The definition of a signal, after ``=``."""
 
 
 def of_signal(word: str) -> Occurrence:
@@ -61,7 +61,7 @@ def of_signal(word: str) -> Occurrence:
 
 
 def of_sheet(word: str) -> Occurrence:
-    """Return the mention of a rule base or a table that is used."""
+    """Return the mention of a rule base or a table."""
     return Occurrence(NameKind.USE, word, span_of(word))
 
 
@@ -71,8 +71,8 @@ def of_sheet(word: str) -> Occurrence:
 def read_time(cursor: Cursor, what: str, turns: float | None = None) -> Time:
     """Read a number and a unit.
 
-    `turns` is what a frequency times this time would be: 1 for a period, 1/(2 pi) for the
-    time constant of a cut-off, None where neither is meant.
+    `turns` is the product of a frequency and the corresponding time: 1 for a period, 1/(2 pi) for
+    the time constant of a cut-off, None if neither is meant.
     """
     figure = cursor.figure(what)
     cursor.suggest("times")
@@ -83,7 +83,7 @@ def read_time(cursor: Cursor, what: str, turns: float | None = None) -> Time:
 
 
 def time_text(time: Time) -> str:
-    """Return a time as it is written."""
+    """Return the text of a time."""
     return f"{number_text(time.figure)} {time.unit}"
 
 
@@ -94,13 +94,13 @@ UNITS_ELSEWHERE = {
     **dict.fromkeys(("mins", "minute", "minutes"), "min"),
     **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
 }
-"""What units of time are called elsewhere, in small letters."""
+"""Other names of units of time, in lower case."""
 
 HERTZ = {"hz": 1.0, "khz": 1e3}
 
 
 def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagnostic:
-    """Describe a number that is to be a time and has no unit of it."""
+    """Describe a number in the position of a time without a unit."""
     token = cursor.peek()
     text_there = "nothing" if token is None or token.kind == "mark" else f"'{token.text}'"
     number = number_text(figure)
@@ -147,7 +147,7 @@ def _amount_factor(cursor: Cursor) -> Figure | None:
 
 
 def amount_text(amount: Amount) -> str:
-    """Return an amount as it is written."""
+    """Return the text of an amount."""
     text = ""
     for figure, divides in amount.factors:
         text += ("/" if divides else "*") if text else ""
@@ -162,7 +162,7 @@ def read_number(cursor: Cursor, what: str) -> Figure | Word:
 
 
 def number_or_name(value: str | float) -> str:
-    """Return a number, or a name, as it is written."""
+    """Return the text of a number, or a name."""
     return name_text(value) if isinstance(value, str) else number_text(value)
 
 
@@ -206,7 +206,7 @@ def _read_factors(cursor: Cursor, *first: Factor) -> tuple[Factor, ...]:
 
 
 def sum_text(products: tuple[Product, ...]) -> str:
-    """Return a sum of products as it is written."""
+    """Return the text of a sum of products."""
     text = ""
     for product in products:
         if text:
@@ -326,7 +326,7 @@ def names_in_options(
 
 
 def read_body(cursor: Cursor) -> Body:
-    """Read what a signal is: a source with factors and options, or a sum of products."""
+    """Read the definition of a signal: a source with factors and options, or a sum of products."""
     source = _read_source(cursor)
     if source is None:
         return None, read_sum(cursor)
@@ -344,7 +344,7 @@ def _read_source(cursor: Cursor) -> Source | None:
     if token is None or token.kind != "name" or (token.text not in SOURCES and not means_one):
         return None
     if following is not None and following.kind not in ("name", "quoted"):
-        return None  # a signal that is called like a source
+        return None  # a signal named like a source
     kind = cursor.word(f"one of {', '.join(SOURCES)}", SOURCES, "unknown-source")
     of = SOURCES[kind].of
     if of == "call":
@@ -360,7 +360,7 @@ def _read_source(cursor: Cursor) -> Source | None:
 
 
 def source_text(body: Body) -> str:
-    """Return what a signal is as it is written."""
+    """Return the text of a signal's definition."""
     source, products = body
     if source is None:
         return sum_text(products)
@@ -372,7 +372,7 @@ def source_text(body: Body) -> str:
 
 
 def names_in_source(body: Body) -> Iterator[Occurrence]:
-    """Yield the names in what a signal is."""
+    """Yield the names in a signal's definition."""
     source, products = body
     if source is not None:
         of = source.record.of

@@ -1,12 +1,12 @@
 """The statements of the language: a row of parts each.
 
-:data:`STATEMENTS` is the whole language at a glance. A row (:mod:`fuzzyarm.language.rows`) names
-a node, a plain record of fields, and the parts of its line in order. From it follow the reader,
-the canonical text, what an editor offers (the reader again, asked where the tokens end), colours,
+:data:`STATEMENTS` is the whole language at a glance. A row (:mod:`fuzzyarm.language.rows`) names a
+node, a plain record of fields, and the parts of its line in order. From it follow the reader, the
+canonical text, completion (the expectations of the reader at the end of the tokens), colours,
 help, the table of the syntax, the grammar of the editor's extension (the words of the row), and
 renaming and the outline (its mentions).
 
-To add a statement: write its node below, add its row to :data:`STATEMENTS`, and say what it means
+To add a statement: write its node below, add its row to :data:`STATEMENTS`, and define its meaning
 in :func:`fuzzyarm.language.meaning.elaborate`. Two are written by hand, since they are not a line
 of parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
 
@@ -186,8 +186,8 @@ class LookupItem(NamedTuple):
     """One line of a ``lookup`` block.
 
     `key` is one of LOOKUP_ITEMS. `figures` are the numbers as written; with `form` ``step`` or
-    ``count`` they are low, high and the step or the count; with ``list`` the values
-    themselves; ``mirrored`` marks bins that are also meant with a minus sign.
+    ``count`` they are low, high and the step or the count; with ``list`` the values themselves;
+    ``mirrored`` marks bins whose negatives are included.
     """
 
     key: Word
@@ -223,7 +223,7 @@ class OutcomeNode(NamedTuple):
 
     @classmethod
     def read_behind(cls, name: Word, cursor: Cursor, others: Sequence[str] = ()) -> OutcomeNode:
-        """Read the part after the name of the output; `others` could stand there too."""
+        """Read the part after the name of the output; `others` are alternatives for completion."""
         for relation in RELATIONS:
             if cursor.accept(relation, likely=True):
                 break
@@ -260,7 +260,7 @@ class ExpectNode(NamedTuple):
 _VERBS = ("rises", "falls", "slope", "odd", "covered")
 
 TABLE_MODES = tuple(reversed(LOOKUP_MODES))
-"""How a table whose error is proved is looked up: the smoothest way is offered first."""
+"""Lookup modes of a table with a proved error; the smoothest is offered first."""
 
 
 class StretchNode(NamedTuple):
@@ -298,8 +298,8 @@ class ProveNode(NamedTuple):
         cursor.take()
         region: list[StretchNode] = []
         arrow = False
-        # `u in 0 .. 1` is a claim about an output or a part of the region: only the comma or
-        # the arrow behind it tells. So it is read as a claim, and turned into a stretch.
+        # `u in 0 .. 1` is a claim about an output or a part of the region: only the following comma
+        # or arrow decides. So it is read as a claim, and converted into a stretch.
         while True:
             claim = cls._table(cursor) if cursor.accept("table") else None
             if claim is None:

@@ -1,8 +1,8 @@
 """A text as lines of tokens, and a cursor that reads the tokens of one statement.
 
-A :class:`Cursor` is asked for what may come next: a name, a number, one of these words. A
-statement is read by such questions (:mod:`fuzzyarm.language.statements`); where the tokens
-end, the same questions are what an editor can offer
+A :class:`Cursor` offers questions about the next token: a name, a number, one of these words.
+Statements are read through such questions (:mod:`fuzzyarm.language.statements`); at the end of the
+tokens, the same questions are the completions of an editor
 (:mod:`fuzzyarm.language.edit.completion`).
 """
 
@@ -21,9 +21,8 @@ from fuzzyarm.symbolic.kinds import HEDGES
 
 # --- Tokens ---
 
-# The order decides: a closed quote before an open one, a sound number before `bad`. A name
-# takes a hyphen only before a letter; a number takes no dot before another dot, so that
-# `0..1` is a range.
+# The order matters: a closed quote before an open one, a valid number before `bad`. A hyphen in a
+# name needs a letter after it; a number has no dot before another dot, so that `0..1` is a range.
 _TOKEN = re.compile(
     r"""
       (?P<space>[ \t\f\v\u00a0\ufeff]+)
@@ -50,9 +49,9 @@ class Token(NamedTuple):
     Attributes
     ----------
     kind : str
-        ``name``, ``quoted``, ``string``, ``number``, ``mark``, or ``bad`` for what is none.
+        ``name``, ``quoted``, ``string``, ``number``, ``mark``, or ``bad`` for anything else.
     text : str
-        As written; for names in quotes and strings, what they stand for.
+        As written; for names in quotes and strings, the content.
     line, column, end : int
         Line and first column from 1, and the column after the last character.
     """
@@ -65,7 +64,7 @@ class Token(NamedTuple):
 
     @property
     def span(self) -> Span:
-        """Where it stands."""
+        """Its position."""
         return Span(self.line, self.column, self.line, self.end)
 
 
@@ -79,7 +78,7 @@ class SourceLine(NamedTuple):
 
 
 def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[SourceLine]:
-    """Return the lines of `text` as tokens; what is not a token goes to `diagnostics`."""
+    """Return the lines of `text` as tokens; invalid characters go to `diagnostics`."""
     return [
         tokenize_line(number, line, diagnostics)
         for number, line in enumerate(split_lines(text), start=1)
@@ -160,7 +159,7 @@ def _unescape(text: str, span: Span, diagnostics: list[Diagnostic]) -> str:
 RESERVED = frozenset({"if", "then", "is", "and", "or", "with", "when", "inf", "nan"})
 """Words that a name must not be written as without quotes; hedges are reserved too.
 
-As few as possible: all others are told apart by where they stand.
+As few as possible: all others are distinguished by position.
 """
 
 STARTERS: set[str] = set()
@@ -180,7 +179,7 @@ def name_text(name: str) -> str:
 
 
 class Trivia(NamedTuple):
-    """What surrounds a line: the comments and blank lines before it, the comment after it.
+    """Surroundings of a line: the comments and blank lines before it, the comment after it.
 
     `before` holds comment lines with their ``#``; an empty string is a blank line.
     """
@@ -190,7 +189,7 @@ class Trivia(NamedTuple):
 
 
 class BlockLine(NamedTuple):
-    """A line below a statement that takes lines, as ``rules`` and ``lookup`` do."""
+    """A line below a statement that takes lines, as ``rules`` and ``lookup``."""
 
     tokens: tuple[Token, ...]
     trivia: Trivia
@@ -233,7 +232,7 @@ class Cursor:
 
     @property
     def span(self) -> Span:
-        """Where the next token stands; just after the last one where there is none."""
+        """Position of the next token; after the last one if there is none."""
         if not self.at_end:
             return self.tokens[self.position].span
         last = self.tokens[-1]
@@ -266,7 +265,7 @@ class Cursor:
         return self.take() if self.next_is(text) else None
 
     def expect(self, text: str, where: str) -> Token:
-        """Take the word or mark `text`; a fault says that it is missing `where`."""
+        """Take the word or mark `text`; else a fault that it is missing `where`."""
         if not self.next_is(text):
             self.fail(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
@@ -283,8 +282,8 @@ class Cursor:
     def forgive(self, fault: Fault) -> None:
         """Keep the diagnostic of `fault` and skip the rest of the line.
 
-        For faults after the name that a statement declares: the name is known all the same,
-        so its uses are not reported as mistakes too.
+        For faults after the declared name of a statement: the name is known anyway, so its uses are
+        not reported as mistakes, too.
         """
         self.forgiven.append(fault.diagnostic)
         self.position = len(self.tokens)
@@ -316,7 +315,7 @@ class Cursor:
         return Word(token.text, token.span)
 
     def _fail_at_digit(self, what: str) -> None:
-        """Raise a fault if what comes next would be a name except for its first digit."""
+        """Raise a fault if the next token is a name except for its first digit."""
         token, behind = self.peek(), self.peek(1)
         if token is None or behind is None or token.kind != "number" or token.end != behind.column:
             return
@@ -335,7 +334,7 @@ class Cursor:
     def variable(self, what: str, role: str = "", follow: str = "") -> Word:
         """Take the name of a variable: an ``input``, an ``output`` or either.
 
-        `follow` is what an editor writes after it.
+        `follow` is the text that an editor adds after it.
         """
         return self.name(what)
 
@@ -344,7 +343,7 @@ class Cursor:
         return self.name(what)
 
     def suggest(self, what: str, *about: object) -> None:
-        """Name something longer that could stand here, for an editor to offer."""
+        """Name a longer phrase possible here, for an editor to offer."""
 
     def word(self, what: str, choices: Collection[str], name: str) -> Word:
         """Take one of the words `choices`; a fault is called `name` and hints at the nearest."""
@@ -364,7 +363,7 @@ class Cursor:
 
     @property
     def at_figure(self) -> bool:
-        """Whether a number comes next, maybe with a sign."""
+        """Whether a number is next, with or without a sign."""
         token = self.peek(1 if self.next_is("-") or self.next_is("+") else 0)
         return token is not None and (
             token.kind == "number" or (token.kind == "name" and token.text in ("inf", "nan"))
@@ -393,6 +392,6 @@ class Cursor:
         return Figure(value, span)
 
     def finish(self) -> None:
-        """Demand that nothing is left."""
+        """Require the end of the line."""
         if not self.at_end:
             self.fail("the end of the line", (), "trailing-text")

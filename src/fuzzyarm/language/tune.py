@@ -1,6 +1,6 @@
-"""The block ``tune`` of a rule base: what may move when it is tuned, and what stays as it is.
+"""The block ``tune`` of a rule base: movable and fixed numbers in tuning.
 
-Inference does not read it. Nodes as :mod:`fuzzyarm.language.statements` says.
+Inference ignores it. Nodes as described in :mod:`fuzzyarm.language.statements`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ TUNE_ITEMS: dict[str, str] = {
     "gain": "gains of the controller that uses the rule base move",
     "keep": "terms, or all terms of a variable, stay where they are",
 }
-"""What a line of ``tune`` starts with."""
+"""First words of the lines of ``tune``."""
 
 PEAK_WORDS: dict[str, str] = {
     "mirrored": "opposite terms stay opposite about the middle of the range",
@@ -42,7 +42,7 @@ PEAK_WORDS: dict[str, str] = {
     "partition": "each foot is under the neighbour's peak, so that memberships add up to 1",
     "gap": "how near neighbouring peaks may come, in percent of the range",
 }
-"""What stands after the variables of ``peaks``."""
+"""Options after the variables of ``peaks``."""
 
 _CHOICES = ("mirrored", "keep", "partition", "gap")
 _LISTED = "mirrored, keep order, partition or gap"
@@ -51,9 +51,9 @@ _LISTED = "mirrored, keep order, partition or gap"
 class TuneItem(NamedTuple):
     """One line of a ``tune`` block.
 
-    `key` is one of TUNE_ITEMS. `names` are variables, gains, or of ``keep`` one variable;
-    `terms` what is kept of it; `words` the options in the order of the text; `gap` that in
-    percent; `low` and `high` the range of a gain.
+    `key` is one of TUNE_ITEMS. `names` are variables, gains, or for ``keep`` one variable; `terms`
+    its fixed terms; `words` the options in the order of the text; `gap` that in percent; `low` and
+    `high` the range of a gain.
     """
 
     key: Word
@@ -165,7 +165,7 @@ TUNE_ROW = StatementRow(
                 Column(),
                 _PeakOptions(),
             ),
-            "gain": (  # gains stand in another file
+            "gain": (  # gains are in another file
                 Several(Name("names", "the name of a gain")),
                 Column(),
                 Number("low", "the lowest value"),

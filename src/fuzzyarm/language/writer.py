@@ -94,8 +94,8 @@ class _TermOrder(dict[tuple[str, str], int]):
 class _GridRun:
     """Consecutive rules that fill a grid row by row.
 
-    `order` has the position of each term in its variable; `rest` is what the antecedents have
-    in common beyond row and column (``when …``).
+    `order` has the position of each term in its variable; `rest` are the conditions common to all
+    antecedents beyond row and column (``when …``).
     """
 
     def __init__(self, rule: Rule, cell: _Cell, order: _TermOrder) -> None:
@@ -165,7 +165,7 @@ def _split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | 
 
 
 def _as_cell(rule: Rule) -> _Cell | None:
-    """Return row, column and the other conditions of a rule that could stand in a grid."""
+    """Return row, column and the other conditions of a rule that fits in a grid."""
     antecedent = rule.antecedent
     if not isinstance(antecedent, And) or len(rule.consequents) != 1:
         return None
@@ -199,7 +199,7 @@ def write(rulebase: AnyRuleBase) -> str:
     Parameters
     ----------
     rulebase : RuleBase
-        The value, or one that is being written.
+        The value, or one under construction.
 
     Returns
     -------
@@ -243,7 +243,7 @@ def _variable(role: str, variable: Variable) -> VariableNode:
 
 
 def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
-    """Yield the terms; a family that is evenly spaced is one line for all that share it."""
+    """Yield the terms; an evenly spaced family is one line for all its variables."""
     shared: dict[tuple[str, tuple[str, ...]], list[Variable]] = {}
     others: list[Variable] = []
     for variable in (*rulebase.inputs, *rulebase.outputs):
@@ -352,7 +352,7 @@ def _norms(block: RuleBlock, first: RuleBlock) -> tuple[SettingNode, ...]:
         _choice("implication", block.implication),
     )
     if block.threshold == 0.0 and first.threshold == 0.0:
-        return norms  # the default; else it is said, since a block inherits the file's
+        return norms  # the default; others are printed, since a block inherits the file's
     return (*norms, SettingNode(Word("threshold"), figure=Figure(block.threshold)))
 
 

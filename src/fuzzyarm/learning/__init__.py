@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.base.lazy import lazily
 
-# Of the same names as their modules, so that they have to stand here first.
+# Named like their modules, so they must be imported first.
 from fuzzyarm.learning.fit import Fit, FitError, fit
 from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.wang_mendel import wang_mendel

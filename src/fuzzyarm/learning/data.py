@@ -1,7 +1,7 @@
 """Samples to learn from and to judge by: CSV and Parquet files, data frames, arrays, tables.
 
-A sample is a row: one value for each input, and the value of the target that belongs to it.
-What is wrong with a file is said with its line and column, all of it in one run.
+A sample is a row: one value for each input, and the corresponding target. The faults of a file are
+reported with line and column, all in one run.
 """
 
 from __future__ import annotations
@@ -40,25 +40,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet")
-"""Of files with samples."""
+"""Suffixes of sample files."""
 
 MOST_FINDINGS = 20
-"""Findings that one file is given; a column of another kind would have one in each line."""
+"""Largest number of findings for a file; a column of the wrong type would have one in each line."""
 
 
 class DataError(RuleBaseError):
-    """Samples that cannot be used; ``diagnostics`` say what is wrong and where."""
+    """Invalid samples; ``diagnostics`` have the faults with positions."""
 
 
 class ColumnError(FuzzyarmError, LookupError):
-    """There is no column of that name.
+    """An unknown column.
 
     Attributes
     ----------
     name : str
-        As asked for.
+        The requested name.
     columns : tuple of str
-        Those there are.
+        The existing columns.
     """
 
     def __init__(self, name: str, columns: Sequence[str]) -> None:
@@ -70,24 +70,24 @@ class ColumnError(FuzzyarmError, LookupError):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Samples:
-    """Rows of data: inputs, and what belongs to them.
+    """Rows of data: inputs and targets.
 
     Attributes
     ----------
     names : tuple of str
-        Of the inputs.
+        Names of the inputs.
     inputs : ndarray of float64, shape (samples, inputs)
         Finite.
     target : str
         Name of the target.
     values : ndarray of float64, shape (samples,)
-        Of the target; where there are `classes`, the index of each sample's class.
+        The target; with `classes`, the index of each sample's class.
     classes : tuple of str
-        Of a target of words, in alphabetical order; empty for numbers.
+        Classes of a categorical target, in alphabetical order; empty for numbers.
     source : str
-        Where they come from, for comments.
+        Origin of the samples, for comments.
     notes : tuple of str
-        What the reader had to take for granted, a sentence each.
+        Assumptions of the reader, a sentence each.
     """
 
     names: tuple[str, ...]
@@ -108,7 +108,7 @@ class Samples:
 
     @property
     def outputs(self) -> Array:
-        """What a model of them gives, shape (samples, outputs): values, or 1 for the class."""
+        """The outputs for a model, shape (samples, outputs): values, or 1 for the class."""
         if not self.classes:
             return self.values[:, None]
         return np.equal(self.values[:, None], np.arange(len(self.classes))).astype(float)
@@ -140,12 +140,12 @@ class Samples:
 
 @dataclass(frozen=True)
 class Columns:
-    """Which columns of a file are wanted.
+    """A selection of columns in a file.
 
     Attributes
     ----------
     target : str or None
-        What is to be learned; None: the last column.
+        The target column; None: the last one.
     inputs : tuple of str or None
         None: all other columns.
     target_needed : bool
@@ -178,11 +178,11 @@ def as_samples(
     inputs : array_like, shape (samples, inputs)
         A vector is one input.
     values : array_like, shape (samples,)
-        Of the target.
+        Values of the target.
     names : sequence of str, optional
-        Of the inputs; x1, x2 … by default.
+        Names of the inputs; x1, x2 … by default.
     target, source : str
-        Name of the target, and where the samples come from.
+        Name of the target, and origin of the samples.
 
     Raises
     ------
@@ -218,14 +218,14 @@ def frame_samples(frame: Any, columns: Columns = LAST, source: str = "") -> Samp
     columns : Columns, optional
         Which are inputs, which the target; by default the last is the target.
     source : str
-        Where it comes from, for comments.
+        Origin, for comments.
 
     Raises
     ------
     DataError
         If a column does not consist of finite numbers; a target may consist of words.
     ColumnError
-        If there is no such column.
+        If a column is unknown.
     """
     names = [str(name) for name in frame.columns]
     cells = [[_cell_text(cell) for cell in frame.iloc[:, k].tolist()] for k in range(len(names))]
@@ -247,9 +247,9 @@ def table_samples(table: LookupTable, source: str = "") -> Samples:
     Parameters
     ----------
     table : LookupTable
-        What is sampled.
+        The sampled table.
     source : str
-        Where it comes from, for comments.
+        Origin, for comments.
     """
     mesh = np.meshgrid(*(np.array(axis.levels) for axis in table.axes), indexing="ij")
     inputs = np.stack([coordinate.ravel() for coordinate in mesh], axis=1)
@@ -268,20 +268,20 @@ def rulebase_samples(
     Parameters
     ----------
     rulebase : RuleBase
-        What is sampled.
+        The sampled rule base.
     target : str, optional
-        The output, where there are several.
+        The output, if there are several.
     count : int
-        Of samples.
+        Number of samples.
     seed : int
-        Of their positions.
+        Seed of their positions.
     source : str
-        Where it comes from, for comments.
+        Origin, for comments.
 
     Raises
     ------
     ColumnError
-        If there is no such output.
+        If the output is unknown.
     DataError
         If an input has no end.
     """
@@ -313,7 +313,7 @@ def function_samples(
     Parameters
     ----------
     function : callable
-        Takes an array for each input, by name; returns an array.
+        From an array for each input, by name, to an array.
     ranges : mapping of str to (float, float)
         The lowest and highest value of each input.
     count : int
@@ -321,7 +321,7 @@ def function_samples(
     target : str
         Name of the target.
     seed : int
-        Of the scrambling.
+        Seed of the scrambling.
     """
     from scipy.stats import qmc
 
@@ -346,14 +346,14 @@ def read_samples(path: str | os.PathLike[str], columns: Columns = LAST) -> Sampl
         CSV (``.csv``, ``.tsv``, ``.txt``: commas, semicolons, tabs or blanks between the
         cells, with or without a line of names) or Parquet (``.parquet``).
     columns : Columns
-        Those that are wanted. A target that consists of words has classes.
+        The selected columns. A target of words has classes.
 
     Raises
     ------
     DataError
         If the file is at fault; it carries every finding, with line and column.
     ColumnError
-        If there is no such column.
+        If a column is unknown.
     OSError
         If the file cannot be read.
     """
@@ -392,7 +392,7 @@ def _frame(name: str) -> Any:
         if error.errno is not None:
             raise
         raise _refused("not-parquet", f"not a Parquet file: {error}", name) from None
-    except Exception as error:  # whatever the reader of the day raises
+    except Exception as error:  # readers raise anything
         raise _refused("not-parquet", f"not a Parquet file: {error}", name) from None
 
 
@@ -403,7 +403,7 @@ def parse_csv(text: str, path: str = "<text>", columns: Columns = LAST) -> Sampl
 
 
 def _cells(text: str, path: str) -> tuple[_Cells, tuple[str, ...]]:
-    """Return the cells of a CSV file, and what had to be taken for granted."""
+    """Return the cells of a CSV file, and the assumptions made."""
     lines = split_lines(text.removeprefix("\ufeff"))
     filled = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not filled:
@@ -427,10 +427,10 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _delimiter(line: str) -> str:
-    """Return what stands between the cells of a line; blanks where nothing else does."""
+    """Return the delimiter of a line; blanks if there is no other."""
     counts = {mark: line.count(mark) for mark in (";", "\t", ",")}
     best = max(counts, key=counts.__getitem__)
-    if counts[";"]:  # a semicolon beside commas: decimal commas
+    if counts[";"]:  # semicolons and commas: decimal commas
         return ";"
     return best if counts[best] else " "
 
@@ -443,13 +443,13 @@ def _split(line: str, mark: str) -> list[str]:
         try:
             cells = next(csv.reader(io.StringIO(line), delimiter=mark, skipinitialspace=True))
             return [cell.strip() for cell in cells]
-        except csv.Error:  # a cell longer than csv takes
+        except csv.Error:  # a cell beyond the limit of csv
             pass
     return [cell.strip() for cell in line.split(mark)]
 
 
 def _spans(number: int, line: str, mark: str) -> tuple[Span, ...]:
-    """Return where the cells of a line stand."""
+    """Return the spans of the cells of a line."""
     spans, start = [], 0
     for cell in _split(line, mark):
         at = line.find(cell, start)
@@ -461,7 +461,7 @@ def _spans(number: int, line: str, mark: str) -> tuple[Span, ...]:
 
 
 def _number(cell: str, *, comma: bool = False) -> float | None:
-    """Return the number in a cell, which may be infinite or NaN; None if there is none."""
+    """Return the number in a cell, possibly infinite or NaN; None if it is not a number."""
     try:
         return float(cell.replace(",", ".") if comma else cell)
     except ValueError:
@@ -479,7 +479,7 @@ class _Cells:
     comma: bool = False
 
     def samples(self, columns: Columns, notes: tuple[str, ...] = ()) -> Samples:
-        """Return the samples; raise DataError with all that is wrong."""
+        """Return the samples; raise DataError with all faults."""
         self._check_names()
         self._check_lengths()
         target = self.names[-1] if columns.target is None else columns.target
@@ -593,12 +593,12 @@ def folds(
     count : int
         Samples.
     parts : int
-        How many; at most as many as there are samples.
+        Number of parts; at most that of samples.
     series : bool
-        Whether the samples are in the order of time: the parts are then blocks, since a
-        sample between two that are known is easier than one in the future.
+        Whether the samples are in order of time: the parts are then blocks, since interpolation
+        between known samples is easier than prediction.
     seed : int
-        Of the order in which other samples are dealt out.
+        Seed of the random partition otherwise.
     """
     order = np.arange(count)
     if not series:

@@ -1,10 +1,10 @@
-"""From samples to a rule base that a person can read: the whole way, and what is known of it.
+"""From samples to a readable rule base: all steps, and its quality.
 
-Two methods. *Sugeno*: a partition (:mod:`~fuzzyarm.learning.starts`) that cross-validation
-chooses (:mod:`~fuzzyarm.learning.structure`), consequents and terms by least squares
+Two methods. *Sugeno*: a partition (:mod:`~fuzzyarm.learning.starts`) selected by cross-validation
+(:mod:`~fuzzyarm.learning.structure`), consequents and terms by least squares
 (:mod:`~fuzzyarm.learning.sugeno`), written with few digits (:mod:`~fuzzyarm.learning.model_text`).
-*Wang–Mendel*: rules over words (:mod:`~fuzzyarm.learning.wang_mendel`). The text is the
-result: errors are those of the rule base as it is read back from it.
+*Wang–Mendel*: rules over words (:mod:`~fuzzyarm.learning.wang_mendel`). The text is the result:
+errors are those of the rule base read back from it.
 """
 
 from __future__ import annotations
@@ -71,11 +71,11 @@ MOST_SEARCHED = 3000
 """Samples for the choice of the structure and the numbers of terms; consequents take all."""
 
 WORSE_AS_TEXT = 0.01
-"""Part of the error by which rounding may make a model worse; else it gets more digits."""
+"""Relative loss of accuracy allowed to rounding; beyond it the model gets more digits."""
 
 MOST_NESTED = 1000
-"""Samples up to which the cross-validation is nested where nothing is said: with 300 of them the
-error by which a structure was chosen is some 2 % too small, with 40 up to a quarter."""
+"""Samples up to which cross-validation is nested by default: with 300 of them the error of the
+selected structure is some 2 % too small, with 40 up to a quarter."""
 
 OUTER = 5
 """Parts of it at most: the whole way is gone once for each of them."""
@@ -89,7 +89,7 @@ class FitError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Fit:
-    """A learned rule base and what is known of it.
+    """A learned rule base and its quality.
 
     Attributes
     ----------
@@ -105,30 +105,30 @@ class Fit:
     linear_error : float
         The same of linear regression.
     cross_validation : float
-        Root mean square error on samples not seen; for classes that of the outputs, 0 or 1.
-        Where it is nested, the samples of each part have decided nothing: structure, shrinkage
-        and terms were found without them.
+        Root mean square error on unseen samples; for classes that of the outputs, 0 or 1. If
+        nested, the samples of each part influenced nothing: structure, shrinkage and terms were
+        found without them.
     linear_cross_validation : float
         The same of linear regression.
     candidates : tuple of (str, int, float)
-        What was tried: in words, its rules, its error of cross-validation.
+        The candidates: description, number of rules, cross-validation error.
     structure : str
         The one that was chosen, in words.
     shrinkage : float
-        Of the consequents; NaN for Wang and Mendel's rules.
+        Shrinkage of the consequents; NaN for Wang and Mendel's rules.
     support : tuple of float
-        Of each rule, in samples.
+        Support of each rule, in samples.
     digits : int
-        Of the numbers of terms.
+        Digits of the numbers of terms.
     interrupted : bool
-        Whether it is the best of a search that was broken off.
+        Whether it is the best of an interrupted search.
     choice : float
         The error of cross-validation by which the structure was chosen.
     judged : str
-        ``nested``, ``fixed`` where nothing was left to choose, or ``by the choice``: on the same
-        parts, which makes the error of few samples look smaller than it is.
+        ``nested``, ``fixed`` if there was no choice, or ``by the choice``: on the parts used for
+        selection, which underestimates the error for few samples.
     limits : tuple of str
-        What was broken off by Ctrl-C, ``search`` or ``judgement``, or by the ``time``.
+        Parts ended early by Ctrl-C, ``search`` or ``judgement``, or by the ``time``.
     """
 
     rulebase: RuleBase
@@ -164,11 +164,11 @@ def fit(
     ----------
     samples : Samples, FitRequest, str or path-like
         From :mod:`fuzzyarm.learning.data`, or their file, whose last column is the target. A
-        request alone says all that ``fuzzyarm fit`` does.
+        request alone holds all settings of ``fuzzyarm fit``.
     options : Options, optional
         How it is found.
     on_step : callable
-        Told in words what is being tried.
+        Called with the current step in words.
 
     Returns
     -------
@@ -178,7 +178,7 @@ def fit(
     Raises
     ------
     FitError
-        If there are too few samples, or an option makes no sense.
+        If there are too few samples, or an option is invalid.
     """
     if isinstance(samples, FitRequest):
         demand_alone("fit", options)
@@ -310,16 +310,16 @@ def _found(
     *,
     judged: bool = False,
 ) -> _Way:
-    """Go the way from samples to a structure whose terms have moved.
+    """Return a structure with moved terms for samples.
 
-    With `judged` it is gone for the judgement, where half a way means nothing.
+    With `judged` it is for the judgement, where a partial result is useless.
     """
     few = _searched(samples)
     parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
     shrinkages = SHRINKAGES if options.shrinkage is None else (options.shrinkage,)
 
     def told(words: str) -> None:
-        clock.begin_to_end(_share_of_search(samples, options))  # there is one candidate now
+        clock.begin_to_end(_share_of_search(samples, options))  # a candidate exists now
         on_step(words)
 
     judge = CrossValidation(few.inputs, few.outputs, parts, shrinkages, told, clock.check)
@@ -337,7 +337,7 @@ def _found(
 
 
 def _of_part(way: _Way, part: Samples) -> Callable[[Samples], Array]:
-    """Return what a model of some samples says of others."""
+    """Return the predictions of a model of some samples for others."""
     premises = way.best.premises
     weights, scaling = consequents(premises, part.inputs, part.outputs, way.best.shrinkage)
 
@@ -348,10 +348,10 @@ def _of_part(way: _Way, part: Samples) -> Callable[[Samples], Array]:
     return outputs
 
 
-# --- Judged on samples that have decided nothing ---
+# --- Judgement on samples without influence ---
 
 SEARCH, JUDGEMENT = 0.6, 0.8
-"""Shares of the time at whose ends the search and its judgement are broken off."""
+"""Fractions of the time at which the search and its judgement are ended."""
 
 
 def _is_nested(samples: Samples, options: Options) -> bool:
@@ -363,7 +363,7 @@ def _share_of_search(samples: Samples, options: Options) -> float:
 
 
 class Error(NamedTuple):
-    """An error of cross-validation, and what the parts were used for besides."""
+    """An error of cross-validation, and the other use of its parts."""
 
     value: float
     judged: Judged
@@ -405,7 +405,7 @@ def _nested(
 def _tried(
     judge: CrossValidation, samples: Samples, options: Options
 ) -> tuple[list[StructureCandidate], bool]:
-    """Return the structures that were tried, and whether the search came to its end."""
+    """Return the tried structures, and whether the search was completed."""
     candidates: list[StructureCandidate] = []
     counts = options.terms or (1,) * len(samples.names)
     if options.terms is not None:
@@ -416,7 +416,7 @@ def _tried(
     else:
         search = clustered(judge, options.start, options.rules, options.seed)
     try:
-        candidates.extend(search)  # what a generator gave before an interrupt stays
+        candidates.extend(search)  # keeps the candidates before an interrupt
     except KeyboardInterrupt:
         if not candidates:
             raise
@@ -427,7 +427,7 @@ def _tried(
 def _moved(
     judge: CrossValidation, chosen: StructureCandidate, options: Options
 ) -> tuple[StructureCandidate, list[StructureCandidate], bool]:
-    """Return the structure with its terms moved, if that is better or wanted."""
+    """Return the structure with its terms moved, if that is better or requested."""
     trials = [chosen]
     if options.shrinkage is None:  # terms that have moved may leave conclusions more freedom
         trials.append(replace(chosen, shrinkage=chosen.shrinkage / 30.0))
@@ -482,7 +482,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         layout = WritingStyle(options.name, options.description, options.outside, digits)
         rulebase = sugeno_rulebase(premises, samples, shrinkage, spread, layout)
         residual = samples.outputs - outputs_of(rulebase, samples)
-        # A fit that is all but exact would ask for more and more digits.
+        # A nearly exact fit would need ever more digits.
         floor = 1e-4 * float(scaling.range.max())
         limit = (1.0 + WORSE_AS_TEXT) * max(target, floor)
         if rms(residual) <= limit or digits >= MOST_FITTED_DIGITS:
@@ -529,7 +529,7 @@ def _with_text(fit: Fit, text: str) -> Fit:
 
 
 def _head(samples: Samples, options: Options, fit: Fit) -> list[str]:
-    """Return the lines above a learned rule base: where it comes from, how good it is."""
+    """Return the comment lines above a learned rule base: origin and quality."""
     kind = "wrong answers" if samples.classes else "RMS error"
     source = printable(short_source(samples.source))
     parts = min(options.parts, OUTER) if fit.judged == "nested" else options.parts
@@ -636,7 +636,7 @@ def _errors_of_words(
     return errors, True
 
 
-# --- What a rule base says of samples ---
+# --- A rule base on samples ---
 
 
 def outputs_of(rulebase: RuleBase, samples: Samples) -> Array:
@@ -665,7 +665,7 @@ class SurrogateFidelity(NamedTuple):
 
 
 def fidelity(rulebase: RuleBase, samples: Samples) -> SurrogateFidelity:
-    """Return how far a rule base is off at the samples that it stands for."""
+    """Return the error of a rule base on samples of its original."""
     off = samples.outputs - outputs_of(rulebase, samples)
     width = float(np.ptp(samples.outputs)) or 1.0
     worst, mean = float(np.abs(off).max()), rms(off)

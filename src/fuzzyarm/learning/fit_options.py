@@ -17,40 +17,40 @@ class Options:
     method : str
         ``sugeno`` or ``wang-mendel``.
     start : str
-        Of a Sugeno model: ``grid``, ``fcm`` or ``subtractive``.
+        Start of a Sugeno model: ``grid``, ``fcm`` or ``subtractive``.
     rules : int
-        Of a Sugeno model, at most.
+        Largest number of rules of a Sugeno model.
     terms : tuple of int or None
         Terms of each input of a grid; None: chosen by cross-validation.
     words : tuple of int
         The fewest and the most words of Wang and Mendel; cross-validation chooses.
     shrinkage : float or None
-        Of consequents towards the linear model; None: chosen by cross-validation.
+        Of consequents towards the linear model; None: by cross-validation.
     move : bool or None
-        Whether the terms are moved by variable projection; None: where cross-validation
-        says that it pays.
+        Whether the terms are moved by variable projection; None: if cross-validation favours it.
     merge : float
-        How much alike gaussians of clusters must be to become one, see
+        Similarity from which gaussians of clusters are merged, see
         :func:`~fuzzyarm.learning.starts.merged`.
     series : bool
         Whether the samples are in the order of time.
     parts : int
-        Of the cross-validation.
+        Number of parts of the cross-validation.
     digits : int
-        Of the numbers of terms; more are taken where rounding would show.
+        Digits of the numbers of terms; more if rounding matters.
     outside : str
-        ``extend``, ``clamp`` or ``error``: what a Sugeno model does beyond its ranges.
+        ``extend``, ``clamp`` or ``error``: treatment of inputs outside the ranges by a Sugeno
+        model.
     evaluations : int
-        Of the model while its terms are moved, at most.
+        Largest number of evaluations of the model while terms move.
     seed : int
-        Of all that is drawn.
+        Seed of all random numbers.
     nested : bool or None
         Whether the whole way is judged by a cross-validation around it; None: up to
         1000 samples, where the choice of a structure makes a difference.
     seconds : float
         Wall time, at most; the best until then is taken.
     name, description : str
-        Of the rule base.
+        Name and description of the rule base.
     """
 
     method: str = "sugeno"

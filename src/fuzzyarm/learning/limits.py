@@ -6,16 +6,16 @@ import math
 import time
 
 MOST_COEFFICIENTS = 2000
-"""Of the conclusions of all rules on one output: one least-squares problem, whose matrix grows
-with the square of it, and its time with the cube."""
+"""Largest number of coefficients of an output over all rules: one least-squares problem, with
+memory quadratic and time cubic in it."""
 
 
 class TimeIsUpError(KeyboardInterrupt):
-    """The time is spent; a search ends as with Ctrl-C, and keeps what it has."""
+    """The time is up; a search ends as with Ctrl-C, and keeps its results."""
 
 
 class Deadline:
-    """Says when it is time to end.
+    """A deadline for long work.
 
     Parameters
     ----------
@@ -34,11 +34,11 @@ class Deadline:
         self.up = False
 
     def run_until(self, share: float) -> None:
-        """Let it end what takes longer than a share of the time; before, nothing is ended."""
+        """End work at a fraction of the time; until then, nothing is ended."""
         self.end = self.begin + share * self.seconds
 
     def begin_to_end(self, share: float) -> None:
-        """Do the same, where nothing is ended yet."""
+        """Do the same, unless something has been ended already."""
         if self.end == math.inf:
             self.run_until(share)
 

@@ -1,8 +1,7 @@
 """A learned model as a rule base and as text: words for terms, numbers as short as they may be.
 
-What is written is what counts: the numbers of the terms are rounded first and the consequents
-are found again for them; a coefficient then keeps as many decimals as the error of the model
-needs, and no more.
+The written numbers count: the numbers of the terms are rounded first and the consequents are
+recomputed for them; a coefficient then keeps as many decimals as the error of the model needs.
 """
 
 from __future__ import annotations
@@ -47,10 +46,10 @@ WORDS: dict[int, tuple[str, ...]] = {
     6: ("VERY-LOW", "LOW", "BELOW-MEDIUM", "ABOVE-MEDIUM", "HIGH", "VERY-HIGH"),
     7: ("VERY-LOW", "LOW", "BELOW-MEDIUM", "MEDIUM", "ABOVE-MEDIUM", "HIGH", "VERY-HIGH"),
 }
-"""Names of terms by how many there are; for more see :func:`term_names`."""
+"""Names of terms by their number; for more see :func:`term_names`."""
 
 SHARE_OF_ERROR = 0.1
-"""By how much a rounded consequent may be off, in training errors."""
+"""Tolerance of a rounded consequent, in training errors."""
 
 
 def term_names(count: int) -> tuple[str, ...]:
@@ -98,23 +97,23 @@ def outer_range(low: float, high: float, digits: int = 2) -> tuple[float, float]
 
 
 def rounded_premises(premises: Premises, digits: int) -> Premises:
-    """Return premises whose numbers have few digits, counted from the size of their change."""
+    """Return premises with rounded numbers, relative to their scale of change."""
     pairs = zip(premises.numbers.tolist(), premises.scale.tolist(), strict=True)
     numbers = [round_to(number, resolution(scale, digits)) for number, scale in pairs]
     return premises.with_numbers(np.array(numbers))
 
 
 def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> Array:
-    """Return consequents with as many decimals as a tolerance asks for.
+    """Return consequents with as many decimals as a tolerance requires.
 
     Parameters
     ----------
     weights : ndarray, shape (rules, outputs, inputs + 1)
         Slopes and the constant, in the units of the samples.
     samples : Samples
-        Whose spread says what a slope does.
+        Their spread determines the effect of a slope.
     tolerance : ndarray, shape (outputs,)
-        By how much a value may change.
+        Allowed change of a value.
 
     Returns
     -------
@@ -142,16 +141,16 @@ def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> A
 
 @dataclass(frozen=True)
 class WritingStyle:
-    """How a model is written, apart from what was learned.
+    """The form of a written model, apart from its numbers.
 
     Attributes
     ----------
     name, description : str
-        Of the rule base.
+        Name and description of the rule base.
     outside : str
-        What inputs and outputs do beyond their ranges.
+        Treatment of values outside the ranges, of inputs and outputs.
     digits : int
-        Of the numbers of terms.
+        Digits of the numbers of terms.
     """
 
     name: str = "model"
@@ -172,9 +171,9 @@ def sugeno_rulebase(
     samples : Samples
         For which the consequents are found.
     shrinkage : float
-        Of the consequents.
+        Shrinkage of the consequents.
     error : ndarray, shape (outputs,)
-        The error of each output, which says how far consequents may be rounded.
+        The error of each output, which limits the rounding of consequents.
     layout : WritingStyle
         Names and digits.
     """
@@ -182,7 +181,7 @@ def sugeno_rulebase(
     names = _names(rounded, samples)
     weights, scaling = consequents(rounded, samples.inputs, samples.outputs, shrinkage)
     floor = 1e-4 * scaling.range
-    # Terms with more than the usual four digits ask for consequents that are finer by as much.
+    # Terms with more than the usual four digits need correspondingly finer consequents.
     tolerance = SHARE_OF_ERROR * np.maximum(error, floor) * 10.0 ** (4 - layout.digits)
     values = rounded_consequents(scaling.in_units(weights), samples, tolerance)
     inputs = tuple(
@@ -213,7 +212,7 @@ def sugeno_rulebase(
 def output_names(samples: Samples) -> tuple[str, ...]:
     """Return the names of the outputs of a model: the target, or its classes.
 
-    A class that is called like an input is named after the target too.
+    A class named like an input gets the name of the target, too.
     """
     if not samples.classes:
         return (samples.target,)
@@ -297,7 +296,7 @@ def middle_of(outputs: Array) -> float:
 def _antecedent(parts: list[Is], inputs: Sequence[Input]) -> Expression:
     if not parts:
         return Is(inputs[0].name, inputs[0].terms[0].name)
-    # Row and column are the last two inputs, the others stand in front of the grid.
+    # Row and column are the last two inputs, the others come before the grid.
     ordered = (*parts[-2:], *parts[:-2])
     return ordered[0] if len(ordered) == 1 else And(ordered)
 
@@ -313,19 +312,19 @@ def commented(
 ) -> str:
     """Return canonical text with comments.
 
-    Rules of samples need not cover every combination of terms, for instance, and then this is
-    meant: an ``allow`` says so to the checks.
+    Rules from samples need not cover every combination of terms, for instance; an ``allow`` tells
+    the checks that this is intended.
 
     Parameters
     ----------
     rulebase : RuleBase
-        What is written.
+        The rule base.
     head : sequence of str
         Lines before it, without ``#``.
     by_term : mapping of (str, str) to str
-        What stands behind the line of a term, by the names of its variable and its own.
+        Comments after the lines of terms, by the names of variable and term.
     by_rule : sequence of str
-        What stands behind a rule, in order; cells of a grid have no room for it.
+        Comments after the rules, in order; cells of a grid have none.
     """
     document = parse_document(write(rulebase))
     first, *others = document.statements
@@ -348,11 +347,11 @@ def commented(
 
 
 MEANT = frozenset({"coverage-gap", "jump", "missing-rule"})
-"""Doubts about a text of one's own that are none where samples have said it so."""
+"""Checks that do not apply to a text derived from samples."""
 
 
 def _allowing(text: str) -> str:
-    """Return a text that allows what is meant, where a check would doubt it."""
+    """Return a text with ``allow`` comments for intended features."""
     parsed = parse(text)
     assert parsed.rulebase is not None, parsed.diagnostics
     names: dict[int, set[str]] = {}
@@ -369,18 +368,18 @@ def _allowing(text: str) -> str:
 def rule_comments(
     rulebase: RuleBase, samples: Samples, strengths: Array, errors: Array
 ) -> dict[tuple[str, str], str]:
-    """Return what is said of each rule with a conclusion of its own: its support, its error.
+    """Return a comment for each rule with its own conclusion: support and error.
 
     Parameters
     ----------
     rulebase : RuleBase
-        Whose rules conclude R1, R2 …
+        With rules that conclude R1, R2 …
     samples : Samples
         That it was learned from.
     strengths : ndarray, shape (samples, rules)
         How far each rule fires there, as a share of all.
     errors : ndarray, shape (samples, outputs)
-        What the rule base is off.
+        Errors of the rule base.
     """
     support = strengths.sum(axis=0)
     squares = strengths.T @ errors**2
@@ -395,5 +394,5 @@ def rule_comments(
 
 
 def short_source(source: str) -> str:
-    """Return where samples come from, without the folder."""
+    """Return the origin of samples without the folder."""
     return os.path.basename(source) or "arrays"

@@ -1,4 +1,4 @@
-"""What a request of fitting means: the samples, how the model is found."""
+"""A request of fitting resolved: the samples, the options."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from fuzzyarm.learning.wang_mendel import FEWEST_WORDS, MOST_WORDS
 from fuzzyarm.requests.learn import FitRequest
 
 OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
-"""Suffixes of what is sampled rather than read as samples."""
+"""Suffixes of files that are sampled rather than read as samples."""
 
 _MAYBE = {"yes": True, "no": False, "auto": None}
 

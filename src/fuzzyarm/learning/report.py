@@ -14,7 +14,7 @@ __all__ = ["broken_off", "faithful", "report_lines", "report_of", "tested"]
 
 
 def report_of(file: str, samples: Samples, fit: Fit) -> dict[str, Any]:
-    """Return what was learned as JSON data."""
+    """Return the result of learning as JSON data."""
     return {
         "file": file,
         "samples": len(samples),
@@ -46,7 +46,7 @@ def report_of(file: str, samples: Samples, fit: Fit) -> dict[str, Any]:
 
 
 def tested(samples: Samples, fit: Fit, test: Samples) -> dict[str, Any]:
-    """Return how it does on the samples of --test, beside linear regression."""
+    """Return the errors on the samples of --test, beside linear regression."""
     return {
         "samples": len(test),
         "error": score(test, outputs_of(fit.rulebase, test)),
@@ -55,7 +55,7 @@ def tested(samples: Samples, fit: Fit, test: Samples) -> dict[str, Any]:
 
 
 def faithful(samples: Samples, fit: Fit) -> dict[str, float]:
-    """Return how far it is from what it stands for."""
+    """Return the errors against the sampled original."""
     return fidelity(fit.rulebase, samples)._asdict()
 
 
@@ -99,7 +99,7 @@ def report_lines(samples: Samples, fit: Fit, report: dict[str, Any], options: Op
 
 
 def broken_off(limits: tuple[str, ...]) -> str:
-    """Say what Ctrl-C, or the end of the time, has left out."""
+    """Describe the parts left out because of Ctrl-C or the deadline."""
     why = "time ran out" if "time" in limits else "interrupted"
     if "search" in limits:
         return f"{why}: the best so far is written"

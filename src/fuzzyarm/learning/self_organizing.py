@@ -47,7 +47,7 @@ class Snapshot:
     Attributes
     ----------
     passage : int
-        Of the set points, counted from 1.
+        Number of the set points, from 1.
     time : float
         In that pass, s.
     points : int
@@ -55,13 +55,13 @@ class Snapshot:
     learned : LearnedTables
         The tables, and the visits since the start of the training.
     errors : ndarray, shape (n, k)
-        Of this pass so far, as they are shown.
+        Errors of this pass so far, in displayed units.
     complete : bool
         Whether the pass is over.
     diverged : float or None
         When the run was stopped because it had diverged, s; the training ends there.
     units : tuple of str
-        Of the errors.
+        Units of the errors.
     """
 
     passage: int
@@ -145,7 +145,7 @@ class Trainee:
     Parameters
     ----------
     controller : CompiledController
-        Of a text with a line ``learn``.
+        Controller of a text with a line ``learn``.
     plant : Plant
         Where it runs.
     connect : mapping of str to str, optional
@@ -162,14 +162,14 @@ class Trainee:
     start : LearnedTables
         The tables before the training.
     like : LookupTable
-        Range and words of the tables that are learned.
+        Range and description of the learned tables.
 
     Raises
     ------
     NoTableError
         If no table learns.
     SourceError
-        If the plant does not have what the controller drives or measures.
+        If the plant lacks a port of the controller.
     """
 
     def __init__(
@@ -196,7 +196,7 @@ class Trainee:
             sheet,
             output="u",
             description="control, normalised",
-            rounding=None,  # what is learned is not rounded
+            rounding=None,  # learned values are not rounded
             provenance=(),
         )
 
@@ -223,13 +223,13 @@ class Trainee:
         for snapshot in trained(
             self.controller, motion, passes, every, conventions, options, self.connect
         ):
-            # An unused cell has to stay what its file says, and 1.8 - 1 + 1 is not 1.8.
+            # An unused cell must keep the value of its file, and 1.8 - 1 + 1 is not 1.8.
             yield replace(snapshot, learned=snapshot.learned.readable(single=conventions.single))
 
     def table(
         self, learned: LearnedTables, provenance: Mapping[str, str], axis: int | None = None
     ) -> LookupTable:
-        """Return what is written: the table of an axis (from 1), or one over all of them."""
+        """Return the table of an axis (from 1), or one over all of them."""
         if axis or len(self.axes) == 1:
             table = learned.tables(self.like)[(axis or 1) - 1]
         else:
@@ -244,16 +244,16 @@ class Trainee:
         performance: str = "",
         conventions: str = "plain",
     ) -> dict[str, str]:
-        """Return where a learned table comes from.
+        """Return the provenance of a learned table.
 
         Parameters
         ----------
         along : str
-            What it was trained on.
+            Task of the training.
         passes : int or str
             How often.
         start : str
-            What it began with; empty for what the text says.
+            Initial table; empty for that of the text.
         performance : str, optional
             The table that judged, where it is not that of the text.
         conventions : str, optional
@@ -274,7 +274,7 @@ class Trainee:
 
 
 def state_of(snapshot: Snapshot, start: LearnedTables) -> list[dict[str, int]]:
-    """Return how many cells of each axis were visited, have changed, were never visited."""
+    """Return for each axis the numbers of visited, changed and unvisited cells."""
     learned = snapshot.learned
     changed = learned.values != start.values
     return [
@@ -295,14 +295,14 @@ def error_words(snapshot: Snapshot) -> str:
 
 
 def reference_words(plant: str, references: Sequence[str], step: float = 1.0) -> str:
-    """Say along which references of a plant was trained; without any it was a step."""
+    """Describe the references of the training; the default is a step."""
     return f"{plant} {' '.join(references) or f'step {step:g}'}"
 
 
 def trajectory_words(
     name: str, *, payload: bool = False, loaded: Sequence[int] = (), details: Sequence[str] = ()
 ) -> str:
-    """Say along which trajectory was trained."""
+    """Describe the trajectory of the training."""
     words = [name, *details]
     if payload:
         words.append("with payload")

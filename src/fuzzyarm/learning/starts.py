@@ -1,11 +1,11 @@
 """Where a Takagi–Sugeno model begins: a partition of the inputs into terms, and rules over them.
 
-- a **grid**: two or more terms of each input that matters, a rule for each combination.
-  Neighbours cross at a number and share it, so that LOW and HIGH always make 1 together;
+- a **grid**: two or more terms of each relevant input, a rule for each combination. Neighbouring
+  terms share the number at which they cross, so that LOW and HIGH always sum to 1;
 - **fuzzy c-means** (J. C. Bezdek, 1981): clusters of the samples, each a rule with a gaussian
   of each input;
-- **subtractive clustering** (S. L. Chiu, 1994): samples with many neighbours as centres; how
-  many there are follows from the radius.
+- **subtractive clustering** (S. L. Chiu, 1994): samples with many neighbours as centres; their
+  number follows from the radius.
 
 To add a start, write a function that returns `Premises` of any smooth kinds: their derivatives are
 read from the expressions. :mod:`.structure` chooses by cross-validation, :mod:`.fit` is the whole
@@ -28,7 +28,7 @@ STEEPEST = 40.0
 """Slope of a crossing times the width of its input; then it is nearly a step."""
 
 FLATTEST = 1.0
-"""The same of a crossing that is hardly one."""
+"""The same for a crossing that is hardly one."""
 
 EVEN_SLOPE = 8.0 * math.log(2.0)
 """Slope times distance at which a partition equals that of gaussians that cross at one half."""
@@ -50,9 +50,9 @@ def grid_premises(inputs: Array, counts: Sequence[int]) -> Premises:
     Parameters
     ----------
     inputs : ndarray, shape (samples, inputs)
-        Whose ranges are divided.
+        Inputs whose ranges are divided.
     counts : sequence of int
-        Terms of each input; with 1 it stands in the consequents only.
+        Terms of each input; with 1 it occurs in the consequents only.
 
     Returns
     -------
@@ -101,9 +101,9 @@ def cluster_premises(inputs: Array, centres: Array, deviations: Array) -> Premis
     Parameters
     ----------
     inputs : ndarray, shape (samples, inputs)
-        Whose ranges bound the numbers.
+        Inputs whose ranges bound the numbers.
     centres, deviations : ndarray, shape (clusters, inputs)
-        Means and deviations of the gaussians.
+        Means and standard deviations of the gaussians.
     """
     low, width = widths_of(inputs)
     varying = [k for k in range(inputs.shape[1]) if np.ptp(inputs[:, k]) > 0.0]
@@ -132,7 +132,7 @@ def fuzzy_c_means(
     count : int
         Clusters, fewer than samples.
     seed : int
-        Of the samples that the centres start from (far from each other, as k-means++ does).
+        Seed of the initial centres (k-means++: samples far from each other).
     rounds : int
         At most.
     """
@@ -161,7 +161,7 @@ def _squared_distances(points: Array, centres: Array) -> Array:
 
 
 def _spread_out(points: Array, count: int, draw: np.random.Generator) -> Array:
-    """Return points that are drawn in proportion to their squared distance from those drawn."""
+    """Return points drawn with probabilities proportional to squared distances from those drawn."""
     indices = [int(draw.integers(len(points)))]
     for _ in range(count - 1):
         apart = _squared_distances(points, points[indices]).min(axis=1)
@@ -220,15 +220,15 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
 
 
 def merged(premises: Premises, similarity: float = 0.7) -> Premises:
-    """Return premises in which gaussians of an input that are much alike are one.
+    """Return premises with very similar gaussians of an input merged.
 
     Parameters
     ----------
     premises : Premises
         With gaussian terms; others stay as they are.
     similarity : float
-        The share of the area of two sets that is common to both, from which on they are
-        merged; the pair that is most alike comes first. Rules that become equal are one.
+        Jaccard similarity of two sets, by area, from which they are merged, most similar pair
+        first. Rules that become equal are merged, too.
     """
     while True:
         pair = _most_alike(premises)
@@ -275,7 +275,7 @@ def pruned(premises: Premises, inputs: Array, least: float = 1.0) -> Premises:
     premises : Premises
         Terms and rules.
     inputs : ndarray, shape (samples, inputs)
-        Of the samples.
+        Inputs of the samples.
     least : float
         Samples' worth of firing strength that a rule needs.
     """

@@ -1,12 +1,12 @@
-"""Which terms, how many rules, how much shrinkage: decided by cross-validation.
+"""Selection of terms, number of rules and shrinkage by cross-validation.
 
-A model that follows its samples more closely need not be better on others. Every candidate
-is therefore fitted to some of the samples and judged on the rest; for a series the parts are
-blocks of time. Candidates with consequents alone are cheap, since one decomposition serves
-all amounts of shrinkage. Of structures, and of amounts of shrinkage, the simplest is taken
-that is not clearly worse than the best: the mean difference of their squared errors, sample
-by sample, is within its standard error (L. Breiman and others, 1984), or within a hundredth
-of the error. A term has to earn its lines.
+A closer fit to the samples need not be better on others. Every candidate is therefore fitted to
+some of the samples and tested on the rest; for a series the parts are blocks of time. Candidates
+that differ in consequents alone are cheap, since one decomposition serves all amounts of shrinkage.
+Among structures, and amounts of shrinkage, take the simplest that is not clearly worse than the
+best: the mean difference of their squared errors, sample by sample, is within its standard error
+(L. Breiman and others, 1984), or within a hundredth of the error. Every term has to pay for
+itself.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ EARNED = 0.01
 """Part of the error by which a larger structure must be better."""
 
 MOST_TERMS = 4
-"""Of an input, in a grid."""
+"""Largest number of terms of an input in a grid."""
 
 RADII = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3)
-"""Of subtractive clustering."""
+"""Radii of subtractive clustering."""
 
 Parts = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
 
@@ -59,7 +59,7 @@ class StructureCandidate:
     Attributes
     ----------
     words : str
-        What it is, for a person.
+        Description for a person.
     premises : Premises
         Its terms and rules, with the numbers that they start from.
     shrinkage : float
@@ -90,8 +90,8 @@ class StructureCandidate:
 class CrossValidation(NamedTuple):
     """Samples with the parts by which candidates are judged.
 
-    `shrinkages` are those that may be chosen; `on_step` is told what has been tried, and `check`
-    called often: what it raises ends the search.
+    `shrinkages` are the choices; `on_step` is called with the current candidate, and `check` often:
+    an exception of it ends the search.
     """
 
     inputs: Array
@@ -114,7 +114,7 @@ class CrossValidation(NamedTuple):
             errors = self._errors_by_shrinkage(premises, train, test)
             squares[:, test] = np.mean(errors**2, axis=2)
         least = squares[squares.mean(axis=1).argmin()]
-        # The most linear that is not clearly worse: they are in that order.
+        # Sorted by shrinkage: the strongest (most linear) that is not clearly worse.
         best = next(k for k, square in enumerate(squares) if not clearly_worse(square, least))
         candidate = StructureCandidate(words, premises, self.shrinkages[best], squares[best])
         self.on_step(f"{words}: {candidate.error:.4g}")
@@ -133,11 +133,11 @@ class CrossValidation(NamedTuple):
         strengths = premises.strengths(inputs)
         design_train = designed(strengths[train], regressors[train])
         design = designed(strengths[test], regressors[test])
-        # What the linear part can say is taken out of the deviations, in both parts alike.
+        # The linear part is projected out of the deviations, in both parts alike.
         linear_part = np.linalg.lstsq(regressors[train], design_train, rcond=1e-10)[0]
         design_train -= regressors[train] @ linear_part
         design -= regressors[test] @ linear_part
-        # The spectrum is known to 1e-16 of its largest value: far below the least shrinkage.
+        # The spectrum is accurate to 1e-16 of its largest value: far below the least shrinkage.
         values, axes = np.linalg.eigh(design_train.T @ design_train)
         turned = axes.T @ (design_train.T @ (residual / scaling.range))
         design = design @ axes
@@ -180,7 +180,7 @@ class CrossValidation(NamedTuple):
 def _linear_residual(
     inputs: Array, outputs: Array, train: NDArray[np.intp], test: NDArray[np.intp]
 ) -> tuple[Array, Array]:
-    """Return what linear regression leaves of the training and of the test part."""
+    """Return the residuals of linear regression in the training and the test part."""
     scaling = Scaling.of(inputs[train], outputs[train])
     regressors_train, regressors_test = (
         scaling.regressors(inputs[train]),
@@ -234,7 +234,7 @@ def grown_grids(
 
 
 def most_rules(most: int, inputs: int) -> int:
-    """Return how many rules a model on some inputs may have at most."""
+    """Return the largest number of rules of a model with so many inputs."""
     return min(most, MOST_COEFFICIENTS // (inputs + 1))
 
 

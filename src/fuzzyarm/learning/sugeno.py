@@ -4,15 +4,15 @@ The output is the average of the consequents, weighed by how far the rules fire:
 
     y(x) = Σ_r w_r(x) (a_r · x + b_r) / Σ_r w_r(x),    w_r(x) = Π_j μ_rj(x_j)
 
-For given terms the consequents are a linear least-squares problem. Each is the linear model
-of all samples plus a deviation of its own, and the deviations are shrunk: without shrinkage a
-rule of few samples follows their noise, with very much of it the model is linear regression.
+For given terms the consequents are a linear least-squares problem. Each is the linear model of all
+samples plus its own deviation, and the deviations are shrunk: without shrinkage a rule with few
+samples follows their noise, with very much of it the model becomes linear regression.
 
-The numbers of the terms are found by variable projection (G. H. Golub, V. Pereyra, 1973):
-least squares over them alone, with the best consequents put in at each step, and the Jacobian
-of L. Kaufman (1975), which is that of the model for fixed consequents, projected away from
-what consequents can do. Memberships and their derivatives are readings of the expressions of
-the shapes.
+The numbers of the terms are found by variable projection (G. H. Golub, V. Pereyra, 1973): least
+squares over them alone, with the optimal consequents eliminated at each step, and the Jacobian of
+L. Kaufman (1975): that of the model at fixed consequents, projected onto the complement of the
+consequents' column space. Memberships and their derivatives are readings of the expressions of the
+shapes.
 
 Matrices here are tall and narrow. On them several threads of a BLAS wait for each other
 longer than they work (measured: 0.4 s become 4 to 110 s), so that everything runs with one,
@@ -37,7 +37,7 @@ from fuzzyarm.symbolic.nodes import Node
 Array = NDArray[np.float64]
 
 LEAST_SHRINKAGE = 1e-12
-"""What keeps the consequents unique: a constant may go from the linear part to all rules."""
+"""Makes the consequents unique: a constant could move from the linear part to all rules."""
 
 TINY = 1e-300
 """Degrees below count as this one: their logarithm stays finite."""
@@ -55,7 +55,7 @@ def one_thread() -> AbstractContextManager[object]:
 
 
 class TermOf(NamedTuple):
-    """A term: of which input, of which kind, and where its parameters stand.
+    """A term: its input, its kind, the index of its parameters.
 
     `numbers` has (index in the vector of numbers, sign) for each parameter of the kind:
     neighbours share the number at which they cross, with opposite slopes.
@@ -105,11 +105,11 @@ class Premises:
     rules : tuple of tuple of int
         The terms of each antecedent, at most one of each input.
     numbers : ndarray
-        Of all terms, in the units of the inputs.
+        Numbers of all terms, in the units of the inputs.
     lower, upper : ndarray
         Their bounds.
     scale : ndarray
-        By how much each may be expected to change.
+        Expected scale of the change of each.
     """
 
     terms: tuple[TermOf, ...]
@@ -222,7 +222,7 @@ class Scaling:
 
     @classmethod
     def of(cls, inputs: Array, outputs: Array) -> Scaling:
-        """Return the scaling of samples; what does not vary has a spread of 1."""
+        """Return the scaling of samples; constant quantities get a spread of 1."""
         spreads = inputs.std(axis=0), outputs.std(axis=0)
         tiny = [1e-12 * np.abs(columns).max(axis=0) for columns in (inputs, outputs)]
         spread, extent = (np.where(s > t, s, 1.0) for s, t in zip(spreads, tiny, strict=True))
@@ -243,7 +243,7 @@ class Scaling:
         Parameters
         ----------
         weights : ndarray, shape (rules, inputs + 1, outputs)
-            Of the scaled regressors.
+            Weights of the scaled regressors.
         """
         # y = middle + range (Σ aⱼ (xⱼ - centreⱼ)/spreadⱼ + b), multiplied out.
         turned = np.swapaxes(weights, 1, 2) * self.range[:, None]
@@ -274,9 +274,9 @@ def consequents(
     premises : Premises
         Terms and rules.
     inputs : ndarray, shape (samples, inputs)
-        Of the samples.
+        Inputs of the samples.
     outputs : ndarray, shape (samples, outputs)
-        Of the samples.
+        Outputs of the samples.
     shrinkage : float
         λ: the mean square error, in variances of the output, plus λ times the squared
         deviations of the consequents from the common linear part is least.
@@ -284,9 +284,9 @@ def consequents(
     Returns
     -------
     weights : ndarray, shape (rules, inputs + 1, outputs)
-        Of the scaled regressors.
+        Weights of the scaled regressors.
     scaling : Scaling
-        Of inputs and outputs.
+        Scaling of inputs and outputs.
     """
     scaling = Scaling.of(inputs, outputs)
     regressors, scaled = scaling.regressors(inputs), scaling.scaled(outputs)
@@ -300,7 +300,7 @@ def consequents(
     size = shape[0] * shape[1]
     crossed = np.zeros((span.shape[1], size))
     for rows in _turns(len(inputs)):
-        # What the linear part can do is taken out of the design D: D - span (spanᵀ D).
+        # Project the linear part out of the design D: D - span (spanᵀ D).
         crossed += span[rows].T @ designed(strengths[rows], regressors[rows])
     # Rows are taken in by turns, and only the triangle of those before is kept.
     triangle = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(size)
@@ -364,7 +364,7 @@ class Projection:
         if self._last_fit is None or self._last_fit[0] != key:
             strengths = self.premises.with_numbers(numbers).strengths(self.inputs)
             design = designed(strengths, self.regressors)
-            # Least squares of [D; √(λ n) I] δ = [rest; 0], D without what the linear part can do.
+            # Least squares of [D; √(λ n) I] δ = [rest; 0], D without the linear part.
             design -= self.span @ (self.span.T @ design)
             factor, triangle = np.linalg.qr(np.vstack([design, self.penalty]))
             right = np.vstack([self.rest, np.zeros((self.size, self.rest.shape[1]))])
@@ -377,7 +377,7 @@ class Projection:
         return self._last_fit[1:]
 
     def residual(self, numbers: Array) -> Array:
-        """Return what the best model leaves of the outputs, and the penalty of its deviations."""
+        """Return the residual of the best model, and the penalty of its deviations."""
         return self._solve(numbers)[2].T.ravel()
 
     def jacobian(self, numbers: Array) -> Array:
@@ -391,7 +391,7 @@ class Projection:
             slope = premises.jacobian(self.inputs, self.regressors @ weights[:, :, k].T)
             slope -= self.span @ (self.span.T @ slope)
             full = np.vstack([slope, np.zeros((self.size, slope.shape[1]))])
-            # -(I - Q Qᵀ) (∂D/∂p) δ: Q spans what consequents can do, the rows of the penalty
+            # -(I - Q Qᵀ) (∂D/∂p) δ: Q spans the column space of the consequents, penalty rows
             # included.
             parts.append(factor @ (factor[:count].T @ slope) - full)
         return np.concatenate(parts)
@@ -412,7 +412,7 @@ def optimised(
     premises, inputs, outputs, shrinkage
         As for :func:`consequents`.
     evaluations : int
-        Of the model, at most.
+        Largest number of evaluations of the model.
     on_step : callable
         Called with the root mean square of the residual, in deviations of the output, after
         each evaluation.

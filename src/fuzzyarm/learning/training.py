@@ -72,12 +72,13 @@ def train(
     plant: Trajectory | Motion | None = None,
     **keywords: Unpack[TrainKeywords],
 ) -> Iterator[Snapshot]:
-    """Run self-organizing control again and again; the plant begins each pass anew.
+    """Run self-organising control repeatedly; the plant restarts in each pass.
 
     Parameters
     ----------
     controller : CompiledController or LearnRequest
-        Of a text with a table that learns. A request alone says all that ``fuzzyarm learn`` does.
+        Controller of a text with a learning table. A request alone holds all settings of ``fuzzyarm
+        learn``.
     plant : Trajectory or Motion, optional
         A trajectory of the arm, or set points of any plant, see
         :func:`fuzzyarm.control.loop.along.trajectory_motion` and
@@ -129,7 +130,7 @@ class Training:
     request : LearnRequest
         With the plant that it runs on.
     name : str
-        Of the controller.
+        Name of the controller.
     trainee : Trainee
         The controller on its plant.
     motion : Motion
@@ -149,7 +150,7 @@ class Training:
 
     @classmethod
     def of(cls, request: LearnRequest) -> Training:
-        """Read what is asked for."""
+        """Return the training of a request."""
         # The two shipped ones differ in how the table begins.
         name = request.controller or ("soc-table" if request.begin == ("table",) else "soc-zero")
         entry = CATALOGUE.get(name)
@@ -177,7 +178,7 @@ class Training:
         )
 
     def words(self) -> str:
-        """Say along what it is trained."""
+        """Describe the task of the training."""
         request = self.request
         if not self.along:
             plant = Path(request.plant or "").name
@@ -193,7 +194,7 @@ class Training:
         return trajectory_words(name, payload=payload, loaded=request.loaded, details=details)
 
     def provenance(self, last: Snapshot, *, dated: bool = False) -> dict[str, str]:
-        """Return where a learned table comes from."""
+        """Return the provenance of a learned table."""
         request = self.request
         start = " ".join(Path(word).name for word in request.begin)
         pairs = self.trainee.provenance(

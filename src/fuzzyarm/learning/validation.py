@@ -1,9 +1,8 @@
 """Accuracy of a rule base on samples: overall, by region, and by rule.
 
-A single error says little. The error by region shows where a model fails, the residuals
-whether it fails in one direction, calibration whether a value that it gives can be taken for
-what it says, and the firing strengths which rules these samples have tested at all: a rule
-that never fires may say anything.
+A single error says little. The error by region shows where a model fails, the residuals whether it
+is biased, calibration whether its values can be taken literally, and the firing strengths which
+rules these samples have tested at all: a rule that never fires may conclude anything.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ FIRES = 0.01
 """Firing strength from which on a rule counts as firing: a gaussian never quite reaches 0."""
 
 BINS = 10
-"""Of the calibration."""
+"""Bins of the calibration."""
 
 
 class ValidationError(FuzzyarmError, ValueError):
@@ -41,19 +40,19 @@ class ValidationError(FuzzyarmError, ValueError):
 
 
 class Region(NamedTuple):
-    """Samples of which an input belongs to one of its terms most, and the errors there.
+    """Samples with their highest membership in one term of an input, and the errors there.
 
     Attributes
     ----------
     input : str
         Which input.
     term : str
-        Of an input without terms a third of its range: ``low third`` and so on.
+        For an input without terms a third of its range: ``low third`` and so on.
     samples : int
         In it.
     error : float
-        Root mean square of observed minus predicted; of classes the share of wrong answers. NaN
-        where there are no samples, or no target.
+        Root mean square of observed minus predicted; for classes the share of wrong answers. NaN
+        without samples or without a target.
     bias : float
         Mean of observed minus predicted; 0 of classes, NaN as above.
     """
@@ -75,11 +74,11 @@ class RuleUse(NamedTuple):
     text : str
         The rule.
     line : int
-        Where it stands in the file.
+        Its line in the file.
     often : float
         Share of the samples at which it fires.
     mean : float
-        Of its firing strength over all samples.
+        Mean firing strength over all samples.
     strongest : float
         Its largest firing strength.
     leads : int
@@ -87,7 +86,7 @@ class RuleUse(NamedTuple):
     error : float
         Root mean square of the error, weighed by its firing strength; NaN where it never fires.
     column : int
-        Where it stands in its line: a row of a grid has several rules.
+        Its column in the line: a row of a grid has several rules.
     """
 
     number: int
@@ -102,7 +101,7 @@ class RuleUse(NamedTuple):
 
     @property
     def place(self) -> str:
-        """What the rule is called: where it stands."""
+        """The position of the rule, as its name."""
         return place_of(self.number, self.line, self.column)
 
     @property
@@ -117,9 +116,9 @@ class Bin(NamedTuple):
     Attributes
     ----------
     samples : int
-        How many.
+        Number of samples.
     predicted, observed : float
-        Their means.
+        Means in the bin.
     """
 
     samples: int
@@ -136,7 +135,7 @@ class Validation(Plotted):
     samples : int
         In all.
     silent : int
-        Those at which no rule fires: they count in nothing else.
+        Samples at which no rule fires, excluded everywhere else.
     outside : int
         Those beyond the range of an input.
     error : float
@@ -148,10 +147,10 @@ class Validation(Plotted):
     worst_sample : int
         Where the largest is, from 1; 0 for classes and without a target.
     explained : float
-        Share of the variance of the target that is explained (R²); NaN for classes, and where the
-        target is constant.
+        Share of the variance of the target that is explained (R²); NaN for classes, and for a
+        constant target.
     slope, intercept : float
-        Of the observed over the predicted: 1 and 0 where neither is exaggerated; NaN for classes.
+        Regression of the observed on the predicted: 1 and 0 if unbiased; NaN for classes.
     calibration : tuple of Bin
         From low to high predictions.
     regions : tuple of Region
@@ -159,11 +158,11 @@ class Validation(Plotted):
     rules : tuple of RuleUse
         In the order of the file.
     confusion : tuple of tuple of int
-        Of classes: a row for each class as it is, a column for each as it is predicted.
+        For classes: a row for each actual class, a column for each predicted one.
     classes : tuple of str
         Empty for numbers.
     predicted, observed : ndarray
-        Of the samples with a value; for figures.
+        Values of the samples with a prediction; for figures.
     """
 
     samples: int
@@ -226,7 +225,7 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
     Raises
     ------
     ValidationError
-        If an output that the target asks for is not there.
+        If an output for the target is missing.
     """
     rulebase = model_of(rulebase)
     names_wanted = output_names(samples)
@@ -276,7 +275,7 @@ def _errors(samples: Samples, predicted: Array) -> Array:
     if not samples.classes:
         return samples.values - predicted[:, 0]
     with np.errstate(invalid="ignore"):
-        # An output of which no rule fires cannot be the answer.
+        # An output without a firing rule cannot be the answer.
         answers = np.where(np.isnan(predicted), -np.inf, predicted).argmax(axis=1)
     wrong: NDArray[np.bool_] = np.not_equal(answers, samples.values)
     return wrong.astype(float)
@@ -313,7 +312,7 @@ def _line(predicted: Array, observed: Array) -> tuple[float, float]:
 
 
 def _bins(predicted: Array, observed: Array) -> Iterator[Bin]:
-    # Equal counts rather than equal widths: predictions crowd, and an empty bin says nothing.
+    # Equal counts rather than equal widths: predictions cluster, and an empty bin says nothing.
     order = np.argsort(predicted, kind="stable")
     for rows in np.array_split(order, min(BINS, len(order))):
         yield Bin(len(rows), float(predicted[rows].mean()), float(observed[rows].mean()))

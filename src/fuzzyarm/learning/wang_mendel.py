@@ -70,13 +70,13 @@ def proposals(
     Parameters
     ----------
     inputs : ndarray, shape (samples, inputs)
-        Of the samples.
+        Inputs of the samples.
     outputs : ndarray, shape (samples,)
-        Of the samples.
+        Output of the samples.
     ranges : list of (float, float)
-        Of the inputs, and of the output at the end.
+        Ranges of the inputs, then of the output.
     words : int
-        Of each variable.
+        Words of each variable.
     """
     low, high = np.array(ranges).T
     position = (np.column_stack([inputs, outputs]) - low) / (high - low) * (words - 1)
@@ -101,7 +101,7 @@ def wang_mendel(
     samples : Samples
         With a target of numbers.
     words : int
-        Of each variable.
+        Words of each variable.
     layout : WritingStyle
         Names.
 
@@ -149,5 +149,5 @@ def wang_mendel(
 
 def _antecedent(inputs: tuple[str, ...], names: tuple[str, ...], row: list[int]) -> Expression:
     parts = tuple(Is(variable, names[k]) for variable, k in zip(inputs, row, strict=True))
-    parts = (*parts[-2:], *parts[:-2])  # row and column of a grid last: they stand first
+    parts = (*parts[-2:], *parts[:-2])  # the last two, row and column of a grid, come first
     return parts[0] if len(parts) == 1 else And(parts)

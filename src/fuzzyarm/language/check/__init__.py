@@ -1,4 +1,4 @@
-"""Checks that know fuzzy control: what is allowed but probably not meant."""
+"""Checks with knowledge of fuzzy control: legal but probably unintended."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Checks of what the rules leave open: combinations of terms, stretches of an input, points.
+"""Checks of gaps in the rules: combinations of terms, intervals of an input, points.
 
 Each check is a function from a subject to its findings; :mod:`.registry` runs them all.
 """
@@ -73,14 +73,14 @@ def _gaps(variable: Input, probes: list[VariableStretch]) -> Iterator[Diagnostic
         i += 1
 
 
-# --- Rules that are missing: combinations of terms for which an output has no rule ---
+# --- Missing rules: combinations of terms without a rule for an output ---
 
 _MOST_NAMED = 5
 
 
 def missing_rules(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``missing-rule``: empty cells, absent rows and columns, uncovered combinations."""
-    # Another grid under the same condition, or a rule beside the grids, may fill a gap of one.
+    # Another grid under the same condition, or a rule outside the grids, may fill a gap.
     grids = Counter((grid.output, str(grid.condition or "")) for grid in subject.grids)
     beside = {
         consequent.variable
@@ -182,7 +182,7 @@ def _undecided(what: str, output: Output) -> Diagnostic:
 
 
 def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``no-rule-fires`` for each output with a point of the inputs that fires nothing."""
+    """Yield ``no-rule-fires`` for each output with a point of the inputs where no rule fires."""
     for output in subject.rulebase.outputs:
         try:
             evidence = silent_point(output, subject)
@@ -197,7 +197,7 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
             "no-rule-fires",
             f"no rule for '{output.name}' fires at {point}",
             output.span,
-            # Where the file says what happens then, the author has thought of it.
+            # A file that states the value there shows that the author has thought of it.
             severity=Severity.INFO if has_answer else Severity.WARNING,
             hint="" if has_answer else "add a rule, or say what happens then: inference no-rule …",
         )
@@ -206,13 +206,13 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
 def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
     """Return a point of the inputs at which no rule for `output` fires; None if there is none.
 
-    The corners of the terms and the middles between them stand for the stretches of an input.
+    The corners of the terms and the midpoints between them represent the intervals of an input.
     """
     inputs = {v.name: v for v in subject.rulebase.inputs}
     rules = [(block, rule) for block, rule in subject.rules_for(output) if rule.weight > 0.0]
     names = {p.variable for _, rule in rules for p in propositions(rule.antecedent)}
     if not rules or not names <= inputs.keys():
-        return None  # unused, or a chained output decides: its range is not known here
+        return None  # unused, or chained: the range is unknown here
     needs = [need for block, rule in rules for need in _needs(block, rule)]
     literals: dict[str, set[Literal]] = {name: set() for name in names}
     by_degree: set[str] = set()
@@ -223,7 +223,7 @@ def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
     cells = {}
     for name in names:
         points = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
-        # What fires by its degree may do so in a cell and not in a smaller one.
+        # Conditions decided by degree may hold in a cell and not in a smaller one.
         cells[name] = distinct(points) if name in by_degree else smallest(points)
     silent = next(GapSearch(needs, cells, subject.on_step).uncovered(), None)
     if silent is None:
@@ -238,7 +238,7 @@ _MOST_ALTERNATIVES = 64
 
 
 def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
-    """Return what a rule needs to fire, each alternative by itself."""
+    """Return the conditions of a rule, each alternative separately."""
     alternatives = None if block.threshold > FAINT else _alternatives(rule.antecedent, block)
     if alternatives is not None:
         return [Need(_wanted(parts)) for parts in alternatives]
@@ -247,7 +247,7 @@ def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
         p.variable: frozenset() for p in propositions(antecedent)
     }
     parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
-    # Without one of its operands a conjunction is 0, whatever the norm.
+    # If one operand is 0 a conjunction is 0, whatever the norm.
     literals |= _wanted(part for part in parts if isinstance(part, Is))
 
     def fires(cells: Cells) -> bool:
@@ -261,7 +261,7 @@ def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
 
 
 def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ...]] | None:
-    """Return the conjunctions any of which makes `expression` positive; None where degrees do."""
+    """Return the conjunctions that make `expression` positive; None if it depends on degrees."""
     if isinstance(expression, Is):
         return [(expression,)]
     if isinstance(expression, Hedged):

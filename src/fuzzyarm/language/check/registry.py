@@ -2,7 +2,7 @@
 
 To add a check: write its function in :mod:`.terms` or :mod:`.rules`, and its record here.
 
-Its sentence goes into ``docs/reference/checks.md``, and a text with and one without it into
+Its description goes into ``docs/reference/checks.md``, and a text with and one without it into
 ``tests/language/test_checks.py``. A doubt about a controller is a function of
 :mod:`fuzzyarm.language.controller_doubts` where its lines are enough, of
 :mod:`fuzzyarm.control.controllers.findings` where files, ranges or the plant are needed.
@@ -43,13 +43,13 @@ class Check(NamedTuple):
     Attributes
     ----------
     name : str
-        What ``# allow`` silences.
+        Name for ``# allow``.
     severity : Severity
         An error fails ``fuzzyarm check``; a warning does with ``--strict``.
     doc : str
-        What it means, as in the reference.
+        Meaning, as in the reference.
     find : callable or None
-        Yields the findings, maybe of several names; None for what is found elsewhere.
+        Yields the findings, possibly of several names; None if found elsewhere.
     """
 
     name: str
@@ -318,25 +318,25 @@ def check(
     more: Iterable[Diagnostic] = (),
     on_step: Callable[[], None] = lambda: None,
 ) -> list[Diagnostic]:
-    """Return what is probably not meant in a sound rule base.
+    """Return the probable mistakes in a valid rule base.
 
     Parameters
     ----------
     rulebase : RuleBase
         Free of errors.
     document : Document, optional
-        Its syntax tree; without it, what concerns grids and comments is not checked.
+        Its syntax tree; without it, checks of grids and comments are skipped.
     path : str
         Name of the file, for the diagnostics.
     more : iterable of Diagnostic
         Findings of other floors (failed expectations) to be sorted in and silenced alike.
     on_step : callable
-        Called now and then; what it raises ends the check.
+        Called from time to time; an exception ends the check.
 
     Returns
     -------
     list of Diagnostic
-        In the order of the text, without what ``# allow`` comments silence.
+        In the order of the text, without those silenced by ``# allow`` comments.
     """
     tree = document or Document(())
     subject = Subject(rulebase, tree, on_step)
@@ -371,7 +371,7 @@ def _severity(finding: Diagnostic) -> Severity:
 
 
 def _without_allowed(findings: list[Diagnostic], document: Document) -> Iterator[Diagnostic]:
-    """Yield what no ``# allow`` comment silences, and what is wrong with the comments."""
+    """Yield the findings not silenced by ``# allow`` comments, and faults of these comments."""
     silenced: set[tuple[int, str]] = set()
     for finding in findings:
         if finding.name in document.allowed.get(finding.line, ()):

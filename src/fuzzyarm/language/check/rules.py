@@ -63,7 +63,7 @@ def _words(rule: Rule) -> str:
 
 
 def _key(expression: Expression) -> Hashable:
-    """Return what is equal for antecedents that differ in the order of operands only."""
+    """Return a key that is equal for antecedents with the same operands in any order."""
     if isinstance(expression, Is):
         return (expression.variable, expression.term, expression.hedges)
     if isinstance(expression, Hedged):
@@ -110,9 +110,9 @@ class _Break(NamedTuple):
 def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit.
 
-    A grid that rises from one corner to the other is nearly antisymmetric by that alone. It is
-    meant to be where its inputs have opposite values, those of opposite sign; the fan that turns
-    faster the warmer and the damper it is has none.
+    A monotone grid is nearly antisymmetric by that alone. Antisymmetry is intended if its inputs
+    have terms of opposite sign; a fan that speeds up with temperature and humidity has no such
+    symmetry.
     """
     for family in _families(subject):
         opposites = _opposites(subject.middles(family.output) or {})
@@ -148,7 +148,7 @@ def _has_opposites(name: str, subject: Subject) -> bool:
 
 
 def _opposites(middles: Mapping[str, float]) -> dict[str, tuple[str, ...]]:
-    """Return what mirrors each term: the one as far from the middle, and that of opposite rank.
+    """Return the mirror images of each term: by distance from the middle, and by rank.
 
     The two differ where the terms lie unevenly, or one of them has no partner.
     """
@@ -180,7 +180,7 @@ def _families(subject: Subject) -> Iterator[_Family]:
         if not cells or grid.row is None:
             continue
         variables = [(grid.row, grid.column)]
-        if condition is None:  # hedges or alternatives: such a grid stands for itself
+        if condition is None:  # hedges or alternatives: a family of its own
             key: tuple[object, ...] = (grid.output, *variables, str(grid.condition))
             condition = ()
         else:
@@ -215,7 +215,7 @@ def _ranks_of_condition(grid: GridNode, subject: Subject) -> _Position | None:
 def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pair]:
     """Return each cell with the one opposite; the `fixed` variables stay as they are.
 
-    Pairs of the term that most cells have are left out: they mirror whatever the grid is like.
+    Pairs of the most frequent term are left out: they are symmetric in any grid.
     """
     last = {
         name: len(subject.rulebase.variable(name).terms) - 1
@@ -302,7 +302,7 @@ def _pair(cell: CellNode, other: CellNode, order: dict[str, int]) -> Iterator[Di
         return
     distance = abs(order[cell.term] - order[other.term])
     if distance > MOST:
-        # The finding stands where the later of the two is written.
+        # The finding is at the later of the two cells.
         later, earlier = sorted((cell, other), key=lambda c: c.span, reverse=True)
         assert later.term is not None
         assert earlier.term is not None

@@ -43,12 +43,12 @@ Cells = dict[str, VariableStretch]
 
 
 class Need(NamedTuple):
-    """What a rule needs, by variable, and how it is judged once all of that holds.
+    """The conditions of a rule by variable, and its verdict when they hold.
 
     Attributes
     ----------
     literals : mapping of str to frozenset
-        What must hold of each variable; empty where only `fires` knows.
+        Conditions on each variable; empty if only `fires` can decide.
     fires : callable or None
         Whether the rule fires in the cells of its variables. None: it does.
     """
@@ -71,12 +71,12 @@ class GapSearch:
     cells : mapping of str to sequence of VariableStretch
         The cells of each variable that the rules name.
     on_step : callable
-        Called now and then; what it raises ends the search.
+        Called from time to time; an exception ends the search.
 
     Attributes
     ----------
     steps : int
-        How many steps were taken so far.
+        Number of steps so far.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class GapSearch:
         self._budget = BUDGET + _STEPS_PER_LITERAL * sum(len(need.literals) for need in needs)
 
     def uncovered(self) -> Iterator[Cells]:
-        """Yield cells in which no rule fires; variables that are free are not among them."""
+        """Yield cells in which no rule fires; free variables are omitted."""
         return self._search([(len(need.literals), need) for need in self._needs], {})
 
     def _search(self, rules: list[tuple[int, Need]], decided: Cells) -> Iterator[Cells]:
@@ -104,7 +104,7 @@ class GapSearch:
         self._count(len(rules))
         _, shortest = min(rules, key=lambda rule: rule[0])
         variable = next(name for name in shortest.literals if name not in decided)
-        # Few rules ask for more than one literal of a variable: the others are found by theirs.
+        # Few rules have several literals of a variable: index them by literal.
         by_literal: dict[Literal, list[tuple[int, Need]]] = {}
         by_several: list[tuple[frozenset[Literal], tuple[int, Need]]] = []
         elsewhere: list[tuple[int, Need]] = []

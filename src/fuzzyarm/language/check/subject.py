@@ -1,4 +1,4 @@
-"""What a check looks at: a rule base, its text, and what several checks ask of them."""
+"""The subject of a check: a rule base, its text, and results shared by several checks."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from fuzzyarm.language.statements import GridNode
 from fuzzyarm.symbolic.kinds import SHAPES
 
 FAINT = 1e-6
-"""A membership below this covers nothing."""
+"""Memberships below this count as 0."""
 
 
 class Subject:
-    """A rule base and, where it came from a text, its syntax tree.
+    """A rule base and, if it came from a text, its syntax tree.
 
     Parameters
     ----------
     rulebase : RuleBase
         Free of errors.
     document : Document
-        Empty where it came from no text of the language.
+        Empty without a text of the language.
     on_step : callable
-        Called now and then in long work; what it raises ends the check.
+        Called from time to time in long work; an exception ends the check.
     """
 
     def __init__(
@@ -84,8 +84,8 @@ class Subject:
     def families(self) -> list[Input | Output]:
         """The variables, each with terms that belong together.
 
-        An output that later rules read by other terms than it is concluded by stands there twice:
-        with the terms of the ones, and with those of the others.
+        An output read by later rules through other terms than those of its conclusions is listed
+        twice: with the terms of each.
         """
         concluded = {(c.variable, c.term) for rule in self.rules for c in rule.consequents}
         groups: list[Input | Output] = list(self.rulebase.inputs)
@@ -142,7 +142,7 @@ class Subject:
 def probe(variable: Input) -> list[VariableStretch]:
     """Return the corners of the terms and the middles between, with the terms that hold there.
 
-    Between two corners no bounded term starts or ends, so the middle stands for the stretch.
+    Between two corners no bounded term starts or ends, so the midpoint represents the interval.
     """
     points = probe_points(variable)
     degrees: list[dict[Literal, float]] = [{} for _ in points]

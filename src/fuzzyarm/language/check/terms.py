@@ -33,7 +33,7 @@ from fuzzyarm.language.statements import EvenTermsNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.symbolic.kinds import SHAPES
 
-# --- Outputs whose defuzzifier cannot work on their terms ---
+# --- Outputs whose defuzzifier does not suit their terms ---
 
 
 def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
@@ -104,7 +104,7 @@ def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
         method, message, hint = output.defuzzifier.method, "", ""
         weighs = output.defuzzifier.record.weighs
         if weighs and POSITION in variables:
-            continue  # a value, which asks for the variable of that name
+            continue  # a value that refers to a variable
         if weighs:
             message = f"which makes it a set; {method} needs a value"
         elif POSITION in variables:
@@ -139,7 +139,7 @@ _POSITIONS = 257
 
 
 def formula_degrees(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``formula-degrees`` for each set whose formula has no value, or leaves 0 .. 1."""
+    """Yield ``formula-degrees`` for each set whose formula is undefined, or leaves 0 .. 1."""
     for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
         if isinstance(variable, Output) and variable.defuzzifier.record.weighs:
             continue
@@ -198,16 +198,16 @@ def _monotonic(output: Output) -> Iterator[Diagnostic]:
             return
 
 
-# --- Terms that lie outside the range, and values that are cut to it ---
+# --- Terms outside the range, and values clipped to it ---
 
 
 def cores_outside(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``core-outside-range`` for each term that is fullest where no value can be."""
+    """Yield ``core-outside-range`` for each term whose core is outside the range."""
     rulebase = subject.rulebase
     for variable in (*rulebase.inputs, *rulebase.outputs):
         by_value = isinstance(variable, Output) and variable.defuzzifier.record.weighs
         if variable.outside == "extend" and (by_value or isinstance(variable, Input)):
-            continue  # a value outside the range is taken as it is
+            continue  # a value outside the range is not clipped
         for term in variable.terms:
             if SHAPES[term.shape.kind].fuzzy and not _core_within(term, variable):
                 yield _core_outside(term, variable)
@@ -223,7 +223,7 @@ def _core_within(term: Term, variable: Variable) -> bool:
     degrees = {x: degree(x) for x in positions}
     top = max(degrees.values(), default=0.0)
     share = 1.0 if top >= term.shape.height else 0.5
-    # Between two corners a line may reach the end of the range, nothing more.
+    # Between two corners a line may cross the end of the range, not more.
     inside = [y for x, y in degrees.items() if low <= x <= high]
     return max(inside, default=top) >= share * top * (1.0 - 1e-9)
 
@@ -367,7 +367,7 @@ def _uneven_mirror(variable: Variable, *, always: bool) -> Iterator[Diagnostic]:
         )
 
 
-# --- Outputs that never come near the ends of their range ---
+# --- Outputs that never approach the ends of their range ---
 
 _NEAR = 0.125
 """The outermost values of an output lie within this part of its range from the ends."""
@@ -376,7 +376,7 @@ _SAMPLES = 2_000
 
 
 def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``short-reach`` for each centroid that cannot come near both ends of its range."""
+    """Yield ``short-reach`` for each centroid that cannot approach both ends of its range."""
     for output in subject.rulebase.outputs:
         order = subject.ranks(output.name)
         record = output.defuzzifier.record
@@ -420,7 +420,7 @@ def _centre_of_area(term: Term, output: Output) -> float:
 
 
 def unused_names(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``unused-variable`` and, for variables that are used, ``unused-term``."""
+    """Yield ``unused-variable`` and, for used variables, ``unused-term``."""
     rulebase = subject.rulebase
     terms_in_rules = _used_terms(rulebase)
     in_values = _used_in_values(rulebase)

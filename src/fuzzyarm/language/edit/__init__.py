@@ -1,4 +1,4 @@
-"""Questions that an editor asks of a text: what stands here, where else, what could stand here.
+"""Services for editors: hover, references, completion, edits.
 
 Pure functions over a :class:`Reading`, without numerics and without any protocol: the
 language server, the designer and the tests share them. Lines and columns count from 1.

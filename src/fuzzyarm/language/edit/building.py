@@ -1,4 +1,4 @@
-"""What the user adds to a rule base or takes from it: variables, settings, rules in words."""
+"""Additions to and removals from a rule base: variables, settings, rules in words."""
 
 from __future__ import annotations
 
@@ -57,14 +57,14 @@ def add_variable(
     variable : str
         Its name.
     ends : tuple of float
-        Of its range.
+        Ends of its range.
     terms : sequence of str, optional
         Their names, from low to high.
 
     Raises
     ------
     ReshapeError
-        If there is such a variable, or the text would have a mistake with it; it says which.
+        If the variable exists, or the text would become invalid; with the fault.
     """
     if not variable.strip():
         raise ReshapeError("a variable needs a name")
@@ -86,7 +86,7 @@ def add_variable(
         behind, space = last, [""]
     if not family:
         edits = [lines_behind(reading, line, [*gap, text])]
-    # One edit: two insertions at the same position would come out in the wrong order.
+    # One edit: two insertions at one position would come out in the wrong order.
     elif behind == line:
         edits = [lines_behind(reading, line, [*gap, text, *space, *family])]
     else:
@@ -148,7 +148,7 @@ def _names(node: StatementNode, variable: str) -> bool:
 
 
 def _without(node: StatementNode, variable: str) -> tuple[list[tuple[int, int]], list[Edit]]:
-    """Return lines to go and edits that free a statement of a variable; neither: all of it goes."""
+    """Return lines to delete and edits that free a statement of a variable; neither: delete it."""
     if isinstance(node, EvenTermsNode):
         others = tuple(word for word in node.variables if word != variable)
         return [], [Edit(node.span, text_of(node._replace(variables=others)))] if others else []
@@ -178,7 +178,7 @@ def _concludes(grid: GridNode, variable: str) -> bool:
 
 
 def _other_consequents(node: RuleNode, variable: str) -> list[Edit]:
-    """Return the edit that keeps what a rule concludes of others, where nothing else names it."""
+    """Return the edit that keeps a rule's other conclusions, if only one names the variable."""
     others = tuple(consequent for consequent in node.consequents if consequent.variable != variable)
     asks = any(mention.name == variable for mention in node.antecedent.mentions())
     if asks or not others:
@@ -224,14 +224,14 @@ def set_setting(reading: Reading, key: str, value: str, target: str = "") -> lis
     reading : Reading
         The text.
     key, value : str
-        As they stand after ``inference``: ``and``, ``product``.
+        As after ``inference``: ``and``, ``product``.
     target : str, optional
-        A variable that has its own line; by default what counts for all.
+        A variable with a line of its own; by default the common setting.
 
     Raises
     ------
     ReshapeError
-        If the text would have a mistake with it; it says which.
+        If the text would become invalid; with the fault.
     """
     setting = _setting(key, value)
     lines = [
@@ -262,7 +262,7 @@ def set_setting(reading: Reading, key: str, value: str, target: str = "") -> lis
 
 
 def _setting(key: str, value: str) -> SettingNode:
-    """Read a setting as it would stand in a text."""
+    """Read a setting as in a text."""
     reading = read(f"inference {' '.join(f'{key} {value}'.split())}\n")
     node = next(nodes_of(reading), None)
     if isinstance(node, InferenceNode) and len(node.settings) == 1:
@@ -296,7 +296,7 @@ def add_rule(
     Raises
     ------
     ReshapeError
-        If the text would have a mistake with it; it says which.
+        If the text would become invalid; with the fault.
     """
     if not antecedent or not consequents:
         raise ReshapeError("a rule reads: if … then …")

@@ -1,7 +1,7 @@
 """Completion at a position, from the words before it: a broken line does not matter.
 
-The reader of the statement is run over the words before the position by a cursor that never
-finds fault. Where they end, whatever the reader asks for is what could stand there.
+The reader of the statement runs over the words before the position with a cursor that accepts
+anything. At the end, the reader's expectations are the completions.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Completion:
     Attributes
     ----------
     label : str
-        What a list shows.
+        Label in a list.
     kind : str
         ``keyword``, ``variable``, ``term``, ``shape``, ``hedge``, ``value`` or ``row``.
     insert : str
@@ -55,7 +55,7 @@ class Completion:
     detail : str
         A few words beside the label.
     snippet : str
-        The same text with parts to fill in, as ``${1:left}``; empty if there are none.
+        The same text with placeholders, as ``${1:left}``; empty without any.
     span : Span or None
         The text that has been typed already and is replaced; set by `complete`.
     """
@@ -69,7 +69,7 @@ class Completion:
 
 
 def _words(words: Iterable[str], kind: str = "keyword") -> list[Completion]:
-    """Return words as candidates; those of a registry with what their records say."""
+    """Return words as candidates; those of a registry with their descriptions."""
     docs = (
         {record.name: record.doc for record in words.values()}
         if isinstance(words, Registry)
@@ -96,7 +96,7 @@ def _terms(variable: Variable | None, without: Iterable[str] = ()) -> list[Compl
 
 
 def term_detail(variable: Variable, name: str) -> str:
-    """Return the shape of a term as it would stand in a file."""
+    """Return the shape of a term as in a file."""
     term = variable.term(name)
     if term.lower is None:
         return _numbers_of(term.shape)
@@ -134,18 +134,18 @@ def _shape(kind: ShapeKind) -> Completion:
     return Completion(kind.name, "shape", kind.name, detail, snippet)
 
 
-# --- The cursor that is asked at the end of the words ---
+# --- The cursor that records expectations ---
 
 
-class _Nothing(Exception):  # noqa: N818 - it never leaves this module
-    """The reader has asked for everything that could come next."""
+class _Nothing(Exception):  # noqa: N818 - internal
+    """The reader has named all possible continuations."""
 
 
 class _AskingCursor(Cursor):
-    """Takes what it finds for what it should be; where nothing is left, notes what is asked for.
+    """A cursor that accepts any token and records what was expected at the end.
 
-    What may be left out (``accept``, ``suggest``) is noted and reading goes on; what must
-    come (``expect``, a name, a word, a number) is noted last.
+    Optional parts (``accept``, ``suggest``) are recorded and reading continues; a mandatory one
+    (``expect``, a name, a word, a number) is recorded last.
     """
 
     def __init__(
@@ -182,7 +182,7 @@ class _AskingCursor(Cursor):
         self.offered += completions
         raise _Nothing
 
-    # What must come.
+    # Mandatory parts.
 
     def fail(self, expected: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         raise _Nothing
@@ -236,7 +236,7 @@ class _AskingCursor(Cursor):
             raise _Nothing
         return super().figure(what, finite=finite)
 
-    # What may come.
+    # Optional parts.
 
     def accept(self, text: str, *, likely: bool = False) -> Token | None:
         if self.at_end and (likely or text.isalpha()):
@@ -369,7 +369,7 @@ def _asked(
     *about: Any,
     names: Mapping[NameKind, Mapping[str, str]] = MappingProxyType({}),
 ) -> list[Completion]:
-    """Return what `read` asks for after `tokens`."""
+    """Return the expectations of `read` after `tokens`."""
     cursor = _AskingCursor(tokens, model, names)
     try:
         read(cursor, *about)
@@ -381,7 +381,7 @@ def _asked(
 
 
 def _rank(candidate: Completion) -> int:
-    # Hedges may stand almost everywhere, and settings mostly belong to no single variable.
+    # Hedges fit almost everywhere, and settings mostly belong to no single variable.
     return 2 if candidate.kind == "hedge" else 1 if candidate.insert.endswith(":") else 0
 
 
@@ -402,9 +402,9 @@ def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -
     reading : Reading
         The text, however broken.
     line, column : int
-        Where the cursor stands, from 1.
+        Position of the cursor, from 1.
     facts : Facts, optional
-        What plants have (ports, states, parameters) is offered.
+        Names of plants (ports, states, parameters) to be offered.
     """
     text = reading.raw_line(line)[: column - 1]
     column = len(text) + 1
@@ -497,7 +497,7 @@ def _below(
     tokens: tuple[Token, ...],
     line: int,
 ) -> list[Completion]:
-    """Return what could stand in a line below a grid or ``lookup``; `above` starts with that."""
+    """Return the completions of a line below a grid or ``lookup``, which begins in line `above`."""
     model = reading.model
     items = {"lookup": LOOKUP_ROW, "tune": TUNE_ROW}
     if word in items:

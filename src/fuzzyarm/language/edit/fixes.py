@@ -25,11 +25,11 @@ class Fix:
     Attributes
     ----------
     title : str
-        What it does, to be chosen from a list.
+        Description in a list.
     edits : tuple of Edit
         None of them overlap.
     preferred : bool
-        Whether it mends the finding, rather than silencing it.
+        Whether it repairs the fault rather than silencing the finding.
     """
 
     title: str
@@ -173,7 +173,7 @@ def _allow(diagnostic: Diagnostic, lines: Sequence[str]) -> list[Fix]:
 
 
 def apply_edits(text: str, edits: Sequence[Edit]) -> str:
-    """Return `text` after `edits`, whose positions are those of the text before.
+    """Return `text` after `edits`, with positions in the original text.
 
     Line ends of other lines are kept as they are.
     """

@@ -1,4 +1,4 @@
-"""What the user does with grids of rules: new ones, their rows and columns."""
+"""Editing of rule grids: new ones, their rows and columns."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FILLS = ("empty", "rising", "falling")
 
 
 def graded(share: float, names: Sequence[str]) -> str:
-    """Return the term of a row of terms, from low to high, that stands for a share of the range.
+    """Return the term at a fraction of the range in a list of terms from low to high.
 
     Ties go away from the middle on both sides alike, so that a grid stays antisymmetric.
     """
@@ -56,7 +56,7 @@ def add_grid(
     reading : Reading
         The text.
     output : str
-        What is concluded.
+        The concluded output.
     column, row : str
         The inputs that go across and down.
     fill : str, optional
@@ -111,7 +111,7 @@ def _terms(reading: Reading, variable: str) -> list[str]:
 
 
 def _order(variable: Variable) -> dict[str, tuple[float, int]]:
-    """Return by their names where terms stand: by their centres, else as they are declared."""
+    """Return the positions of terms by name: their centres, else their order."""
     order = {}
     for index, term in enumerate(variable.terms):
         middle = centre(term.shape, variable.low, variable.high)
@@ -153,14 +153,14 @@ def add_row(reading: Reading, line: int, term: str, shape: Shape | None = None) 
     line : int
         Where the grid begins, from 1.
     term : str
-        Which heads it; it stands where its place is among the others.
+        Head of the row, inserted in the order of terms.
     shape : Shape, optional
-        Of the term, which then is a new one.
+        Shape of a new term.
 
     Raises
     ------
     ReshapeError
-        If there is no such grid, it has no rows of terms, or one of the term already.
+        If there is no such grid, its rows are not terms, or the term has a row already.
     """
     grid = _grid(reading, line)
     if grid.row is None:
@@ -201,7 +201,7 @@ def add_column(reading: Reading, line: int, term: str, shape: Shape | None = Non
 
 
 def remove_row(reading: Reading, line: int, term: str) -> list[Edit]:
-    """Return the edits that remove a row of the grid that begins on a line; the last takes all.
+    """Return the edits that remove a row of the grid at a line; the last row removes the grid.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def remove_column(reading: Reading, line: int, term: str) -> list[Edit]:
 
 
 def _cells(grid: GridNode, row: int) -> list[Span]:
-    """Return where the cells of a row stand; one of several outputs is one."""
+    """Return the spans of the cells of a row; one cell may serve several outputs."""
     parts = [part.rows[row].cells for part in grid.parts]
     return [first.span.to(last.span) for first, last in zip(parts[0], parts[-1], strict=True)]
 

@@ -1,4 +1,4 @@
-"""What a word means, in Markdown, with a small drawing of a term."""
+"""The meaning of a word in Markdown, with a small drawing for a term."""
 
 from __future__ import annotations
 
@@ -72,18 +72,18 @@ def _shown_range(variable: Variable) -> tuple[float, float]:
 
 
 def rule_sentence(rule: Rule) -> str:
-    """Return a rule as one ``if … then …`` sentence, wherever it stood."""
+    """Return a rule as one ``if … then …`` sentence, also from a grid."""
     return sentence(rule_node(rule))
 
 
-# --- What a word means, in Markdown ---
+# --- The meaning of a word, in Markdown ---
 
 # The last two: GitHub's Markdown makes a link of a bare address, so it is broken up too.
 _MARKDOWN = re.compile(r"[\\`*_\[\]<>&#|~!$]|:(?=//)|(?<=www)\.")
 
 
 def plain(text: str) -> str:
-    """Return a text of the file so that Markdown shows it as it is: no image, link or HTML."""
+    """Return a text of the file escaped for Markdown: no image, link or HTML."""
     return _MARKDOWN.sub(r"\\\g<0>", printable(text))
 
 
@@ -102,7 +102,7 @@ class Hover:
     Attributes
     ----------
     markdown : str
-        What to show.
+        Hover text.
     span : Span
         The text it is about.
     """
@@ -112,7 +112,7 @@ class Hover:
 
 
 def hover(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> Hover | None:
-    """Return the hover text of what is at a position; None if nothing is there."""
+    """Return the hover text at a position; None without any."""
     cell = _cell_at(reading, line, column)
     if cell is not None:
         return _of_cell(reading, *cell)
@@ -248,7 +248,7 @@ def _of_word(reading: Reading, line: int, column: int) -> Hover | None:
 
 
 def _help(text: str, *, first: bool) -> str:
-    """Return what a word of the language means; empty where nobody needs to be told."""
+    """Return the help of a word of the language; empty if it is obvious."""
     if first and text in STATEMENTS:
         return STATEMENTS[text].doc
     if first and text in CONTROLLER_STATEMENTS:

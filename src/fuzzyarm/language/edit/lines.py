@@ -1,4 +1,4 @@
-"""Small edits of a text by its statements and lines, of which the edits of the user are made."""
+"""Small edits of a text by statements and lines, as building blocks."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from fuzzyarm.language.statements import (
 )
 
 INCOMPLETE = frozenset({"no-rules", "no-inputs", "no-outputs"})
-"""Mistakes of a text that is not finished: what is there is sound."""
+"""Errors of an unfinished text whose present part is valid."""
 
 
 class ReshapeError(FuzzyarmError, ValueError):
@@ -57,12 +57,12 @@ def last_lines(reading: Reading) -> dict[int, int]:
 
 
 def last_line(reading: Reading, *kinds: type) -> int:
-    """Return the last line of the statements of some kinds; 0 where there are none."""
+    """Return the last line of statements of these kinds; 0 without any."""
     return max((end for node, _, end in reading.extents if isinstance(node, kinds)), default=0)
 
 
 def line_of_rules(reading: Reading) -> int:
-    """Return the line after which rules are added: the last rules, or what rules need."""
+    """Return the line after which rules are added: after the last rules, or the declarations."""
     line = last_line(reading, RuleNode, GridNode, BlockNode)
     need = (Heading, VariableNode, TermNode, EvenTermsNode, InferenceNode)
     return line or last_line(reading, *need) or max(1, len(reading.raw_lines))
@@ -78,7 +78,7 @@ def without_lines(reading: Reading, first: int, last: int) -> Edit:
     """Remove lines, from the first to the last."""
     if last < len(reading.raw_lines):
         return Edit(Span(first, 1, last + 1, 1), "")
-    before = max(1, first - 1)  # the end of the text: the line break in front goes
+    before = max(1, first - 1)  # at the end of the text delete the line break before
     start = len(reading.raw_line(before)) + 1 if first > 1 else 1
     return Edit(Span(before, start, last, len(reading.raw_line(last)) + 1), "")
 
@@ -155,7 +155,7 @@ def _blanks(
 
 
 def _columns_of(text: str, count: int) -> list[tuple[int, int]]:
-    """Return where the head of a line and its last words stand, from 1; nothing if too few do."""
+    """Return the columns of a line's head and last words, from 1; empty if there are too few."""
     words = [(word.start() + 1, word.end() + 1) for word in _GRID_WORD.finditer(_uncommented(text))]
     if len(words) <= count:
         return []

@@ -26,7 +26,7 @@ from fuzzyarm.language.tokens import RESERVED, Token
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS, Registry
 from fuzzyarm.symbolic.sources import SOURCES
 
-# --- What kind of word each word is, for colouring a text ---
+# --- The kind of each word, for colours ---
 
 COLOURS = (
     "keyword", "namespace", "variable", "enumMember", "modifier", "type", "property",
@@ -59,7 +59,7 @@ _WORDS: tuple[tuple[Container[str], str], ...] = (
     ({*RESERVED, *WORDS, *CONTROLLER_WORDS}, "keyword"),
     (SOURCES, "keyword"),
 )
-"""What a word that is not a name is coloured as: the first that has it."""
+"""Colours of words that are not names: the first matching entry."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +139,7 @@ def _blocks(reading: Reading) -> list[Fold]:
     ends = [*(i - 1 for i in starts[1:]), len(extents) - 1]
     return [
         Fold(extents[start][1], extents[end][2])
-        # Without blocks there is an end all the same.
+        # Without blocks there is one end more.
         for start, end in zip(starts, ends, strict=False)
         if end > start
     ]
@@ -171,7 +171,7 @@ class OutlineSymbol:
     Attributes
     ----------
     name, detail : str
-        What an outline shows.
+        Texts of the outline.
     kind : str
         ``rulebase``, ``input``, ``output``, ``term``, ``block``, ``grid``, ``rule``,
         ``lookup`` or ``expect``.
@@ -206,7 +206,7 @@ def symbols(reading: Reading) -> list[OutlineSymbol]:
 
 
 def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, Span]:
-    """Return name and detail of a statement, and the part that stands for it."""
+    """Return name and detail of a statement, and its span in the outline."""
     if isinstance(node, GridNode):
         size = f"{len(node.rows)} × {len(node.columns)}"
         outputs = ", ".join(part.output for part in node.parts)

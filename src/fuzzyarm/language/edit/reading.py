@@ -18,8 +18,8 @@ from fuzzyarm.language.tokens import SourceLine, Token, is_reserved
 from fuzzyarm.symbolic.kinds import HEDGES
 
 Facts = Mapping[tuple[NameKind, str], str]
-"""What is known of names beyond the text, in words: ports of plants, where signals can be. Who
-asks hands it in, as the language knows neither plants nor numerics."""
+"""Facts on names beyond the text, in words: ports of plants, ranges of signals. Supplied by the
+caller, as the language knows neither plants nor numerics."""
 
 NOTHING: Facts = MappingProxyType({})
 
@@ -27,8 +27,8 @@ NOTHING: Facts = MappingProxyType({})
 def _find_occurrences(document: Document, lines: Sequence[SourceLine]) -> tuple[Occurrence, ...]:
     """Return every occurrence of every name, in the order of the text.
 
-    Of statements that could not be read, those that are certain: declared variables, and
-    the words after their ``is``.
+    In unreadable statements only certain ones: declared variables, and the words after their
+    ``is``.
     """
     nodes = [statement.node for statement in document.statements]
     occurrences = [mention for node in nodes for mention in mentions(node)]
@@ -67,7 +67,7 @@ def _is_name(token: Token) -> bool:
 
 
 def asked_variable(tokens: Sequence[Token]) -> str | None:
-    """Return the variable of which a term comes after ``is`` and hedges; None where none does."""
+    """Return the variable whose term is expected after ``is`` and hedges; None otherwise."""
     index = len(tokens) - 1
     while index >= 0 and tokens[index].kind == "name" and tokens[index].text in HEDGES.words:
         index -= 1
@@ -78,18 +78,18 @@ def asked_variable(tokens: Sequence[Token]) -> str | None:
 
 @dataclass(frozen=True)
 class Reading:
-    """A text, its tokens, its syntax tree and what the sound part of it means.
+    """A text with its tokens, its syntax tree and the meaning of its valid part.
 
     Attributes
     ----------
     text : str
-        As it was given.
+        The original text.
     parsed : Parsed
         Tree, meaning and mistakes.
     lines : tuple of SourceLine
         The tokens, line by line.
     path : str
-        Of the file; the files that it names stand beside it.
+        Path of the file; named files are relative to it.
     """
 
     text: str
@@ -104,7 +104,7 @@ class Reading:
 
     @property
     def model(self) -> RuleBase:
-        """What the sound statements mean."""
+        """The model of the valid statements."""
         return self.parsed.partial
 
     @cached_property
@@ -169,7 +169,7 @@ def read(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> 
     path : str
         Named in the diagnostics.
     memory : ParseMemory, optional
-        Of an earlier version of the same text.
+        Memory of an earlier version of the same text.
     """
     memory = memory or ParseMemory()
     parsed = parse(text, path, memory)

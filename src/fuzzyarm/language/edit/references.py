@@ -57,7 +57,7 @@ class RenameError(FuzzyarmError, ValueError):
 
 
 def rename(reading: Reading, line: int, column: int, new_name: str) -> list[Edit]:
-    """Return the edits that give what stands at a position the name `new_name`.
+    """Return the edits that rename the object at a position to `new_name`.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def rename(reading: Reading, line: int, column: int, new_name: str) -> list[Edit
     Raises
     ------
     RenameError
-        If nothing there has a name, or the new one is empty or taken.
+        If there is no name, or the new one is empty or taken.
     """
     occurrence = occurrence_at(reading, line, column)
     if occurrence is None:
@@ -112,7 +112,7 @@ def _refuse_taken(
 
 
 def _written(occurrence: Occurrence, name: str, reading: Reading) -> str:
-    # A name inside a formula stands in a text already; there only odd names have quotes.
+    # Inside a formula, which is itself a quoted text, only unusual names have quotes.
     line = reading.raw_line(occurrence.span.line)
     inside_formula = any(
         token.kind == "string" and token.column < occurrence.span.column < token.end

@@ -1,4 +1,4 @@
-"""What the user changes in a picture, as edits of the text: terms, cells, rules, what is tuned."""
+"""Changes made in a picture, as edits of the text: terms, cells, rules, tuning."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ class Reshaped(NamedTuple):
 def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Shape]]) -> list[Edit]:
     """Return the edits that give terms other shapes; comments stay.
 
-    A term that is declared by itself gets other numbers in its line. One of an evenly spaced
-    family gets its own line below that of the family, which it then overrides.
+    A term with its own declaration gets new numbers in its line. One of an evenly spaced family
+    gets a line of its own below the family, which it overrides.
 
     Parameters
     ----------
@@ -99,13 +99,13 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     variable, term : str
         Which term; of an interval type-2 one both shapes change.
     kind : str
-        See :func:`fuzzyarm.language.model.alike.alike`, which says what of the shape is kept.
+        See :func:`fuzzyarm.language.model.alike.alike`, also for the preserved features.
 
     Raises
     ------
     ReshapeError
-        If the text declares no such term, the shape has nothing of the kind, or the text would
-        have a mistake with it.
+        If the text declares no such term, the shape cannot be converted, or the text would become
+        invalid.
     """
     declaration_of(reading, variable)
     model = reading.model.variable(variable)
@@ -195,7 +195,7 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
     variable, term : str
         The variable, and the name of its new term.
     shape : Shape
-        Of numbers only.
+        Shape with numeric parameters.
 
     Raises
     ------
@@ -232,9 +232,9 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
 def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
     """Return the edits that remove a term, and the rules that name it.
 
-    Sentences that name it go, rows and columns of grids that it heads, and cells that conclude
-    it become dots. The others of an evenly spaced family stay where they are: each gets a line
-    of its own.
+    Sentences with the term are deleted, as are its rows and columns in grids; cells that conclude
+    it become dots. The other terms of an evenly spaced family keep their positions: each gets a
+    line of its own.
 
     Raises
     ------
@@ -282,7 +282,7 @@ def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: 
 
 
 def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -> list[Edit]:
-    """Take a term out of a grid: what it heads goes, and what concludes it becomes a dot."""
+    """Remove a term from a grid: its row and column go, cells that use it become dots."""
     if node.condition is not None and any(
         mention.kind is NameKind.TERM and mention.name == term and variable in mention.owners
         for mention in node.condition.mentions()
@@ -337,7 +337,7 @@ def set_variable_range(reading: Reading, variable: str, low: float, high: float)
     Raises
     ------
     ReshapeError
-        If there is no such variable, or the ends are the wrong way round.
+        If there is no such variable, or the ends are reversed.
     """
     node = declaration_of(reading, variable)
     if not low < high:
@@ -365,7 +365,7 @@ def set_cell(reading: Reading, line: int, column: int, term: str | None) -> list
     Raises
     ------
     ReshapeError
-        If no cell begins there, or the cell of a grid of several outputs has to be written anew.
+        If no cell begins there, or a cell of a grid with several outputs would need a new form.
     """
     for grid, cell in _cells(reading):
         if (cell.span.line, cell.span.column) != (line, column):
@@ -388,7 +388,7 @@ def _cells(reading: Reading) -> Iterator[tuple[GridNode, CellNode]]:
                     yield from ((node, cell) for cell in row.cells)
 
 
-# --- Rules that are sentences ---
+# --- Rules as sentences ---
 
 
 def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
@@ -399,15 +399,15 @@ def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
     reading : Reading
         The text.
     line : int or None
-        Where the rule begins that is changed, from 1; None for a new one, which is put after
-        the last rule.
+        First line of the rule to be changed, from 1; None for a new one, which is added after the
+        last rule.
     sentence : str
         ``if … then …``, maybe ``with`` a weight; empty to remove the rule.
 
     Raises
     ------
     ReshapeError
-        If no sentence begins there, or the new one is not understood; it says why.
+        If no sentence begins there, or the new one is invalid; with the fault.
     """
     words = " ".join(sentence.split()).removeprefix("rule ")
     with_quotes = _quoted(reading, words)
@@ -457,18 +457,18 @@ def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:
     return edits
 
 
-# --- What may be tuned ---
+# --- Tuning ---
 
 
 def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
-    """Return the edit that writes a ``tune`` block after what a rule base has.
+    """Return the edit that adds a ``tune`` block after the rule base.
 
     Parameters
     ----------
     reading : Reading
         The text.
     tuning : Tuning
-        What may move.
+        The movable numbers.
 
     Raises
     ------
@@ -491,7 +491,7 @@ def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
 
 
 def _end_of_rulebase(reading: Reading) -> int | None:
-    """Return the last line of what belongs to the rule base in a text."""
+    """Return the last line of the rule base in a text."""
     last, inside = None, False
     for node, _, end in reading.extents:
         inside = not isinstance(node, ControllerHeading) and (inside or isinstance(node, Heading))
@@ -528,7 +528,7 @@ def set_gain(reading: Reading, name: str, values: Sequence[float]) -> list[Edit]
     reading : Reading
         The text.
     name : str
-        Of the gain.
+        Name of the gain.
     values : sequence of float
         One number for all axes, or one for each, as the text has them.
 

@@ -1,4 +1,4 @@
-"""What a rule base means, free of text: its data, its shapes, its formulas.
+"""The model of a rule base, independent of text: data, shapes, formulas.
 
 The classes of a rule base and of a controller as immutable values, equal where they mean the
 same.

@@ -1,8 +1,8 @@
 """A shape of another kind instead of one: the same middle, and one half at the same points.
 
-A shape is measured, whatever its kind: where it is highest, where its flanks cross one half, and
-how steep they are there. From that each kind has its own numbers. What a kind cannot have is lost:
-a triangle has no plateau, a gaussian no different flanks, and a ramp keeps one flank only.
+A shape of any kind is measured: its maximum, the points where its flanks cross one half, and their
+slopes there. Each kind gets its parameters from these. Features that a kind lacks are lost: a
+triangle has no plateau, a gaussian has equal flanks, and a ramp keeps one flank only.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ SAMPLES = 2001
 """Points at which a shape is looked at, over three times its range."""
 
 FLAT = 1e-9
-"""By how much a plateau may be lower than the top."""
+"""Tolerance of a plateau below the maximum."""
 
 LEAST_FLANK = 1e-3
-"""Of the range: the half of a flank that has to be sloped."""
+"""Smallest width of a sloped half flank, as a share of the range."""
 
 HALF_GAUSSIAN = math.sqrt(2.0 * math.log(2.0))
 """Standard deviations from the mean to where a gaussian is one half."""
 
 
 class UnlikeError(FuzzyarmError, ValueError):
-    """A shape that has nothing of another kind."""
+    """A shape that cannot be converted to another kind."""
 
 
 class _Profile(NamedTuple):
-    """What is measured of a shape; an open side goes on to infinity."""
+    """Measured features of a shape; an open side extends to infinity."""
 
     left: float
     """Where it rises through one half."""
@@ -78,7 +78,7 @@ def alike(shape: Shape, kind: str, low: float, high: float, width: float) -> Sha
     Raises
     ------
     UnlikeError
-        If it has no place, or none of the flanks that are wanted.
+        If it has no position, or none of the required flanks.
     """
     if kind not in _MADE:
         hint = f"there are {', '.join(KINDS)}"
@@ -97,7 +97,7 @@ def alike(shape: Shape, kind: str, low: float, high: float, width: float) -> Sha
     return Shape(kind, tuple(numbers), 1.0 if kind == "singleton" else shape.height)
 
 
-# --- What a shape is ---
+# --- Measuring a shape ---
 
 
 def _measured(shape: Shape, low: float, high: float, width: float) -> _Profile:
@@ -189,7 +189,7 @@ def _bell(p: _Profile) -> tuple[float, ...]:
 
 
 def _rises(p: _Profile) -> bool:
-    """Whether the flank that is kept is the left one: the only one, or the wider."""
+    """Whether the left flank is kept: the only one, or the wider."""
     if math.isinf(p.left) or math.isinf(p.right):
         return math.isinf(p.right)
     return p.first - p.left >= p.right - p.last
@@ -241,7 +241,7 @@ _MADE: dict[str, Callable[[_Profile], tuple[float, ...]]] = {
 }
 
 _SLOPE = {"bell": 2, "sigmoid": 1}
-"""Numbers that are neither positions nor widths, by their kind."""
+"""Parameters that are neither positions nor widths, by kind."""
 
 KINDS = tuple(_MADE)
 """Kinds that a term can be made by hand."""

@@ -30,7 +30,7 @@ class Core(NamedTuple):
 def core_of(term: Term, variable: Variable) -> Core | None:
     """Return the core of a term; None for a linear consequent or a formula.
 
-    A singleton has its core where it stands; so has a curved set in its middle.
+    A singleton has its core at its position, a curved set in its middle.
     """
     shape, low, high = term.shape, variable.low, variable.high
     if shape.kind == "singleton":
@@ -61,10 +61,10 @@ def cores(variable: Variable) -> dict[str, Core] | None:
 
 
 def crossing(variable: Variable) -> tuple[str, str, str] | None:
-    """Return the term that stands out of order, and its neighbours in the text.
+    """Return the term out of order, and its neighbours in the text.
 
-    All others must lie as they are listed, up or down, and be three at least: a variable whose
-    terms are listed at random has no order to break.
+    All others must be in order, rising or falling, and be three at least: randomly listed terms
+    have no order to break.
     """
     cores_of_terms = cores(variable)
     if cores_of_terms is None or len(cores_of_terms) < 4:
@@ -100,7 +100,7 @@ class Unlike(NamedTuple):
 def partition_faults(variable: Variable) -> list[Unlike] | None:
     """Return between which neighbours memberships do not add up to 1, one finding for each pair.
 
-    None where nobody would expect them to: terms that are values, curved or lowered, or fewer
+    None where a partition is not to be expected: terms that are values, curved or lowered, or fewer
     than two.
     """
     cores_of_terms = cores(variable)
@@ -119,7 +119,7 @@ def partition_faults(variable: Variable) -> list[Unlike] | None:
     for (left, first), (right, second) in pairwise(cores_of_terms.items()):
         begin, end = first.right, second.left
         inside = [begin, *(x for x in corners if begin < x < end), end]
-        # Where a line goes from one corner to the next, ends and middle tell.
+        # Between two corners a line is determined by ends and midpoint.
         inside += [0.5 * (a + b) for a, b in pairwise(inside)]
         totals = {x: sum(degree(x) for degree in degrees) for x in inside}
         worst = max(totals, key=lambda x: abs(totals[x] - 1.0))
@@ -157,5 +157,5 @@ def _mirrored(first: Term, second: Term, variable: Variable) -> bool:
     positions = {*corner_points(first.shape), *(turn - x for x in corner_points(second.shape))}
     positions |= {variable.low + width * share / 16 for share in range(17)}
     inside = [x for x in positions if variable.low <= x <= variable.high]
-    # Beside a corner that has moved by its last bits the slope makes a little more of it.
+    # A corner off by its last bits is amplified by the slope beside it.
     return all(abs(one(x) - other(turn - x)) <= 1e-6 for x in inside)

@@ -13,25 +13,25 @@ Stretch = tuple[str, float, float]
 """A name and an interval."""
 
 When = Literal["always", "during", "after"]
-"""In what time a claim is to hold."""
+"""The time in which a claim must hold."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopClaim:
-    """What is claimed of a closed loop.
+    """A claim about a closed loop.
 
     Parameters
     ----------
     plant : str
-        A shipped plant, or a user's as a command takes it.
+        A shipped plant, or a user's in the notation of commands.
     stable : bool
-        That the loop goes to rest from wherever it starts.
+        That the loop converges to rest from every start.
     at : tuple of (str, float)
         Constant set points, by port; 0 for others.
     parameters, start : tuple of Stretch
-        Of the plant: its parameters and its states at the start; others are as the plant has them.
+        Parameters and initial states of the plant; the others have their defaults.
     output : str
-        Of the plant, which is claimed to stay between `low` and `high`; empty for no such claim.
+        Output of the plant claimed to stay between `low` and `high`; empty for no such claim.
     when : str
         ``always``; ``during`` from `begin` to `end`; ``after`` `begin`, s.
     """

@@ -58,7 +58,7 @@ TIMES = {
 
 
 class Time(float):
-    """A time, s; of one in a text the number and the unit that stand there."""
+    """A time, s; from a text with its number and unit."""
 
     __slots__ = ("figure", "unit")
 
@@ -81,12 +81,12 @@ class Time(float):
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """A number as it is written: numbers and π between ``*`` and ``/``.
+    """A number as written: numbers and π between ``*`` and ``/``.
 
     Parameters
     ----------
     factors : tuple of (float or None, bool)
-        From left to right; None stands for π, true for what divides.
+        From left to right; None is π, true marks a divisor.
     """
 
     factors: tuple[tuple[float | None, bool], ...]
@@ -94,7 +94,7 @@ class Amount:
 
     @classmethod
     def of(cls, number: float) -> Amount:
-        """Return a number as it is written by itself."""
+        """Return a number without factors."""
         return cls(((float(number), False),))
 
     def value(self, pi: float) -> float:
@@ -122,7 +122,7 @@ class GainModel:
     Parameters
     ----------
     name : str
-        Of the gain.
+        Name of the gain.
     values : tuple of Amount
         One, or one for each axis.
     unit : str
@@ -161,9 +161,9 @@ class Partner:
 
 
 class Factor(NamedTuple):
-    """A signal, a gain or a partner by name, or a number; whether it divides.
+    """A signal, a gain or a partner by name, or a number; and whether it divides.
 
-    `partner` says that the word stands in front of the name.
+    `partner` is true if that word precedes the name.
     """
 
     value: str | float
@@ -180,7 +180,7 @@ class Product(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a signal comes from.
+    """The source of a signal.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ class Source:
     name : str
         The port, the signal, the rule base or the table.
     inputs : tuple of str
-        Of a call: its signals, in the order of the text.
+        Signals of a call, in the order of the text.
     options : dict
         By their words: a number or the name of a gain; s; a pair; true; ``"hold"`` or s.
     """
@@ -217,8 +217,8 @@ class Source:
 class SignalLine:
     """``NAME = SOURCE * FACTOR …``, or a sum of products.
 
-    Each signal is stored once, in the precision of the run. `names` has more than one where a
-    rule base has several outputs. With a source there is one product: its factors.
+    Each signal is stored once, in the precision of the run. `names` has several entries for a rule
+    base with several outputs. With a source there is one product: its factors.
     """
 
     names: tuple[str, ...]
@@ -227,7 +227,7 @@ class SignalLine:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def reads(self) -> Iterator[str]:
-        """Yield the signals, gains and partners that it is made of."""
+        """Yield the signals, gains and partners in its definition."""
         yield from _names_in(self.products)
         if self.source is not None:
             yield from self.source.inputs
@@ -250,15 +250,15 @@ class Zoom:
 class Learn:
     """``learn F by P(e, ce), delay 1, rate 1, bound 6``: a table that corrects itself.
 
-    The cell of F that was in use `delay` periods ago is changed by `rate` times what the
-    performance table P says of now, and kept within ± `bound`.
+    The cell of F used `delay` periods ago is changed by `rate` times the value of the performance
+    table P now, and kept within ± `bound`.
 
     Parameters
     ----------
     table, judge : str
         The table that learns, the performance table.
     inputs : tuple of str
-        Of the performance table.
+        Inputs of the performance table.
     options : tuple of (str, float or str)
         As written: ``delay``, periods; ``rate`` and ``bound``, numbers or names of gains.
     """
@@ -271,17 +271,17 @@ class Learn:
 
     @property
     def delay(self) -> int:
-        """How many periods ago the cell was in use."""
+        """Delay of the correction in periods."""
         return int(float(self._option("delay", 1.0)))
 
     @property
     def rate(self) -> str | float:
-        """The share of the performance value that corrects, or the gain that says it."""
+        """Factor of the performance value, or the gain with it."""
         return self._option("rate", 1.0)
 
     @property
     def bound(self) -> str | float:
-        """The largest magnitude of a cell, or the gain that says it."""
+        """The largest magnitude of a cell, or the gain with it."""
         return self._option("bound", 6.0)
 
     def _option(self, word: str, usual: float) -> str | float:
@@ -293,8 +293,8 @@ class Learn:
 class Drive:
     """``drive PORT = SUM [, within A .. B] [, slew N] [, on nan N]``; drives of a port add up.
 
-    First the limits hold, then the rate of change, per second. `on_nan` is what the port gets in a
-    period that is skipped, in place of its last value.
+    First the limits apply, then the rate of change, per second. `on_nan` is the value of the port
+    in a skipped period, instead of the last one.
     """
 
     port: str
@@ -321,7 +321,7 @@ class Axes:
     Parameters
     ----------
     names : tuple of str
-        Of the axes.
+        Names of the axes.
     lines : tuple of SignalLine, Zoom, Learn or Drive
         In the order of the text.
     """
@@ -360,16 +360,16 @@ class Axes:
         return None
 
     def gain_of(self, name: str, drive: Drive, constants: Collection[str]) -> Products | None:
-        """Return by how much a drive grows with what the source of a signal gives.
+        """Return the sensitivity of a drive to the source of a signal.
 
         Parameters
         ----------
         name : str
-            Of a signal with a source.
+            Name of a signal with a source.
         drive : Drive
             One that depends on it, before its limits.
         constants : collection of str
-            The gains, which are known beforehand.
+            The gains, known in advance.
 
         Returns
         -------
@@ -399,7 +399,7 @@ Products = tuple[Product, ...]
 def _gain_through(
     products: Products | None, gains: Mapping[str, Products | None], constants: Collection[str]
 ) -> Products | None:
-    """Return the gain of a sum of products, where those of some of its signals are known."""
+    """Return the gain of a sum of products, given those of some of its signals."""
     if products is None:
         return None
     gain: list[Product] = []
@@ -446,11 +446,11 @@ class ControllerModel(OfKind):
     Parameters
     ----------
     name, description : str
-        Of its first line.
+        From its first line.
     period : float
         How often it runs, s.
     every : int
-        Periods from one set point to the next; 1 where the text does not say.
+        Periods between set points; 1 by default.
     uses, gains, partners, axes : tuple
         In the order of the text.
     rulebases : tuple of RuleBase
@@ -490,5 +490,5 @@ class ControllerModel(OfKind):
 
     @property
     def has_one_axis(self) -> bool:
-        """Whether there is one axis only, whose ports need no prefix."""
+        """Whether there is only one axis, whose ports need no prefix."""
         return len(self.axes) == len(self.axes[0].names) == 1

@@ -1,6 +1,6 @@
 """The ways to look a table up, for all that read, offer or check their names.
 
-Nothing is imported here: a command names them before it loads anything.
+Nothing is imported here: commands list the modes before they load anything.
 """
 
 from __future__ import annotations

@@ -11,14 +11,14 @@ from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 __all__ = ["methods_of", "structures_of"]
 
 RULES_OVER_SETS = ("mamdani1975",)
-"""Rules whose conclusions are sets that are cut and united."""
+"""Rules with clipped and united sets as conclusions."""
 
 SELF_TUNING = ("mudi1999",)
-"""Rules whose output is scaled by what other rules say of the same inputs."""
+"""Rules whose output is scaled by other rules over the same inputs."""
 
 
 def methods_of(rulebase: AnyRuleBase) -> dict[str, list[str]]:
-    """Return the publications of what a rule base uses, and what each is the source of.
+    """Return the publications of the methods of a rule base, with the methods of each.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ def methods_of(rulebase: AnyRuleBase) -> dict[str, list[str]]:
     Returns
     -------
     dict of str to list of str
-        Keys of :data:`fuzzyarm.base.sources.SOURCES` to names of methods, both in the order in
-        which they are met. Methods without a publication there are left out.
+        Keys of :data:`fuzzyarm.base.sources.SOURCES` to names of methods, in order of appearance.
+        Methods without a publication there are omitted.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def structures_of(controller: ControllerModel) -> dict[str, list[str]]:
     Parameters
     ----------
     controller : ControllerModel
-        Any. Of its structures only those are known that its lines alone tell.
+        Any. Only structures evident from its lines count.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""What one asks of a rule base in a call, be it a value or still being written.
+"""Methods of rule bases, complete or under construction.
 
-Each method is a function of a package above, which is loaded when it is asked for
-(:mod:`fuzzyarm.base.above`): a model needs none of them.
+Each method is a function of a package above, loaded on demand (:mod:`fuzzyarm.base.above`): a model
+needs none of them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from fuzzyarm.base.value_kinds import RULE_BASE, OfKind
 
 
 class Questions(Shown, OfKind):
-    """What can be asked of whatever has a `model`: the value of a rule base."""
+    """The methods of every object with a `model`: the value of a rule base."""
 
     __slots__ = ()
 
@@ -83,12 +83,12 @@ class Questions(Shown, OfKind):
         return above.function("explain")(self.model, inputs, held=held, **named)
 
     def check(self) -> Any:
-        """Return what `fuzzyarm check` says of the text: mistakes, else doubts.
+        """Return the result of `fuzzyarm check` on the text: errors, else doubts.
 
         Returns
         -------
         fuzzyarm.exchange.files.Review
-            With its `diagnostics`; ``print`` shows them. Never raises for what is wrong.
+            With its `diagnostics`; ``print`` shows them. Never raises for faults.
         """
         return above.function("check_text")(str(self), f"<{self.model.name}>")
 
@@ -104,7 +104,7 @@ class Questions(Shown, OfKind):
         output : str, optional
             The surface of this output only.
         at : mapping of str to float, optional
-            Values of the inputs that are not drawn, or a point to mark.
+            Values of the inputs not drawn, or a point to mark.
 
         Returns
         -------
@@ -114,7 +114,7 @@ class Questions(Shown, OfKind):
         return above.function("rulebase_figure")(self.model, output, at)
 
     def to_file(self, path: str | os.PathLike[str], *, lossy: bool = False) -> None:
-        """Write it to a file; what was there is replaced whole.
+        """Write it to a file, replacing the whole file.
 
         Parameters
         ----------
@@ -127,8 +127,7 @@ class Questions(Shown, OfKind):
         Raises
         ------
         RuleBaseError
-            If the rule base is not complete, or the format cannot express it; the findings say
-            what.
+            If the rule base is incomplete, or the format cannot express it; see the findings.
         FormatError
             For another suffix.
         OSError
@@ -150,7 +149,7 @@ class Questions(Shown, OfKind):
         return text
 
 
-# --- What RuleBase was before RuleBaseBuilder had its own name ---
+# --- The former name of RuleBase before RuleBaseBuilder had its own ---
 
 
 def new_or_begun(cls: type, *arguments: Any, **named: Any) -> Any:

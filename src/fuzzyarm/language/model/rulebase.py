@@ -1,7 +1,7 @@
-"""What a rule base *means*: plain frozen data, free of text and of numerics.
+"""The meaning of a rule base: plain frozen data, without text and numerics.
 
-Everything above works on these classes. They compare by meaning: where a rule or a
-term stood in a file (its `span`) takes no part in equality.
+All higher packages work on these classes. They compare by meaning: the position of a rule or a term
+in a file (its `span`) is not part of equality.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ samples rather than sums.
 """
 
 POSITION = "x"
-"""The name of the position in a formula that is a membership function."""
+"""Variable of the position in a formula as a membership function."""
 
 
 class NotInModelError(FuzzyarmError, KeyError):
@@ -39,7 +39,7 @@ class NotInModelError(FuzzyarmError, KeyError):
     Attributes
     ----------
     name : str
-        As asked for.
+        The requested name.
     known : tuple of str
         The names that exist.
     """
@@ -72,8 +72,8 @@ class Shape:
     Raises
     ------
     RuleBaseError
-        For a kind that does not exist, too many or too few numbers, or numbers that are not
-        those of such a shape; its finding names the argument.
+        For an unknown kind, or a wrong number of parameters or invalid ones; its finding names the
+        argument.
 
     Examples
     --------
@@ -92,7 +92,7 @@ triangle takes 3 numbers (left, peak, right), found 2
         if type(self.parameters) is not tuple:
             # The record is frozen, and a list has no hash.
             object.__setattr__(self, "parameters", _numbers(self.parameters))
-        # A tuple stays as it is: the numbers of a file know their position.
+        # A tuple is kept: the numbers of a file carry their positions.
         elif not all(isinstance(number, Real) for number in self.parameters):
             raise _not_numbers(self.parameters)
         fault = _shape_fault(self.kind, self.parameters)
@@ -120,7 +120,7 @@ def _not_numbers(parameters: object) -> RuleBaseError:
 
 
 def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | None:
-    """Return what is wrong with the arguments of a shape."""
+    """Return the fault in the arguments of a shape."""
     if kind not in SHAPES:
         hint, near = near_hint(kind, SHAPES)
         message = f"expected the shape of the term, found '{kind}'"
@@ -128,7 +128,7 @@ def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | No
             "unknown-shape", message, "Shape(kind)", hint=hint, replacement=near
         )
     record = SHAPES[kind]
-    # How many numbers `linear` takes depends on the inputs, which it does not know.
+    # The number of parameters of `linear` depends on the inputs, unknown here.
     if not record.fuzzy:
         return None
     count = len(record.parameters) or 2 * max(1, len(parameters) // 2)
@@ -220,12 +220,12 @@ class Defuzzifier:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Variable(Plotted):
-    """What inputs and outputs have in common: a name, a range and its terms.
+    """The common part of inputs and outputs: a name, a range and terms.
 
     Attributes
     ----------
     name : str
-        Any text; names that are not identifiers stand in single quotes in a file.
+        Any text; a name that is not an identifier is in single quotes in a file.
     low, high : float
         The range (universe of discourse), ``low < high``; infinite where unbounded.
     terms : tuple of Term
@@ -233,8 +233,8 @@ class Variable(Plotted):
     description : str
         Free text.
     outside : str
-        Treatment of a value outside the range: ``clamp``, ``extend`` (use as it is)
-        or ``error``.
+        Treatment of a value outside the range: ``clamp``, ``extend`` (use it unchanged) or
+        ``error``.
     """
 
     name: str
@@ -258,7 +258,7 @@ class Variable(Plotted):
         return f"<{type(self).__name__} {shortened(self.name)} {ends}: {terms}>"
 
     def term(self, name: str) -> Term:
-        """Return the term called `name`; raise NotInModelError if there is none."""
+        """Return the term `name`; raise NotInModelError if there is none."""
         for term in self.terms:
             if term.name == name:
                 return term
@@ -291,7 +291,7 @@ class Output(Variable):
     no_rule: float | str = "error"
 
     def __post_init__(self) -> None:
-        """Choose the aggregation where none is given."""
+        """Set the default aggregation."""
         Variable.__post_init__(self)
         if not self.aggregation:
             object.__setattr__(self, "aggregation", "sum" if self._weighs() else "max")
@@ -379,7 +379,7 @@ class Rule:
     span : Span
         The grid cell or the ``rule`` statement.
     in_grid : bool
-        Whether it stood in a grid; no part of the meaning.
+        Whether it came from a grid; not part of the meaning.
     """
 
     antecedent: Expression
@@ -402,7 +402,7 @@ class RuleBlock:
     name : str
         Any text; empty where a file has one block.
     conjunction, disjunction, implication : str
-        Names of norms: of ``and``, of ``or``, of what cuts the set of a consequent.
+        Names of norms: of ``and``, of ``or``, of the implication.
     threshold : float
         A rule fires only where its firing strength is greater than this.
     """
@@ -491,7 +491,7 @@ class Property:
     region : tuple of (str, float, float)
         Inputs with a stretch of their range; the others take all of theirs.
     outcome : Outcome or None
-        What the value must be; of ``value`` only.
+        Required value; of ``value`` only.
     input : str
         The input of ``rises``, ``falls`` and ``slope``.
     low, high : float
@@ -513,7 +513,7 @@ class Property:
 
 @dataclass(frozen=True, slots=True)
 class PeakTuning:
-    """Variables whose terms may move when the rule base is tuned.
+    """Variables whose terms are movable in tuning.
 
     Attributes
     ----------
@@ -524,7 +524,7 @@ class PeakTuning:
     ordered : bool
         Whether no peak may cross its neighbour's.
     partition : bool
-        Whether feet stand under the neighbours' peaks.
+        Whether feet are under the neighbours' peaks.
     gap : float
         Least distance of neighbouring peaks, as a share of the range.
     """
@@ -543,7 +543,7 @@ class GainTuning:
     Attributes
     ----------
     names : tuple of str
-        Of the gains.
+        Names of the gains.
     low, high : float
         The range in which they may move.
     times : bool
@@ -574,7 +574,7 @@ class Tuning:
     gains : tuple of GainTuning
         The gains that may move in the controller that uses it.
     kept : tuple of (str, str)
-        Variable and term that stay where they are; an empty term stands for all of them.
+        Fixed terms with their variables; an empty term means all of the variable.
     """
 
     peaks: tuple[PeakTuning, ...] = ()
@@ -583,11 +583,11 @@ class Tuning:
 
 
 class AnyRuleBase(Questions):
-    """A rule base: the immutable value that a file means, or one that is being written.
+    """A rule base: the immutable value of a file, or one under construction.
 
-    A file that is loaded gives the value (:class:`fuzzyarm.RuleBase`), Python writes one statement
-    by statement (:class:`fuzzyarm.RuleBaseBuilder`). Either can be called, drawn, checked, compiled
-    and written, and every function that takes a rule base takes both.
+    Loading a file gives the value (:class:`fuzzyarm.RuleBase`), Python builds one statement by
+    statement (:class:`fuzzyarm.RuleBaseBuilder`). Both can be called, drawn, checked, compiled and
+    written, and every function with a rule base as argument accepts both.
     """
 
     __slots__ = ()
@@ -599,7 +599,7 @@ class AnyRuleBase(Questions):
 
 
 def model_of(rulebase: AnyRuleBase) -> RuleBase:
-    """Return the value of what a public function takes as a rule base."""
+    """Return the value of a rule base passed to a public function."""
     if not isinstance(rulebase, AnyRuleBase):
         raise wrong_kind(rulebase, RULE_BASE)
     return rulebase.model
@@ -609,9 +609,9 @@ def model_of(rulebase: AnyRuleBase) -> RuleBase:
 class RuleBase(AnyRuleBase):
     """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
 
-    It never changes; two are equal where they mean the same, wherever their rules stood. It is
-    what :func:`fuzzyarm.load` returns and what a :class:`fuzzyarm.RuleBaseBuilder`, which writes
-    one in Python, has as its `model`.
+    Immutable; two are equal if they mean the same, wherever their rules were written. The result of
+    :func:`fuzzyarm.load`, and the `model` of a :class:`fuzzyarm.RuleBaseBuilder`, which builds one
+    in Python.
 
     Parameters
     ----------
@@ -664,7 +664,7 @@ class RuleBase(AnyRuleBase):
         return tuple(rule for block in self.blocks for rule in block.rules)
 
     def variable(self, name: str) -> Input | Output:
-        """Return the input or output called `name`; raise NotInModelError if there is none."""
+        """Return the input or output `name`; raise NotInModelError if there is none."""
         variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
         for variable in variables:
             if variable.name == name:
@@ -673,14 +673,14 @@ class RuleBase(AnyRuleBase):
 
     @property
     def is_type2(self) -> bool:
-        """Whether it has interval type-2 terms, or an output that is defuzzified as such."""
+        """Whether it has interval type-2 terms, or a type-2 defuzzifier."""
         variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
         return any(term.lower is not None for v in variables for term in v.terms) or any(
             output.defuzzifier.record.type2 for output in self.outputs
         )
 
     def output(self, name: str) -> Output:
-        """Return the output called `name`; raise NotInModelError if there is none."""
+        """Return the output `name`; raise NotInModelError if there is none."""
         for output in self.outputs:
             if output.name == name:
                 return output
@@ -729,7 +729,7 @@ def propositions(expression: Expression) -> Iterator[Is]:
 
 
 def without_range(rulebase: RuleBase) -> Iterator[Output]:
-    """Yield the outputs of an infinite range of which rules conclude sets: nothing integrates."""
+    """Yield the outputs with infinite range and sets as conclusions: integration is impossible."""
     concluded = {
         (consequent.variable, consequent.term)
         for block in rulebase.blocks
@@ -744,7 +744,7 @@ def without_range(rulebase: RuleBase) -> Iterator[Output]:
 
 
 _VALUES = frozenset({"singleton", "linear", "formula"})
-"""Kinds of shape that are numbers or, in a formula, may be one."""
+"""Kinds of shape that are numbers or, for a formula, may be one."""
 
 
 def last_conclusions(rulebase: RuleBase) -> dict[str, int]:

@@ -1,9 +1,8 @@
 """Terms as sets: membership, hedges, corners, centre; the truth of an antecedent.
 
-What each kind computes and what is known of it stands in its record
-(:mod:`fuzzyarm.symbolic.kinds`); here the records meet the numbers of a model. One point
-at a time, in plain Python: checks, expectations and traces would wait longer for an array
-library than for the answer.
+The computation and the properties of each kind are in its record (:mod:`fuzzyarm.symbolic.kinds`);
+here the records meet the numbers of a model. One point at a time, in plain Python: checks,
+expectations and traces would wait longer for an array library than for the answer.
 """
 
 from __future__ import annotations
@@ -93,7 +92,7 @@ def apply_hedge(hedge: Hedge, degree: float) -> float:
 
 
 def apply_hedges(hedges: Sequence[Hedge], degree: float) -> float:
-    """Return `degree` as modified by `hedges`, the last of which acts first."""
+    """Return `degree` as modified by `hedges`, applied from last to first."""
     for hedge in reversed(hedges):
         degree = apply_hedge(hedge, degree)
     return degree
@@ -135,7 +134,7 @@ def polyline(shape: Shape) -> list[tuple[float, float]]:
     Parameters
     ----------
     shape : Shape
-        Of a straight kind.
+        Of a piecewise linear kind.
 
     Returns
     -------
@@ -151,8 +150,8 @@ def polyline(shape: Shape) -> list[tuple[float, float]]:
 def straight_lines(shape: Shape, hedges: Sequence[Hedge] = ()) -> StraightShape | None:
     """Return a term under hedges as lines that have its degrees to the bit; None where it has none.
 
-    A level line stays level under any hedge. ``not`` turns a line that leaves its foot, for
-    1 − (0 + d) and (1 − 0) − d are rounded alike; what else slopes is bent, or rounded twice.
+    A level line stays level under any hedge. ``not`` reverses a line from its foot, because 1 − (0
+    + d) and (1 − 0) − d round alike; other slopes are bent, or rounded twice.
 
     Parameters
     ----------
@@ -222,7 +221,7 @@ def corners(variable: Variable) -> list[float]:
     values = {x for term in variable.terms for x in corner_points(term.shape)}
     low = variable.low if math.isfinite(variable.low) else min(values, default=0.0) - 1.0
     high = variable.high if math.isfinite(variable.high) else max(values, default=0.0) + 1.0
-    # A curved term has no corners that tell where it changes.
+    # A curved term has no corners at which it changes.
     if any(not SHAPES[term.shape.kind].straight for term in variable.terms):
         values |= {low + (high - low) * i / 64 for i in range(65)}
     return sorted({low, high} | {x for x in values if low < x < high})
@@ -238,8 +237,8 @@ CURVED_SAMPLES = 1_001
 def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | None:
     """Return a position from `low` to `high` where `lower` is above `upper`; None if nowhere.
 
-    Shapes of straight pieces are compared at all their corners, from both sides, in rational
-    numbers, which is a proof; curved ones as in :func:`first_sample_above`.
+    Piecewise linear shapes are compared at all their corners, from both sides, in rational numbers,
+    which is a proof; curved ones as in :func:`first_sample_above`.
     """
     features = {x for shape in (lower, upper) for x in corner_points(shape)}
     one, other = membership_function(lower), membership_function(upper)
@@ -250,7 +249,7 @@ def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | 
     from fractions import Fraction
 
     bottom, top, allowed = polyline(lower), polyline(upper), Fraction(CLOSE)
-    # Both are straight between two corners, so a gap is widest beside one of them.
+    # Both are linear between two corners, so the largest gap is at one of them.
     for x in sorted({x for x in features if start < x < end} | {start, end}):
         sides = [side for side in (-1, 1) if (x > start if side < 0 else x < end)]
         if any(_beside(bottom, x, s) > _beside(top, x, s) + allowed for s in sides):
@@ -276,7 +275,7 @@ def first_sample_above(
 
 
 def _finite(low: float, high: float, features: Collection[float]) -> tuple[float, float]:
-    """Return a range; where it has no end, one beyond what is in it."""
+    """Return a range; an infinite end is replaced by a value beyond all features."""
     positions = [x for x in (low, high, *features) if math.isfinite(x)] or [0.0]
     width = 1.0 + max(positions) - min(positions)
     start = low if math.isfinite(low) else min(positions) - width
@@ -301,7 +300,7 @@ def _beside(line: Sequence[tuple[float, float]], x: float, side: int) -> Fractio
 def probe_points(variable: Variable) -> list[float]:
     """Return the corners and the middles between them, in increasing order.
 
-    Between two corners no bounded term starts or ends, so the middle stands for the stretch.
+    Between two corners no bounded term starts or ends, so the midpoint represents the interval.
     """
     values = corners(variable)
     return sorted({*values, *(0.5 * (a + b) for a, b in pairwise(values))})

@@ -1,4 +1,4 @@
-"""Units as texts: what is left of a product, and units of one kind that do not cancel."""
+"""Units as text: the unit of a product, and units of one dimension that do not cancel."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ _BASES: tuple[tuple[str, Unit], ...] = (
     ("K mK °C °F", {"K": 1}),
 )
 _DIMENSIONS = {symbol: base for symbols, base in _BASES for symbol in symbols.split()}
-"""What a symbol measures, in powers of m, s, kg, A and K; an angle is a plain number."""
+"""Dimensions of symbols, in powers of m, s, kg, A and K; an angle is dimensionless."""
 
 
 def dimension(unit: Unit) -> Unit | None:
-    """Return what a unit measures, in powers of the base units; None where a symbol is unknown."""
+    """Return the dimension of a unit, in powers of the base units; None for an unknown symbol."""
     whole: Unit = {}
     for symbol, power in unit.items():
         if symbol not in _DIMENSIONS:
@@ -67,7 +67,7 @@ def dimension(unit: Unit) -> Unit | None:
 
 
 NORMALISED = ("normalised", "normalized")
-"""Words at the end of a description that say that a variable is a plain number."""
+"""Last words of a description that mark a dimensionless variable."""
 
 
 def described_unit(description: str) -> Unit | None:
@@ -79,7 +79,7 @@ def described_unit(description: str) -> Unit | None:
 
 
 def read_unit(text: str) -> Unit | None:
-    """Return what a unit like ``N m/rad`` consists of; None where that is not certain."""
+    """Return the symbols and powers in a unit like ``N m/rad``; None if uncertain."""
     if _WORDS.fullmatch(text) is None or "per" in text.split() or text.count("/") > 1:
         return None
     unit: Unit = {}
@@ -107,7 +107,7 @@ def of_difference(unit: Unit | None) -> Unit | None:
 
 
 def unit_text(unit: Unit) -> str:
-    """Return a unit as it is written; ``1`` for a plain number."""
+    """Return the text of a unit; ``1`` for none."""
     above: list[str] = []
     below: list[str] = []
     for symbol, power in unit.items():
@@ -117,7 +117,7 @@ def unit_text(unit: Unit) -> str:
 
 
 def unlike(unit: Unit) -> tuple[str, str] | None:
-    """Return two symbols of one kind of which one divides the other, as in rad/deg."""
+    """Return two symbols of one dimension of which one divides the other, as in rad/deg."""
     for first, second in combinations(unit, 2):
         if unit[first] * unit[second] < 0 and any({first, second} <= kind for kind in KINDS):
             return first, second

@@ -1,4 +1,4 @@
-"""Tuning: numbers that move until a cost is small, and a text that says what became of it."""
+"""Tuning: numbers that minimise a cost, and a text with the result."""
 
 from __future__ import annotations
 

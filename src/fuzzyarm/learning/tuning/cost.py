@@ -47,8 +47,8 @@ class Cost:
     Parameters
     ----------
     text : str
-        As in ``rms + 0.002*variation``. A metric is the mean over what is tracked; of one axis it
-        is written ``'joint1.rms'``.
+        As in ``rms + 0.002*variation``. A metric is the mean over the tracked outputs; that of one
+        axis is ``'joint1.rms'``.
     metrics : tuple of str
         The names that the formula may use.
 
@@ -79,7 +79,7 @@ class Cost:
 
     @property
     def is_brief(self) -> bool:
-        """Whether it uses nothing but errors and chatter of a run."""
+        """Whether it depends only on errors and chatter of a run."""
         return all(name.rpartition(".")[2] in (*BRIEF, *CONSTANTS) for name in self.formula.names)
 
     def of(self, values: Mapping[str, float]) -> float:
@@ -97,10 +97,10 @@ class Cost:
 
 
 def values_of(run: Run) -> dict[str, float]:
-    """Return the metrics of a run by name: means over what is tracked, and those of each axis.
+    """Return the metrics of a run by name: means over the tracked outputs, and those of each axis.
 
-    A step that is never reached or does not settle counts with the whole time of the run.
-    Metrics of steps are left out if the reference is not a step.
+    A step that is never reached or does not settle counts with the duration of the run. Metrics of
+    steps are omitted if the reference is not a step.
     """
     numbers_by_name: dict[str, list[float]] = {}
     labelled: dict[str, float] = {}
@@ -161,11 +161,11 @@ def errors_between(predicted: Vector, observed: Vector) -> dict[str, float]:
 # --- A function of the user's ---
 
 OwnCost = Callable[[Any], float]
-"""Takes a list of :class:`fuzzyarm.control.loop.Run`, or the rule base if that is tuned alone."""
+"""From a list of :class:`fuzzyarm.control.loop.Run`, or from the rule base if tuned alone."""
 
 
 def read_cost(text: str, metrics: tuple[str, ...] = METRICS) -> Cost | OwnCost:
-    """Return the cost of the user: a formula, or ``FILE.py:FUNCTION``, which is executed."""
+    """Return a user's cost: a formula, or ``FILE.py:FUNCTION``, which is executed."""
     path, _, name = text.rpartition(":")
     if not path.endswith(".py"):
         if text.endswith(".py"):

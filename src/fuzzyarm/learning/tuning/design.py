@@ -1,7 +1,7 @@
 """The free numbers of a file as shares from 0 to 1, and the file at given shares.
 
-The ``tune`` blocks of rule bases and ``tune`` behind the gains of a controller say what may move.
-Without any, everything moves that can, and what is even now stays even.
+The ``tune`` blocks of rule bases and ``tune`` after the gains of a controller define the movable
+numbers. Without any, all possible numbers move, and even spacing is kept.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class MovingNumber:
     name : str
         ``G_e``, ``G_e[2]`` of the second axis, ``pd7.e PS`` of a peak.
     low, high, start : float
-        Of the number itself; for a peak, shares of its way.
+        Of the number; for a peak, fractions of its interval.
     scale : str
         The scale on which it moves.
     """
@@ -73,7 +73,7 @@ class MovingNumber:
         if share in ends:
             return ends[share]
         first, last = self._steps(self.low), self._steps(self.high)
-        # exp(log(x)) may round beyond x, which is the end of the range.
+        # exp(log(x)) may round beyond x, the end of the range.
         return min(max(self._number(first + (last - first) * share), self.low), self.high)
 
     @property
@@ -88,7 +88,7 @@ class MovingNumber:
         near = significant(value, digits)
         if self.low <= near <= self.high:
             return near
-        # The other neighbour with these digits; in a narrow range there is none.
+        # The other neighbour with these digits; a narrow range may contain none.
         unit = 10.0 ** (math.floor(math.log10(abs(near))) - digits + 1) if near else 0.0
         other = significant(near + math.copysign(unit, value - near), digits)
         return other if self.low <= other <= self.high else value
@@ -131,7 +131,7 @@ class _ParameterGroup:
 
 
 class Design:
-    """What may move in a controller, or in a rule base alone.
+    """The movable numbers of a controller, or of a rule base alone.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ class Design:
     Raises
     ------
     TuneError
-        If nothing may move, or a line asks for something impossible.
+        If nothing may move, or a line is impossible.
     """
 
     def __init__(self, subject: ControllerText | RuleBase, tuning: Tuning | None = None) -> None:
@@ -246,7 +246,7 @@ def blocks_of(subject: ControllerText | RuleBase, tuning: Tuning | None) -> dict
 
 
 def says_what_moves(subject: ControllerText | RuleBase) -> bool:
-    """Whether a file says what may move: a ``tune`` block, or ``tune`` behind a gain."""
+    """Whether a file defines movable numbers: a ``tune`` block, or ``tune`` after a gain."""
     if any(rulebase.tuning is not None for rulebase in rulebases_of(subject).values()):
         return True
     gains = subject.model.gains if isinstance(subject, ControllerText) else ()
@@ -280,7 +280,7 @@ def everything(rulebase: RuleBase) -> Tuning:
             continue
         even = not any(mirror_faults(variable))
         whole = PeakTuning((variable.name,), even, True, partition_faults(variable) == [])
-        # With N Z P mirrored nothing could move, since Z stays in the middle: then it may move.
+        # With N Z P mirrored nothing could move, since Z stays in the middle: then release it.
         stuck = even and not Movement(variable, whole, ()).names
         peaks.append(replace(whole, mirrored=False) if stuck else whole)
     alike = groupby(peaks, lambda peak: replace(peak, variables=()))
@@ -293,7 +293,7 @@ def everything(rulebase: RuleBase) -> Tuning:
 
 
 WIDE = 5.0
-"""Factor of the ranges that are written behind gains."""
+"""Factor of the ranges written after gains."""
 
 
 def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
@@ -344,16 +344,16 @@ def _gains(
 def gain_ranges(
     model: ControllerModel, blocks: Iterable[Tuning], *, with_file_ranges: bool
 ) -> dict[str, GainTuning]:
-    """Return how each gain may move; lines of a rule base override the range behind the gain.
+    """Return the range of each gain; lines of a rule base override the range after the gain.
 
     Parameters
     ----------
     model : ControllerModel
-        Whose gains they are.
+        Model with the gains.
     blocks : iterable of Tuning
         The ``tune`` blocks of rule bases, or lines passed in.
     with_file_ranges : bool
-        Whether ``tune`` behind a gain counts.
+        Whether ``tune`` after a gain counts.
 
     Raises
     ------

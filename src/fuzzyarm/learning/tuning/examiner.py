@@ -1,7 +1,7 @@
 """Evaluation of candidates on all scenarios or samples, here or on other machines.
 
-Every examination depends on the point and on the problem, and on nothing else: neither on how
-many workers there are nor on what was examined before.
+An examination depends on the point and the problem alone: neither on the number of workers nor on
+earlier examinations.
 """
 
 from __future__ import annotations
@@ -68,11 +68,11 @@ class Score(NamedTuple):
     parts : tuple of float
         For each scenario; empty for a function of the user and for samples.
     error, chatter : float
-        Means of RMS error and chatter, for the front of both; not a number for samples.
+        Means of RMS error and chatter, for their Pareto front; NaN for samples.
     diverged : int
         Number of runs that diverged.
     fault : str
-        What failed, if the candidate has no cost.
+        The failure, if the candidate has no cost.
     """
 
     cost: float
@@ -85,7 +85,7 @@ class Score(NamedTuple):
 
 @dataclass(frozen=True)
 class TuningProblem:
-    """A subject, its cost and its scenarios; it is sent to workers as it is.
+    """A subject, its cost and its scenarios; pickled as is for workers.
 
     Attributes
     ----------
@@ -96,9 +96,9 @@ class TuningProblem:
     cost : Cost or callable
         The cost to minimise.
     scenarios : tuple of Scenario
-        Of a controller.
+        Scenarios of a controller.
     samples : Samples or None
-        Of a rule base alone.
+        Samples of a rule base alone.
     over : str
         How the costs of scenarios become one.
     conventions, options, connect
@@ -122,7 +122,7 @@ class Examiner:
     Parameters
     ----------
     problem : TuningProblem
-        What is to be examined.
+        The problem.
     """
 
     def __init__(self, problem: TuningProblem) -> None:
@@ -161,7 +161,7 @@ class Examiner:
             return failed(error)
 
     def ready(self, candidate: Candidate) -> LoopProgram | None:
-        """Make what all scenarios of a candidate share; None where nothing runs."""
+        """Prepare the state shared by all scenarios of a candidate; None if nothing runs."""
         subject = self.problem.subject
         if not isinstance(subject, ControllerText) or not self.stands:
             return None
@@ -288,12 +288,12 @@ class _Stand:
 
 
 class ExaminerPool:
-    """Examines points, as many at a time as there are workers.
+    """Examines points in parallel, one for each worker.
 
     Parameters
     ----------
     problem : TuningProblem
-        What is to be examined.
+        The problem.
     workers : int, optional
         Candidates examined at a time; by default one for each processor.
     executor : Executor, optional
@@ -301,8 +301,8 @@ class ExaminerPool:
 
     Notes
     -----
-    Machine code runs in threads of this process. What is plain Python runs in processes, if there
-    are several points and several workers.
+    Machine code runs in threads of this process, plain Python in processes, if there are several
+    points and several workers.
     """
 
     def __init__(
@@ -318,16 +318,16 @@ class ExaminerPool:
         self._question = b""
 
     def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
-        """Examine points in order; if one fails its score says so, and the others continue."""
+        """Examine points in order; a failing one gets a score with the reason, others continue."""
         # A single point would keep one process busy: that may be this one.
         alone = self.workers == 1 or (len(points) == 1 and not self._in_threads)
         if alone and self.executor is None:
             return [self.examiner.tried(point, digits) for point in points]
         if self.executor is not None or not self._in_threads:
             return self._elsewhere(points, digits)
-        # All scenarios of all points as they come: a point alone has work for several. What is
-        # Python is done here, one candidate after the other, while the workers run machine code
-        # without the lock.
+        # All scenarios of all points as they come: one point has work for several workers. Python
+        # code runs in this thread, one candidate after the other, while the workers run machine
+        # code without the GIL.
         begun: list[Callable[[], Score] | FuzzyarmError] = []
         for point in points:
             try:
@@ -337,7 +337,7 @@ class ExaminerPool:
         return [_outcome_of(run) for run in begun]
 
     def score_of(self, candidate: Candidate) -> Score:
-        """Examine a candidate, in threads of this process where it can; what fails is raised."""
+        """Examine a candidate, in threads of this process if possible; failures raise."""
         return self._begun(candidate)() if self._in_threads else self.examiner.score_of(candidate)
 
     @property
@@ -399,7 +399,7 @@ def panel(
 
 
 def _outcome_of(begun: Callable[[], Score] | FuzzyarmError) -> Score:
-    """Wait for a score; a failure becomes a score that says why."""
+    """Wait for a score; a failure becomes a score with the reason."""
     try:
         return failed(begun) if isinstance(begun, FuzzyarmError) else begun()
     except FuzzyarmError as error:

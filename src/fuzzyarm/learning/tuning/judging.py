@@ -1,7 +1,7 @@
 """After a search: round the numbers, judge them on unseen scenarios, and tune an opponent.
 
-The search may have taken hours. So its result is handed over first, and a later failure
-becomes one sentence beside it.
+The search may have taken hours, so its result is delivered first, and a later failure becomes one
+sentence beside it.
 """
 
 from __future__ import annotations
@@ -46,13 +46,13 @@ class TuningJob(NamedTuple):
     linear : dict of str to TuningProblem
         The same problems for the opponent; empty without one.
     cost : str
-        The cost that is minimised, in words.
+        The minimised cost, in words.
     names : dict of str to tuple of str
         Names of the scenarios: ``train`` of the search, ``unseen`` of the judgement.
     regression : dict
         Errors of linear regression on samples.
     alone : str
-        Why there is no opponent although one was requested.
+        Reason for a missing opponent, if one was requested.
     noises : tuple of (float, Options)
         Sizes of the noise with the options of the noisy problems, from the smallest: the first that
         shows is taken.
@@ -74,7 +74,7 @@ class TuningJob(NamedTuple):
 class Means(NamedTuple):
     """How to search, and the callbacks.
 
-    `take` gets the result before it is judged; `tell` hears about the steps after the search.
+    `take` gets the result before its judgement; `tell` is called in each step after the search.
     """
 
     workers: int | None
@@ -94,9 +94,9 @@ def rounded(
 ) -> tuple[Candidate, int, Score]:
     """Return the best candidate with rounded numbers, scored again.
 
-    A digit more is kept where rounding breaks a promise or costs more than one percent. Where
-    nothing was found the file stays as it is. Where the rounding itself fails or is interrupted,
-    the numbers stay as they were found.
+    A digit more is kept where rounding breaks a promise or costs more than one percent. Without a
+    result the file is unchanged. If the rounding fails or is interrupted, the numbers stay
+    unrounded.
     """
     best, design = result.best, examining.design
     if np.array_equal(best.point, design.start):
@@ -125,7 +125,7 @@ def _rescored(examining: ExaminerPool, candidate: Candidate) -> Score:
         return Score(math.inf, fault=str(error))
 
 
-# --- Judged by what was not seen ---
+# --- Judgement on unseen scenarios ---
 
 
 def with_judgement(
@@ -192,7 +192,7 @@ def _audible(job: TuningJob, candidate: Candidate) -> TuningJob:
 
 
 def _in_time(job: TuningJob, plan: TuningPlan, result: Found) -> TuningJob:
-    """Return a job with as many unseen scenarios as there is time for, and at least one."""
+    """Return a job with as many unseen scenarios as the time allows, and at least one."""
     count, seconds = len(job.names["unseen"]), plan.budget.seconds
     if not math.isfinite(seconds) or not job.judged or not job.problem.scenarios:
         return job
@@ -251,7 +251,7 @@ def _told(faults: list[str], what: str) -> Iterator[None]:
 def _linear(
     problem: TuningProblem, plan: TuningPlan, means: Means
 ) -> tuple[Found, Candidate, ComparedRow]:
-    """Tune the linear opponent on the same cost and scenarios, by the same means."""
+    """Tune the linear opponent on the same cost and scenarios, with the same effort."""
     with panel(problem, means.workers, means.executor) as examining:
         budget = plan.shared(judged=plan.unseen > 0, linear=True)
         search = Search(examining, None, budget, watch=means.watch_linear)

@@ -1,12 +1,12 @@
 """The opponent of every tuned rule base: straight lines in place of rules, tuned on the same cost.
 
-It is the controller itself with the plane that is nearest to each rule base, cut off at the range
-of its output; where there are no rules, the linear controller that the plant names. On
-samples it is linear regression.
+It is the controller with each rule base replaced by the nearest plane, clipped to the range of its
+output; without rules, the linear controller named by the plant. For samples it is linear
+regression.
 
-It has every freedom of the file. Each slope moves, for peaks do; whatever gain may move in the file
-moves in its range here, unless it does no more than a slope does; and so does how far an output
-goes, and what it is in the middle, where peaks may change that.
+It has every freedom of the file. Each slope moves, as peaks do; gains movable in the file are
+movable here in their range, unless equivalent to a slope; so are the limits of an output and its
+middle value, where peaks may change these.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def opponent(
 
     Raises
     ------
-    TuneError
+    If the controller has no rule base that a plane could replace.
         If the controller has no rule base that a plane could stand for.
     """
     try:
@@ -93,7 +93,7 @@ def opponent(
 def straightened(
     text: ControllerText, tuning: Tuning | None = None
 ) -> tuple[ControllerText, Tuning]:
-    """Return a controller with a plane in place of each rule base, and what of it may move."""
+    """Return a controller with a plane in place of each rule base, and its movable numbers."""
     model, planes = text.model, _Planes(text, tuning)
     axes = []
     for part in model.axes:
@@ -125,7 +125,7 @@ def _is_rules(line: Line) -> bool:
 
 
 class _Planes:
-    """The lines that stand in place of rules, their gains, and what of them may move.
+    """The lines that replace rules, their gains, and the movable ones.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ class _Planes:
         self.part = text.model.axes[0]
 
     def lines_for(self, line: Line, part: Axes) -> Iterator[Line]:
-        """Yield lines for the signals of a rule base: sums, and what cuts them off."""
+        """Yield lines for the signals of a rule base: sums, and their limits."""
         self.part = part
         assert isinstance(line, SignalLine)
         assert line.source is not None
@@ -199,7 +199,7 @@ class _Planes:
         self.moving.append(GainTuning((gain,), low, high, times=times, per_axis=several))
 
     def _slope(self, name: str, signal: str, slope: float) -> str:
-        """Return the gain of a slope; it reaches as far as what scales the signal in the file."""
+        """Return the gain of a slope; its range follows from the scaling gain in the file."""
         gain = self._own(f"slope of {name} along {signal}", slope, "slope")
         low, high = 1.0 / SPAN, SPAN
         for other in self.scaling.get(signal, ()):
@@ -211,14 +211,14 @@ class _Planes:
         return gain
 
     def _offset(self, name: str, output: Output, constant: float, *, moves: bool) -> str:
-        """Return the gain of what an output is in the middle of its inputs."""
+        """Return the gain of an output's value in the middle of its inputs."""
         gain = self._own(f"offset of {name}", constant, "offset")
         if moves:
             self._move(gain, output.low, output.high)
         return gain
 
     def _limit(self, name: str) -> str:
-        """Return the gain of how far an output goes, where peaks say it and no gain does."""
+        """Return the gain of an output's limit, if peaks determine it and no gain does."""
         gain = self._own(f"limit of {name}", 1.0, "limit")
         self._move(gain, 1.0 / SPAN, 1.0, times=True)
         return gain
@@ -247,7 +247,7 @@ class _Planes:
 
 
 def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
-    """Return the gains that do nothing but scale signals that only rules read, by signal."""
+    """Return the gains that only scale signals read by rules alone, by signal."""
     common_gains: dict[str, set[str]] = {}
     scaled: list[str] = []
     for part in model.axes:
@@ -261,7 +261,7 @@ def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
                 common_gains[line.names[0]] = common_gains.get(line.names[0], common) & common
                 scaled += common
     return {
-        # It stands in no other line than those that it scales.
+        # It occurs only in the lines that it scales.
         signal: {name for name in names if _mentions(model, name) == scaled.count(name)}
         for signal, names in common_gains.items()
     }
@@ -294,7 +294,7 @@ def _read_by(line: Line) -> Iterator[str]:
 
 
 def _mentions(model: ControllerModel, name: str) -> int:
-    """Return in how many lines a name stands, of axes of one kind."""
+    """Return the number of lines with a name, counting axes of one kind once."""
     return sum(name in _read_by(line) for part in model.axes for line in part.lines)
 
 
@@ -329,7 +329,7 @@ def nearest_plane(rulebase: RuleBase, output: str) -> tuple[list[float], float]:
 
 
 def cut_off(output: Output) -> RuleBase:
-    """Return a rule base whose output is its input, kept within a range."""
+    """Return a rule base whose output is its input, clipped to a range."""
     low, high = output.low, output.high
     whole = Term("ALL", Shape("rectangle", (low, high)))
     line = Term("LINE", Shape("linear", (1.0, 0.0)))

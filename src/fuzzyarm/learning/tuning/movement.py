@@ -1,11 +1,11 @@
 """How the terms of a variable move together: in order, mirrored, as a partition, by construction.
 
-A variable is stretched like a ruler of rubber. Its knots are where cores begin and end; some are
-nailed down (the ends of the range, what is kept, with ``mirrored`` the middle), the others slide
-between them. Whatever stands at a knot or between two goes along, so that a foot under the
-neighbour's peak stays there, and a foot half-way stays half-way. No order of knots can break, for
-each is a share of the way from the nail to the next knot outside. Without ``keep order`` and
-``partition`` each term is moved as it is, and may pass its neighbours.
+A variable is stretched like a rubber ruler. Its knots are the ends of cores; some are fixed (the
+ends of the range, kept terms, with ``mirrored`` the middle), the others slide between them. Points
+at a knot or between two move along, so that a foot under the neighbour's peak stays there, and a
+foot half-way stays half-way. The order of knots is preserved, because each is a fraction of the way
+from the fixed knot to the next knot outside. Without ``keep order`` and ``partition`` each term
+moves independently, and may pass its neighbours.
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ NARROWEST = 5e-4
 
 
 class TuneError(FuzzyarmError, ValueError):
-    """Something cannot be tuned, or not in this way; `name` says what."""
+    """A subject that cannot be tuned, or not in this way; `name` is the offending part."""
 
     def __init__(self, message: str, *, name: str = "", hint: str = "") -> None:
         super().__init__(message, hint=hint)
         self.name = name
 
 
-# --- Numbers of shapes: positions, and widths that stretch with what is around them ---
+# --- Parameters of shapes: positions, and widths that stretch with their surroundings ---
 
 WIDTHS = {"deviation", "left-deviation", "right-deviation", "width"}
 """Parameters that are lengths."""
 
 RATES = {"slope", "slope1", "slope2"}
-"""Parameters that are one over a length; the slope of a bell has no unit."""
+"""Parameters that are reciprocal lengths; the slope of a bell is dimensionless."""
 
 CENTRES = {
     "deviation": "mean",
@@ -63,13 +63,13 @@ POSITIONS = {
     "mean", "left-mean", "right-mean", "centre", "inflection", "inflection1", "inflection2",
     "direction",
 }  # fmt: skip
-"""Parameters that are positions, or stay as they are."""
+"""Parameters that are positions, or fixed."""
 
 Map = Callable[[float], float]
 
 
 def is_movable(kind: str) -> bool:
-    """Whether it is known of each number of a shape what becomes of it on a stretched axis."""
+    """Whether every parameter of a shape has a rule for a stretched axis."""
     names = set(SHAPES[kind].parameters)
     return kind == "points" or (bool(names) and names <= POSITIONS | WIDTHS | RATES)
 
@@ -105,7 +105,7 @@ def _number(kind: str, name: str, values: Mapping[str, float], to: Map) -> float
     return 1.0 / stretched if rate else stretched
 
 
-# --- What may move ---
+# --- Movable knots ---
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ class KnotStretch:
         return values[::-1]
 
     def _way(self, at: int, outside: float, gap: float) -> tuple[float, float]:
-        """Return between what a knot slides; each of those inside it has its gap, too."""
+        """Return the interval in which a knot slides, less the gaps of the knots inside it."""
         sign = math.copysign(1.0, self.end - self.nail)
         return self.nail + sign * gap * (at + 1), outside - sign * gap
 
@@ -174,12 +174,12 @@ class Movement:
     peaks : PeakTuning
         How it may move.
     kept : collection of str
-        Terms that stay; an empty name stands for all of them.
+        Fixed terms; an empty name means all of them.
 
     Attributes
     ----------
     names : list of str
-        Of the numbers: the terms that they move first.
+        Names of the numbers: the terms that they move first.
     start : list of float
         The numbers of the file.
 
@@ -269,12 +269,12 @@ class Movement:
 
     @cached_property
     def nails(self) -> frozenset[float]:
-        """Positions that stay: the ends of the range, what is kept, and images of these."""
+        """Fixed positions: the ends of the range, kept terms, and their mirror images."""
         low, high = self.variable.low, self.variable.high
         values = {low, high}
         values |= {edge for name in self.fixed_terms for edge in self.cores[name]}
         if self.peaks.mirrored:
-            # What a term keeps, its image keeps.
+            # A position kept by a term is kept by its mirror image.
             values |= {0.5 * self.turn, *(self.turn - nail for nail in values)}
         return frozenset(values)
 
@@ -359,7 +359,7 @@ class Movement:
     # --- Both ---
 
     def _with(self, to: Callable[[str], Map]) -> Variable:
-        # The feet of what is kept follow the neighbours, where they are a partition.
+        # In a partition the feet of kept terms follow the neighbours.
         stay = set() if self.peaks.partition else self.fixed_terms
         terms = tuple(
             term if term.name in stay else self._term(term, to(term.name))
@@ -387,7 +387,7 @@ def _between(pairs: Mapping[float, float]) -> Map:
         for (a, to_a), (b, to_b) in pairwise(places):
             if a < x < b:
                 return to_a + (to_b - to_a) * (x - a) / (b - a)
-        return x  # beyond the range nothing moves
+        return x  # nothing moves outside the range
 
     return to
 
@@ -400,7 +400,7 @@ def _rounding(to: Map, rounded: Map, pairs: Mapping[float, float]) -> Map:
 
 
 def rounding(digits: int | None, variable: Variable) -> Map:
-    """Return what rounds positions on a variable.
+    """Return a rounding of positions on a variable.
 
     Significant digits, where the middle of the range is 0; elsewhere as many decimals as the
     range has digits, so that images stay images.

@@ -1,8 +1,8 @@
 """Optimisers: Nelder-Mead, CMA-ES, differential evolution; points in the unit cube.
 
-Each asks for the costs of points, one or many at a time, until `ask` raises to end it. With one
-seed each asks for the same points in the same order, whatever the number of workers; so an
-interrupted search is resumed by answering its first questions from the journal.
+Each calls `ask` for the costs of points, one or many at a time, until `ask` raises to stop it. For
+a seed the sequence of points is the same for any number of workers; so an interrupted search is
+resumed by answering its first calls from the journal.
 
 To add an optimiser, write such a function and its record here. Parameters that move together are
 those of :mod:`.movement`; all are shares between 0 and 1 (:mod:`.design`).
@@ -30,13 +30,13 @@ class Optimiser(NamedTuple):
     Attributes
     ----------
     run : callable
-        Takes `ask`, the first point and a seed; runs until `ask` raises.
+        From `ask`, the first point and a seed; runs until `ask` raises.
     doc : str
         One line.
     source : str
-        Where it comes from.
+        Reference.
     batch : bool
-        Whether it asks for many points at a time.
+        Whether it evaluates many points at a time.
     """
 
     run: Callable[[Ask, Vector, int], NoReturn]
@@ -109,7 +109,7 @@ SEEDS = 2**32
 
 
 def cma_es(ask: Ask, start: Vector, seed: int) -> NoReturn:
-    """CMA-ES: generations from a normal distribution whose covariance adapts.
+    """CMA-ES: generations from a normal distribution with adapted covariance.
 
     Hansen, The CMA evolution strategy: a tutorial (arXiv 1604.00772); the package ``cma``. Where
     it has converged it begins again at the best point with half the deviation.
@@ -119,7 +119,7 @@ def cma_es(ask: Ask, start: Vector, seed: int) -> NoReturn:
 
     best, least, deviation = start, np.inf, FIRST_DEVIATION
     while True:
-        # The package takes the time of day for a seed of 0.
+        # The package interprets a seed of 0 as the time of day.
         seed_ = seed % SEEDS or SEEDS - 1
         settings: dict[str, Any] = {"bounds": [0.0, 1.0], "seed": seed_, "verbose": -9}
         strategy = cma.CMAEvolutionStrategy(best.tolist(), deviation, settings)

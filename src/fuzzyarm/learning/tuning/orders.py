@@ -1,4 +1,4 @@
-"""What a request of tuning means: the file, where it runs, samples, the journal."""
+"""A request of tuning resolved: the file, its plant, samples, the journal."""
 
 from __future__ import annotations
 
@@ -42,20 +42,20 @@ from fuzzyarm.requests.tune import TuneRequest
 
 
 class Order(NamedTuple):
-    """What is tuned, and on what.
+    """The subject and the task of a tuning.
 
     Attributes
     ----------
     path : str
         The file.
     subject : ControllerText or RuleBase
-        What it holds.
+        Its content.
     stage : Stage or None
         Where a controller runs.
     samples : dict of str to Samples
         ``data`` and ``test`` of a rule base alone.
     conventions : Conventions
-        Of the runs.
+        Conventions of the runs.
     journal : Journal or None
         Where trials are written down.
     """
@@ -69,10 +69,10 @@ class Order(NamedTuple):
 
 
 def order_of(request: TuneRequest) -> Order:
-    """Read what is asked for; a journal is begun."""
+    """Resolve a request; a journal is begun."""
     require_sensible(request)
     path, subject = _subject(request.file)
-    if request.out is not None:  # before the search, whose result would be lost
+    if request.out is not None:  # before the search, not after it
         demand_not_used(request.out, subject, path)
     stage, samples = None, dict[str, Samples]()
     if isinstance(subject, ControllerText):
@@ -87,7 +87,7 @@ def order_of(request: TuneRequest) -> Order:
 
 
 def require_sensible(request: TuneRequest) -> None:
-    """Tell mistakes before anything is loaded."""
+    """Raise for mistakes that show before anything is loaded."""
     if request.resume and not request.journal:
         raise UsageError("--resume goes on with the file of --journal, and none is given")
     if request.test and not request.data:
@@ -103,7 +103,7 @@ def longest(request: TuneRequest) -> float:
 
 
 def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
-    """Return a file and what it holds; a name of the catalogue is a shipped file."""
+    """Return a file and its content; a name of the catalogue is a shipped file."""
     path = word
     if not Path(word).exists() and f"{word}.frb" in shipped_names():
         path = str(shipped(f"{word}.frb"))
@@ -113,7 +113,7 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
     return path, model
 
 
-# --- What it is tuned on ---
+# --- The task ---
 
 
 def stage_of_request(request: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
@@ -154,7 +154,7 @@ def samples_of(request: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
 def columns_for(path: str, rulebase: RuleBase, target: str | None = None) -> Columns:
     """Return which columns of a file are the inputs and the output of a rule base.
 
-    Without a target it is the column that is called like the only output, or the last one.
+    Without a target it is the column named like the only output, or the last one.
     """
     inputs = tuple(variable.name for variable in rulebase.inputs)
     outputs = [output.name for output in rulebase.outputs]

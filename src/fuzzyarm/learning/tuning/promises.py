@@ -1,4 +1,4 @@
-"""What a tuned file has to keep: its ``expect`` and ``prove`` lines."""
+"""Constraints of a tuned file: its ``expect`` and ``prove`` lines."""
 
 from __future__ import annotations
 

@@ -31,10 +31,10 @@ UNSEEN = 24
 """Scenarios of the judgement."""
 
 ALL_DIGITS = 17
-"""Digits of numbers that are not rounded."""
+"""Digits of unrounded numbers."""
 
 JUDGEMENT = 0.2
-"""Share of a time limit that is reserved for the judgement."""
+"""Fraction of a time limit reserved for the judgement."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ class TuningPlan:
     budget : Budget
         When to end.
     seed : int
-        Of the search.
+        Seed of the search.
     digits : int
-        Of the numbers that are written.
+        Digits of the written numbers.
     unseen : int
         Scenarios of the judgement; 0 for no judgement.
     linear : bool
@@ -97,11 +97,11 @@ class Tuned:
     subject : ControllerText or RuleBase
         As it was before.
     candidate : Candidate
-        The numbers that are written.
+        The written numbers.
     parameters : tuple of MovingNumber
         The numbers that moved.
     found : Found
-        The search: all trials, the best, what was refused.
+        The search: all trials, the best, the rejected ones.
     digits : int
         Significant digits; more than requested if rounding broke a promise.
     rows : tuple of ComparedRow
@@ -123,11 +123,11 @@ class Tuned:
     over : str
         How the costs of scenarios became one.
     notes : tuple of str
-        Comments that are written into the files.
+        Comments for the files.
     faults : tuple of str
-        Sentences about what failed after the search; the numbers are valid all the same.
+        Failures after the search, a sentence each; the numbers are valid anyway.
     alone : str
-        Why there is no linear opponent although one was requested.
+        Reason for a missing linear opponent, if one was requested.
     noise : float
         Standard deviation of the noise of ``noisy``, as a share of each range; 0 without one.
     line : Candidate or None
@@ -178,7 +178,7 @@ class Tuned:
         return next((row for row in self.rows if row.name == name), None)
 
     def wins(self, over: str) -> tuple[int, int]:
-        """Return on how many unseen scenarios it beats another row, and the number of scenarios."""
+        """Return the number of unseen scenarios on which it beats another row, and their total."""
         own_row, other = self.row("tuned"), self.row(over)
         if own_row is None or other is None:
             return 0, 0
@@ -200,7 +200,7 @@ class Tuned:
         return "\n".join(file.diff() for file in self.files if file.changed)
 
     def claim(self) -> str:
-        """Return what the unseen scenarios allow to claim."""
+        """Return the claim supported by the unseen scenarios."""
         return _claim(self)
 
     def remarks(self) -> Iterator[str]:
@@ -213,10 +213,10 @@ class Tuned:
         return data
 
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
-        """Write the texts; rule bases of their own files go beside, as ``STEM-NAME.frb``.
+        """Write the texts; rule bases in files of their own go beside, as ``STEM-NAME.frb``.
 
-        If the tuned file is overwritten, rule bases beside it keep their names. Shipped files
-        are never written over.
+        If the tuned file is overwritten, rule bases beside it keep their names. Shipped files are
+        never overwritten.
         """
         return _write(self, Path(path))
 
@@ -242,7 +242,7 @@ def front_of(result: Found) -> list[tuple[float, float]]:
     return front
 
 
-# --- What is said of it ---
+# --- Report ---
 
 
 class Comparison(NamedTuple):
@@ -253,8 +253,8 @@ class Comparison(NamedTuple):
     other : str
         Name of the row.
     better, of : int
-        On how many scenarios it costs less, of how many; 0 of 0 if the cost is one number for all
-        of them.
+        Number of scenarios with lower cost, and their total; 0 of 0 if the cost is one number for
+        all of them.
     own, theirs : float
         The costs.
     """
@@ -271,7 +271,7 @@ class Comparison(NamedTuple):
         return (self.own - self.theirs) / abs(self.theirs) if self.theirs else math.nan
 
     def words(self, over: str) -> str:
-        """Say how it compares."""
+        """Describe the comparison."""
         name = {"as in the file": "the file", LINEAR: f"the {LINEAR}"}.get(self.other, self.other)
         if not self.of:
             return f"{self._cost_words(name)} on what was not seen"
@@ -292,14 +292,14 @@ class Comparison(NamedTuple):
 
 
 MANIFOLD = 3.0
-"""Ratio of costs from which it is given as a factor rather than in percent."""
+"""Ratio of costs from which it is given as a factor instead of in percent."""
 
 BEYOND_WORDS = 1000.0
 """Ratio of costs beyond which the costs themselves are given."""
 
 
 def comparisons_of(tuned: Tuned) -> list[Comparison]:
-    """Return how the tuned file compares with every other row on what was not seen."""
+    """Return the comparisons of the tuned file with all other rows on unseen scenarios."""
     tuned_row = tuned.row("tuned")
     if tuned_row is None or "unseen" not in tuned_row.scores:
         return []
@@ -316,7 +316,7 @@ def comparisons_of(tuned: Tuned) -> list[Comparison]:
 
 
 def _claim(tuned: Tuned) -> str:
-    # Comparing a file with itself would say nothing.
+    # A comparison of the file with itself is useless.
     others = [x for x in tuned.comparisons if tuned.changes or x.other != "as in the file"]
     sentences = [comparison.words(tuned.over) for comparison in others]
     if not tuned.changes:
@@ -483,13 +483,13 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
     if isinstance(tuned.subject, ControllerText):
         own_files = {} if over else _files_elsewhere(tuned.subject, origin, out)
         text = with_files(text, {**own_files, **names})
-    # The file that names the others comes last: before, it still names the old ones.
+    # The file with the references comes last: until then it names the old ones.
     write_atomically(out, text)
     return [out, *paths]
 
 
 def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> dict[str, str]:
-    """Return used files that stand beside the old file and not beside the new one."""
+    """Return used files that are beside the old file but not beside the new one."""
     if origin is None or real_path(origin).parent == real_path(out).parent:
         return {}
     files = {}

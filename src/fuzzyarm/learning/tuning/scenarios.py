@@ -1,7 +1,7 @@
-"""What a controller is tuned on, and what it is judged by afterwards: moves, loads, noise, seeds.
+"""Scenarios for tuning and for the judgement: moves, loads, noise, seeds.
 
-Scenarios are drawn by a seed, so that more of them begin with the same ones. Those of the
-judgement come from another stream of the generator: nothing that was tuned on is among them.
+Scenarios are drawn from a seed, so that a larger set begins with the same ones. Those of the
+judgement come from another stream of the generator: none was used in tuning.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ TRAIN, UNSEEN = 0, 1
 """Streams of the generator."""
 
 HEAVIEST = 1.3
-"""Largest load that is drawn, as a share of the plant's."""
+"""Largest random load, as a share of the plant's."""
 
 NOISES = (1e-5, 1e-4, 1e-3, 1e-2)
-"""Standard deviations of the noise by which is judged, as shares of the range of each sensor."""
+"""Standard deviations of the noise in the judgement, as shares of the range of each sensor."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ class Scenario:
     name : str
         For reports.
     on : Trajectory, Plant or Motion
-        What is followed, or by which plant; a trajectory alone is the arm's.
+        A trajectory, a plant with references or a motion; a trajectory alone is the arm's.
     changes : mapping of str to float
         Load, parameters of the plant, noise, seed; see :func:`fuzzyarm.control.loop.simulate_many`.
     along : Trajectory, optional
-        What the plant follows; its first trajectory by default.
+        Trajectory of the plant; by default its first one.
     """
 
     name: str
@@ -62,28 +62,28 @@ class Scenario:
 
     @property
     def way(self) -> FollowedPlant | Motion:
-        """What is followed, and by which plant."""
+        """Plant and trajectory, or set points."""
         return way_of(self.on, self.along)
 
 
 @dataclass(frozen=True)
 class Stage:
-    """What all scenarios share, and how they are drawn.
+    """The common part of all scenarios, and the distribution of the rest.
 
     Attributes
     ----------
     plant : Plant
         Where the controller runs.
     first : tuple of Scenario
-        Those that were asked for by name; drawn ones stand behind them.
+        Explicitly requested ones; random ones follow.
     options : Options
         Sensors, integrator, limits, seed.
     vary : tuple of Range
-        What differs from drawn scenario to drawn scenario, besides the move.
+        Ranges of the random quantities, besides the move.
     references : mapping of str to Signal, optional
-        Of a plant; drawn scenarios scale them.
+        References of a plant, scaled in random scenarios.
     duration : float, optional
-        Of a run on a plant, s.
+        Duration of a run on a plant, s.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant.
     """
@@ -103,7 +103,7 @@ class Stage:
         return bool(ways) and all(isinstance(way, FollowedPlant) and way.trajectory for way in ways)
 
     def noisy(self, share: float = NOISES[0]) -> Stage:
-        """Return it with noise on every sensor that has none, as far as its range is known.
+        """Return the stage with noise on every noiseless sensor of known range.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ class Stage:
         """
         given = self.options.sensors
         interface = interface_of(self.plant)
-        # A sensor that goes by the name of its port alone is that of every axis.
+        # A sensor named by its port alone means that of every axis.
         sensors = {
             name: sensor
             for name, sensor in given.items()
@@ -152,7 +152,7 @@ def _is_loaded(plant: Plant, trajectory: Trajectory) -> bool:
 
 
 def train_scenarios(stage: Stage, count: int, controller: Controller) -> tuple[Scenario, ...]:
-    """Return `count` scenarios: those asked for first, then drawn ones."""
+    """Return `count` scenarios: requested ones first, then random ones."""
     more = _drawn(stage, max(0, count - len(stage.first)), controller, TRAIN)
     return (*stage.first[: max(count, 1)], *more)
 
@@ -169,7 +169,7 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
     varied = drawn(stage.vary, count, seed + 1_000_003 * stream)
     scenarios = []
     for at in range(count):
-        # A generator for each scenario: the first ones do not depend on how many there are.
+        # A generator for each scenario: the first ones do not depend on their number.
         generator = np.random.default_rng([seed, stream, at])
         changes = {name: float(values[at]) for name, values in varied.items()}
         # Each run has a seed of its own for its noise; those of the streams never meet.
@@ -215,9 +215,9 @@ def _scaled(
 
 
 def scaled(signal: Signal, scale: float, resting: float) -> Signal:
-    """Return a reference whose way, from where the plant rests, has another size.
+    """Return a reference with moves scaled about the plant's rest position.
 
-    One from a file stays as it is, and so does a sine but for its amplitude.
+    A file is unchanged, and of a sine only the amplitude is scaled.
     """
     numbers = list(signal.numbers)
     if signal.kind in ("step", "quintic"):

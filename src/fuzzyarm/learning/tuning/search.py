@@ -70,13 +70,13 @@ class Found:
     Attributes
     ----------
     trials : list of Trial
-        In the order in which they were asked; the first is the file as it is.
+        In order of evaluation; the first is the original file.
     best : Trial
         The cheapest that keeps all promises.
     refused : int
         Trials that broke one.
     failed : int
-        Trials that could not be examined; the first of them says why.
+        Number of failed trials; the first of them has the reason.
     interrupted : bool
         Whether Ctrl-C ended it.
     seconds : float
@@ -120,7 +120,7 @@ class Search:
     panel : ExaminerPool
         Examines.
     promises : Promises or None
-        What every candidate has to keep.
+        Constraints on every candidate.
     budget : Budget
         When to end.
     journal : Journal, optional
@@ -148,7 +148,7 @@ class Search:
         self.begin = time.monotonic()
 
     def run(self, method: str, seed: int) -> Found:
-        """Search until the budget is spent or Ctrl-C comes; never raises for either.
+        """Search until the budget is spent or Ctrl-C is pressed; never raises for either.
 
         If the workers vanish, as those of a cluster may, it ends as with Ctrl-C. Any other
         exception ends it too, but its result stays, unless only the file itself was examined.
@@ -197,7 +197,7 @@ class Search:
         return costs
 
     def _block_size(self) -> int:
-        """Return how many points to examine before the next look at the clock."""
+        """Return the number of points to examine before the next look at the clock."""
         workers, fresh = self.panel.workers, len(self.result.trials) - len(self.replay)
         if fresh <= 0:
             return 4 * workers
@@ -264,7 +264,7 @@ class Search:
 TRIAL = (
     "trial", "seconds", "cost", "rms", "chatter", "diverged", "fault", "parts", "point",
 )  # fmt: skip
-"""Columns of a journal; costs of scenarios, and shares of parameters, stand with blanks between."""
+"""Columns of a journal; lists of costs and of parameters are separated by blanks."""
 
 
 class Journal:
@@ -273,11 +273,11 @@ class Journal:
     Parameters
     ----------
     path : path-like
-        Of a text file.
+        Path of a text file.
     question : mapping
         Everything that the search depends on, as JSON data.
     resume : bool
-        Whether to go on with what the file has.
+        Whether to resume from the content of the file.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""New numbers in the files of the user; everything else stays as it is."""
+"""New numbers in the files of the user; the rest of the text is unchanged."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Rewritten:
     name : str
         Its name in the controller; empty for the tuned file itself.
     path : str
-        Where it was read; empty if there is none.
+        Path of the file; empty if there is none.
     old, new : str
         Its text.
     """
@@ -79,13 +79,13 @@ class TextChange:
         return iter((self.what, self.old, self.new))
 
 
-# --- What differs ---
+# --- Changes ---
 
 
 def changes_of(
     subject: ControllerText | RuleBase, sheets: Mapping[str, RuleBase], candidate: Candidate
 ) -> list[TextChange]:
-    """Return what differs between a file and a candidate, in the order of the text."""
+    """Return the changes from a file to a candidate, in the order of the text."""
     changes = []
     if isinstance(subject, ControllerText):
         for gain in subject.model.gains:
@@ -110,7 +110,7 @@ def _numbers(values: Sequence[float]) -> str:
 
 
 def _moved(old: RuleBase, new: RuleBase) -> Iterator[tuple[str, Term, Shape]]:
-    """Yield the terms whose shapes differ, with the old shape."""
+    """Yield the terms with different shapes, with the old shape."""
     for variable in (*new.inputs, *new.outputs):
         before = old.variable(variable.name)
         for term in variable.terms:
@@ -133,7 +133,7 @@ class Originals(NamedTuple):
     Attributes
     ----------
     path, text : str
-        Of the file that is tuned; a rule base that came from no file is written anew.
+        Of the tuned file; a rule base without a file is written from its model.
     used : dict of str to pair of str
         Path and text of the rule bases that it uses, by the names that it gives them.
     """
@@ -200,7 +200,7 @@ def _place(file: str, path: str) -> str:
 
 
 def _says(place: str, rulebase: RuleBase) -> bool:
-    """Whether a file is what was tuned, rather than a model passed in its place."""
+    """Whether a file has the tuned subject, rather than a model passed in its place."""
     parsed = parse(read_text(place), place)
     return parsed.rulebase == rulebase
 
@@ -275,7 +275,7 @@ def _spread_edits(
     moved: Mapping[tuple[str, str], Term],
     stated: set[tuple[str, str]],
 ) -> Iterator[Edit]:
-    """Yield edits that write out each term of variables that are no longer evenly spaced."""
+    """Yield edits that write out each term of variables no longer evenly spaced."""
     names = list(node.names)
     uneven = [
         word
@@ -310,7 +310,7 @@ def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator
             return
 
 
-# --- Other files in place of those that are used ---
+# --- Replaced files ---
 
 
 def demand_not_used(out: str | Path, subject: ControllerText | RuleBase, path: str) -> None:
@@ -326,7 +326,7 @@ def demand_not_used(out: str | Path, subject: ControllerText | RuleBase, path: s
 
 
 def with_files(text: str, files: Mapping[str, str]) -> str:
-    """Return a controller whose ``use`` lines name other files, by the names that they give."""
+    """Return a controller whose ``use`` lines name other files, by their names."""
     edits = []
     for statement in parse(text).document.statements:
         node = statement.node

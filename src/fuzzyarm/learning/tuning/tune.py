@@ -72,24 +72,24 @@ class TuneKeywords(TypedDict, total=False):
     trajectory : Trajectory or str
         The only trajectory of the plant to tune on.
     cost : str or callable
-        What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
-        samples of ``rmse``, ``mae`` and ``worst``), or a function of all runs (of a rule base
-        alone: of the rule base). The RMS error by default.
+        Cost to be minimised: a formula of metrics, as in ``"rms + 0.002*variation"`` (for samples
+        of ``rmse``, ``mae`` and ``worst``), or a function of all runs (for a rule base alone: of
+        the rule base). The RMS error by default.
     data, test : Samples, str or path-like
-        What a rule base alone is fitted to, and is judged by: samples, or their file. Without
-        `test` a fifth of the data is kept back.
+        Samples, or their file, for fitting and for judging a rule base alone. Without `test` a
+        fifth of the data is held back.
     scenarios : int or sequence of Scenario
-        How many are tuned on: what is asked for first, then drawn ones. By default those that are
-        asked for alone.
+        Number of tuning scenarios: requested ones first, then random ones. By default the requested
+        ones alone.
     over : {"mean", "worst"}
         How their costs become one.
     stage : Stage
-        Plant, references, sensors, and what differs from scenario to scenario; instead of `plant`
-        and what stands behind it here.
+        Plant, references, sensors, and random quantities of scenarios; instead of `plant` and the
+        following keywords here.
     reference, step, duration, connect, options, conventions
         See :func:`fuzzyarm.control.loop.simulate`.
     tune : Tuning or sequence of str
-        What may move, in place of what the file says: lines of a ``tune`` block.
+        Movable numbers, in place of those of the file: lines of a ``tune`` block.
     method : {"nelder-mead", "cma-es", "evolution"}
         See :data:`fuzzyarm.learning.tuning.optimisers.OPTIMISERS`.
     evals : int
@@ -97,9 +97,9 @@ class TuneKeywords(TypedDict, total=False):
     time : float or str
         Wall time of the whole: s, or with its unit, as in ``"2min"``.
     seed : int
-        Of everything that is drawn; 1 by default.
+        Seed of all random numbers; 1 by default.
     digits : int
-        Significant ones of the numbers that are written; 3 by default.
+        Significant digits of the written numbers; 3 by default.
     unseen : int
         Scenarios of the judgement; 24 by default.
     linear : bool
@@ -109,14 +109,14 @@ class TuneKeywords(TypedDict, total=False):
     journal : Journal
         Where every trial is written down.
     watch, watch_linear : callable
-        Told of the search after each examination, and of that of the linear opponent.
+        Called after each examination of the search, and of that for the linear opponent.
     take : callable
-        Given what the search has found, with its texts, before anything is judged: whatever
-        fails afterwards, it can be written.
+        Called with the result of the search and its texts before the judgement: so it can be
+        written whatever fails afterwards.
     tell : callable
-        Told in words what follows the search.
+        Called with a description of each step after the search.
     text : str
-        Of the file, where it is not what stands on disk.
+        Text of the file, if it differs from that on disk.
     """
 
     trajectory: Trajectory | str | None
@@ -151,7 +151,7 @@ class TuneKeywords(TypedDict, total=False):
 
 
 OF_THE_REQUEST = ("method", "evals", "seed", "digits", "unseen", "over", "workers")
-"""Keywords that are judged as fields of a request."""
+"""Keywords checked as fields of a request."""
 
 
 def tune(
@@ -164,30 +164,29 @@ def tune(
     Parameters
     ----------
     subject : ControllerText, RuleBase, path-like or TuneRequest
-        What is tuned. A controller runs in its loop, a rule base alone is fitted to samples. A
-        request says all that ``fuzzyarm tune`` does but where to write it.
+        The subject. A controller runs in its loop, a rule base alone is fitted to samples. A
+        request holds all settings of ``fuzzyarm tune`` except the output file.
     plant : Plant, Trajectory, str or path-like, optional
-        Where it runs; by default the shipped plant that has its axes. One that has trajectories
-        follows those by which it has controllers compared, unless one or references are given.
+        Its plant; by default the shipped plant with its axes. A plant with trajectories follows
+        those for comparing controllers, unless a trajectory or references are given.
     **keywords
-        What is good: ``cost``, ``data``, ``test``; on what: ``scenarios``, ``over``,
-        ``trajectory``, ``reference``, ``step``, ``duration``, ``connect``, ``options``,
-        ``conventions``, ``stage``; how: ``tune``, ``method``, ``evals``, ``time``, ``seed``,
-        ``digits``, ``unseen``, ``linear``, ``workers``, ``executor``, ``journal``; who is told:
-        ``watch``, ``watch_linear``, ``take``, ``tell``. See
-        :class:`~fuzzyarm.learning.tuning.tune.TuneKeywords`.
+        Cost: ``cost``, ``data``, ``test``; scenarios: ``scenarios``, ``over``, ``trajectory``,
+        ``reference``, ``step``, ``duration``, ``connect``, ``options``, ``conventions``, ``stage``;
+        search: ``tune``, ``method``, ``evals``, ``time``, ``seed``, ``digits``, ``unseen``,
+        ``linear``, ``workers``, ``executor``, ``journal``; callbacks: ``watch``, ``watch_linear``,
+        ``take``, ``tell``. See :class:`~fuzzyarm.learning.tuning.tune.TuneKeywords`.
 
     Returns
     -------
     Tuned
-        Ctrl-C ends the search only: the best so far is rounded and judged. A linear opponent
-        whose search was interrupted is left out. Failures after the first candidate are not
-        raised; they are listed in `faults`.
+        Ctrl-C ends the search only: the best so far is rounded and judged. A linear opponent whose
+        search was interrupted is omitted. Failures after the first candidate are not raised; they
+        are listed in `faults`.
 
     Raises
     ------
     TuneError
-        If nothing may move, or what is asked for does not fit.
+        If nothing may move, or the arguments do not fit.
     RequestError
         If a number is out of range.
 
@@ -232,7 +231,7 @@ LISTENERS = ("watch", "watch_linear", "take", "tell")
 
 
 def _tuned_by(request: TuneRequest, plant: object, keywords: TuneKeywords) -> Tuned:
-    """Tune what a request asks for."""
+    """Tune as a request says."""
     demand_alone("tune", plant, {name for name in keywords if name not in LISTENERS} or None)
     order = order_of(request)
     with cluster(request) as (executor, workers):
@@ -243,7 +242,7 @@ def _tuned_by(request: TuneRequest, plant: object, keywords: TuneKeywords) -> Tu
 
 
 def keywords_of(request: TuneRequest, order: Order) -> TuneKeywords:
-    """Return what a request asks for as keywords."""
+    """Return the settings of a request as keywords."""
     keywords: TuneKeywords = {
         "cost": request.cost,
         "tune": request.tune or None,
@@ -414,7 +413,7 @@ def _in_loop(
         try:
             other, moving = opponent(text, stage.plant, tuning)
         except TuneError as error:
-            # Tuning is worthwhile without an opponent; the report says why there is none.
+            # Tuning is worthwhile without an opponent; the report has the reason.
             alone = error.message
         else:
             sets = {"train": problem, **judged}
@@ -481,7 +480,7 @@ def _on_samples(
 def _samples(
     samples: Samples | str | os.PathLike[str] | None, rulebase: RuleBase
 ) -> Samples | None:
-    """Return samples of a rule base, of their file where that is what is given."""
+    """Return the samples of a rule base, read from their file if given as one."""
     if isinstance(samples, str | os.PathLike):
         return read_samples(samples, columns_for(os.fspath(samples), rulebase))
     return samples
@@ -514,7 +513,7 @@ def _with_noise(samples: Samples, seed: int) -> Samples:
     return replace(samples, inputs=samples.inputs + noise)
 
 
-# --- Search, and what follows ---
+# --- Search, and the steps after it ---
 
 
 def _done(job: TuningJob, plan: TuningPlan, means: Means, originals: Originals) -> Tuned:
