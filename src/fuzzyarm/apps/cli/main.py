@@ -50,6 +50,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "plot": ("show", "terms and control surfaces as a figure"),
     "diff": ("show", "what differs between two tables or rule bases"),
     "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
+    "margins": ("margins", "gain, phase and delay margins of a loop, Bode and Nyquist"),
     "grade": ("grade", "what students hand in, by hidden expect and prove lines"),
     "cite": ("cite", "whom to cite for the methods of a file, as BibTeX"),
     "compile": ("compile", "a lookup table, C, Structured Text or an FMU"),

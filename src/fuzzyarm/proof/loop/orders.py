@@ -13,6 +13,7 @@ from typing import Any
 from fuzzyarm.base import above
 from fuzzyarm.base.assignments import read_assignments
 from fuzzyarm.base.errors import FuzzyarmError, UsageError, WordError
+from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.reference import read_time
 from fuzzyarm.control.loop.words import connections, sensors_of
@@ -22,9 +23,11 @@ from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.proof.claim.problem import LoopProofError
-from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, read_claim
+from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
 from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.linearised import linearised
+from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.tube_certificate import certify_tube, write_certificate
@@ -34,6 +37,7 @@ from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 from fuzzyarm.proof.map.sector import Sector, form_text
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.margins import MarginsRequest
 from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.table import compile_table
 
@@ -360,6 +364,26 @@ def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
         source = f"{dashes}{word} '{getattr(request, _PARTS[word])}'"
         read_claim(f"stable {word} {value}", plant, source)
     return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
+
+
+def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
+    """Return the margins of a loop, opened at each drive."""
+    text = above.function("controller_if_any")(request.file)
+    if text is None:
+        raise WordError(f"{request.file} is not a controller, and only a loop has margins")
+    plant = request.plant
+    if plant is None:
+        site = site_by_axes(text.model, connections(ExperimentRequest(connect=request.connect)))
+        if site is None:
+            raise UsageError("margins are of a loop: which plant?", hint="--plant motor")
+        plant = site.name
+    asked = ProveRequest(
+        files=(request.file,), stable=True, plant=plant, at=request.at, with_=request.with_,
+        connect=request.connect, sensor_delay=request.sensor_delay,
+    )  # fmt: skip
+    claim = claim_of(asked)
+    linear = linearised(problem_of(text, claim, **setup_of(asked, claim)))
+    return [drive_margins(linear, drive, request.share) for drive in linear.drives]
 
 
 def _name(word: str) -> str:

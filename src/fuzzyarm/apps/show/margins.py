@@ -1,0 +1,108 @@
+"""Bode and Nyquist diagrams of a loop that is opened at a drive, with its margins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fuzzyarm.base.picture import COLOURS, Axis, Chart, ChartPart, Dots, Level, Line, Panel
+
+if TYPE_CHECKING:
+    from fuzzyarm.proof.loop.margins import DriveMargins
+
+__all__ = ["margins_chart"]
+
+POINTS = 600
+NEAREST = 3.0
+"""Half of what a Nyquist diagram shows; the point -1 is in it."""
+
+
+def margins_chart(found: Sequence[DriveMargins], title: str) -> Chart:
+    """Return a row for each drive: gain and phase over the frequency, and the curve of L.
+
+    Parameters
+    ----------
+    found : sequence of DriveMargins
+        Of one loop.
+    title : str
+        Above the chart.
+    """
+    rows = [_row(each, named=len(found) > 1) for each in found]
+    return Chart(rows, (11.4, 0.8 + 3.2 * len(rows)), title, heading=True)
+
+
+def _row(each: DriveMargins, *, named: bool) -> list[Panel]:
+    omega = _frequencies(each)
+    values = each.loop.at(omega)
+    across = Axis("frequency", "rad/s", logarithmic=True)
+    return [
+        _gain_panel(each, omega, np.abs(values), across, each.drive[1] if named else ""),
+        _phase_panel(each, omega, values, across),
+        _nyquist_panel(each, values),
+    ]
+
+
+def _frequencies(each: DriveMargins) -> np.ndarray:
+    """Return frequencies from well below the first that counts to half of the sampling rate."""
+    fastest = math.pi / each.loop.period
+    marks = [each.nominal.gain_at, each.nominal.phase_at]
+    first = min((w for w in marks if w), default=fastest)
+    return np.geomspace(min(0.01 * first, 1e-3 * fastest), fastest * (1.0 - 1e-9), POINTS)
+
+
+def _gain_panel(
+    each: DriveMargins, omega: np.ndarray, sizes: np.ndarray, across: Axis, name: str
+) -> Panel:
+    parts: list[ChartPart] = [
+        Level(0.0, dash=":"),
+        Line(omega, 20.0 * np.log10(sizes), "first", 1.4),
+    ]
+    margins = each.nominal
+    title = name
+    if margins.stable and margins.gain_at and math.isfinite(margins.gain or math.inf):
+        decibels = 20.0 * math.log10(margins.gain or 1.0)
+        at = margins.gain_at
+        parts.append(Line((at, at), (-decibels, 0.0), COLOURS[3], 1.6))
+        title = ": ".join(filter(None, (name, f"gain margin {decibels:.1f} dB")))
+    return Panel(parts, across, Axis("gain", "dB"), title)
+
+
+def _phase_panel(each: DriveMargins, omega: np.ndarray, values: np.ndarray, across: Axis) -> Panel:
+    degrees = np.degrees(np.unwrap(np.angle(values)))
+    margins = each.nominal
+    degrees -= 360.0 * math.ceil((degrees[0] - 180.0) / 360.0)
+    parts: list[ChartPart] = [Level(-180.0, dash=":"), Line(omega, degrees, "first", 1.4)]
+    title = ""
+    if margins.stable and margins.phase_at:
+        at = margins.phase_at
+        phase = float(np.interp(at, omega, degrees))
+        foot = phase - (margins.phase or 0.0)
+        parts.append(Line((at, at), (foot, phase), COLOURS[3], 1.6))
+        title = f"phase margin {margins.phase:.1f}°"
+    return Panel(parts, across, Axis("phase", "°"), title)
+
+
+def _nyquist_panel(each: DriveMargins, values: np.ndarray) -> Panel:
+    real, imaginary = values.real, values.imag
+    seen = np.abs(values) <= 2.0 * NEAREST
+    x = np.where(seen, real, np.nan)
+    y = np.where(seen, imaginary, np.nan)
+    angle = np.linspace(0.0, 2.0 * math.pi, 121)
+    parts: list[ChartPart] = [
+        Line(np.cos(angle), np.sin(angle), "wanted", 0.7, ":"),
+        Line(x, y, "first", 1.4),
+        Line(x, -y, "first", 0.8, "--"),
+        Dots((-1.0,), (0.0,), "+", COLOURS[3], 7.0, edge=1.4),
+    ]
+    title = ""
+    peak = each.nominal.sensitivity
+    if peak:
+        parts.insert(1, Line(np.cos(angle) / peak - 1.0, np.sin(angle) / peak, COLOURS[3], 0.8))
+        title = f"peak sensitivity {peak:.3g}"
+    wide = Axis("real part", low=-NEAREST, high=0.5 * NEAREST)
+    return Panel(
+        parts, wide, Axis("imaginary part", low=-0.75 * NEAREST, high=0.75 * NEAREST), title
+    )

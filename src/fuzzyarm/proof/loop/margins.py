@@ -1,0 +1,467 @@
+"""How far a loop is from instability: gain, phase and delay margin, peak sensitivity.
+
+With L the transfer function of the loop opened at one drive, as sampled (q = exp(jωh)), the closed
+loop has 1 + L as its return difference, and S = 1 / (1 + L) as its sensitivity.
+
+Frequencies where |L| = 1 or L is real are roots: with ``L(1/q) = bᵀ q (I - q Aᵀ)⁻¹ cᵀ`` they are
+generalised eigenvalues on the unit circle, so that none is missed between points of a grid. Each
+is then polished by a bracketing root search of the function itself.
+
+Sources: K. J. Åström and R. M. Murray, *Feedback Systems*, Princeton University Press 2008,
+sections 9.3 and 11.3 (margins, sensitivity); K. J. Åström and B. Wittenmark, *Computer-Controlled
+Systems*, 3rd edition, Prentice Hall 1997, section 2.3 (a dead time that is not a whole number of
+periods).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, partial
+from itertools import groupby, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope
+from fuzzyarm.proof.map.bounds import UnprovableError
+from fuzzyarm.proof.map.prover import Prover
+from fuzzyarm.proof.map.sector import NoSectorError, form_text, sector
+
+__all__ = [
+    "DriveMargins",
+    "Margins",
+    "RuleGain",
+    "WorstMargins",
+    "changed",
+    "drive_margins",
+    "late_radius",
+    "margins_of",
+    "rule_gains",
+]
+
+Vector = NDArray[np.float64]
+
+LONGEST_DELAY = 400
+"""Control periods of dead time at most that a delay margin is looked for in."""
+
+POINTS = 2000
+"""Frequencies at which the sensitivity is looked at first."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins of a loop that is opened at one drive.
+
+    Attributes
+    ----------
+    stable : bool
+        Whether the loop comes to rest at all; if not, all margins are None.
+    gain : float or None
+        The loop is stable up to this factor of its gain; infinity where no factor is too much.
+    gain_down : float or None
+        And down to this one; 0 where none is too small.
+    phase : float or None
+        Further lag at the crossover that makes it unstable, degrees; infinity without a crossover.
+    delay : float or None
+        Further dead time of the actuator that makes it unstable, s.
+    sensitivity : float or None
+        The largest |S|.
+    gain_at, phase_at, sensitivity_at : float or None
+        Where, rad/s; of `phase` the crossover. None where there is no such frequency.
+    """
+
+    stable: bool
+    gain: float | None = None
+    gain_down: float | None = None
+    phase: float | None = None
+    delay: float | None = None
+    sensitivity: float | None = None
+    gain_at: float | None = None
+    phase_at: float | None = None
+    sensitivity_at: float | None = None
+
+
+@dataclass(frozen=True)
+class RuleGain:
+    """A gain of a rule base that is not one number away from rest.
+
+    Attributes
+    ----------
+    words : str
+        What it is.
+    slopes : tuple of (int, float)
+        Which slopes of the loop it is, and times what.
+    low, high : float
+        Its bounds, which are proved.
+    """
+
+    words: str
+    slopes: tuple[tuple[int, float], ...]
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class WorstMargins:
+    """The least margins over the gains of the rules that were found, each with its gains.
+
+    Attributes
+    ----------
+    gains : tuple of RuleGain
+        Bounded over the given share of the ranges.
+    margins : Margins
+        The least of each; not stable if any choice of gains is not.
+    where : dict of str to tuple of float
+        By the name of a margin, the gains where it is met, in the order of `gains`.
+    """
+
+    gains: tuple[RuleGain, ...]
+    margins: Margins
+    where: Mapping[str, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class DriveMargins:
+    """What is known of the margins at one drive.
+
+    Attributes
+    ----------
+    drive : (str, str)
+        Axis and port.
+    loop : OpenLoop
+        At rest.
+    nominal : Margins
+        At rest.
+    worst : WorstMargins or None
+        Over the slopes of the rules; None where they have no proved bounds.
+    """
+
+    drive: Address
+    loop: OpenLoop
+    nominal: Margins
+    worst: WorstMargins | None
+
+
+# --- one loop ---
+
+
+def margins_of(loop: OpenLoop) -> Margins:
+    """Return the margins of a loop that is opened at one drive."""
+    if loop.radius >= 1.0:
+        return Margins(stable=False)
+    return _Response(loop).margins()
+
+
+class _Response:
+    """The frequency response of one open loop, and what follows from it."""
+
+    def __init__(self, loop: OpenLoop) -> None:
+        self.loop = loop
+        self.fastest = math.pi / loop.period
+
+    def at(self, omega: float) -> complex:
+        return complex(self.loop.at(np.array([omega]))[0])
+
+    def margins(self) -> Margins:
+        up: tuple[float, float | None] = (math.inf, None)
+        down: tuple[float, float | None] = (0.0, None)
+        for omega, factor in self._gains():
+            if factor > 1.0:
+                up = min(up, (factor, omega), key=lambda pair: pair[0])
+            else:
+                down = max(down, (factor, omega), key=lambda pair: pair[0])
+        phases = [(self._lag(omega), omega) for omega in self.crossovers]
+        phase, phase_at = min(phases, default=(math.inf, None))
+        peak, peak_at = self._peak()
+        return Margins(
+            True, up[0], down[0], math.degrees(phase), self._delay(), peak, up[1], phase_at, peak_at
+        )
+
+    # --- frequencies ---
+
+    @cached_property
+    def crossovers(self) -> list[float]:
+        """Where |L| is 1, rad/s."""
+        a, b, c = self.loop.a, self.loop.b[:, None], self.loop.c[None, :]
+        n = len(a)
+        zero, unit = np.zeros((n, n)), np.eye(n)
+        left = np.block([[a, zero], [-c.T @ c, unit]])
+        right = np.block([[unit, -b @ b.T], [zero, a.T]])
+        return self._polished(left, right, lambda w: abs(self.at(w)) - 1.0)
+
+    def _gains(self) -> Iterator[tuple[float, float]]:
+        """Yield frequencies where L is real and below 0, with the factor that takes it to -1."""
+        a, b, c = self.loop.a, self.loop.b[:, None], self.loop.c[None, :]
+        n = len(a)
+        left = np.block(
+            [[a, np.zeros((n, n)), b],
+             [np.zeros((n, n)), np.eye(n), -c.T],
+             [c, np.zeros((1, n + 1))]]
+        )  # fmt: skip
+        right = np.zeros_like(left)
+        right[:n, :n], right[n : 2 * n, n : 2 * n] = np.eye(n), a.T
+        right[2 * n, n : 2 * n] = b.T
+        real = self._polished(left, right, lambda w: self.at(w).imag)
+        for omega in [0.0, *real, self.fastest]:
+            with np.errstate(all="ignore"):
+                try:
+                    value = self.at(omega)
+                except np.linalg.LinAlgError:  # a pole at rest, as of an integrator
+                    continue
+            size = abs(value)
+            if math.isfinite(size) and value.real < 0.0 and abs(value.imag) <= 1e-6 * size:
+                yield float(omega), 1.0 / size
+
+    def _polished(self, left: Vector, right: Vector, miss: Callable[[float], float]) -> list[float]:
+        """Return frequencies of generalised eigenvalues on the unit circle, in order."""
+        from scipy.linalg import eigvals
+        from scipy.optimize import brentq
+
+        roots = eigvals(left, right)
+        roots = roots[np.isfinite(roots)]
+        angles = np.angle(roots[np.abs(np.abs(roots) - 1.0) < 1e-4])
+        found: list[float] = []
+        for near in sorted(angle / self.loop.period for angle in angles if angle > 1e-12):
+            omega, low, high = near, near * (1.0 - 1e-3), min(near * (1.0 + 1e-3), self.fastest)
+            if near < self.fastest and miss(low) * miss(high) < 0.0:
+                omega = float(brentq(miss, low, high, xtol=1e-15 * near, rtol=1e-15))
+            elif abs(miss(near)) > 1e-7:
+                continue
+            if not found or omega - found[-1] > 1e-9 * omega:
+                found.append(omega)
+        return found
+
+    def _lag(self, omega: float) -> float:
+        """Return the lag that takes L to -1 at a crossover, rad, above 0."""
+        return float((np.angle(self.at(omega)) + math.pi) % (2.0 * math.pi))
+
+    def _peak(self) -> tuple[float, float]:
+        """Return the largest sensitivity, and where."""
+        from scipy.optimize import minimize_scalar
+
+        grid = np.geomspace(1e-6 * self.fastest, self.fastest, POINTS)
+        near = [w for w in self.crossovers if w]
+        grid = np.unique(np.concatenate([grid, near]))
+        sizes = 1.0 / np.abs(1.0 + self.loop.at(grid))
+        best = (float(sizes.max()), float(grid[sizes.argmax()]))
+        for k in np.argsort(sizes)[-3:]:
+            ends = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
+            found = minimize_scalar(
+                lambda w: abs(1.0 + self.at(w)), bounds=ends, method="bounded",
+                options={"xatol": 1e-12 * ends[1]},
+            )  # fmt: skip
+            best = max(best, (1.0 / float(found.fun), float(found.x)))
+        return best
+
+    # --- dead time ---
+
+    def _delay(self) -> float:
+        """Return the least dead time of the actuator at which the loop is at its limit."""
+        from scipy.optimize import brentq
+
+        h = self.loop.period
+        guesses = sorted(self._lag(w) / w for w in self.crossovers)
+        if not guesses or guesses[0] > LONGEST_DELAY * h:
+            return math.inf
+        # |L| hardly changes with a dead time within a period, so the margin is near the least
+        # guess; steps of half a period up to the first that is unstable, then its limit between.
+        low, step = 0.0, min(0.5 * h, 0.25 * guesses[0])
+        high = low + step
+        while late_radius(self.loop, high) < 1.0:
+            low, high = high, max(high + step, 0.9 * guesses[0])
+            if high > LONGEST_DELAY * h:
+                return math.inf
+        return float(brentq(lambda t: late_radius(self.loop, t) - 1.0, low, high, xtol=1e-12 * h))
+
+
+def late_radius(loop: OpenLoop, delay: float) -> float:
+    """Return the spectral radius of the closed loop whose actuator has a dead time, s."""
+    from scipy.linalg import expm
+
+    h, m, n = loop.period, len(loop.ahead), len(loop.a)
+    whole, part = divmod(delay, h)
+    whole = int(whole)
+    # Over a period the plant sees the drive of `whole + 1` periods ago for `part`, then the next.
+    both = np.zeros((m + 1, m + 1))
+    both[:m] = loop.ahead
+    late = expm(both * (h - part))[:m, m]
+    early = loop.b[:m] - late
+    size = n + whole + 1
+    a = np.zeros((size, size))
+    a[:n, :n] = loop.a
+    a[:m, size - 1] += early
+    queue = range(n, size)  # drives of 1, 2 … periods ago
+    now = n + whole - 1 if whole else None
+    if now is None:
+        a[:m, :n] -= np.outer(late, loop.c)
+    else:
+        a[:m, now] += late
+    a[queue[0], :n] = -loop.c
+    for k in queue[1:]:
+        a[k, k - 1] = 1.0
+    return float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))
+
+
+# --- all gains of the rules ---
+
+
+def drive_margins(linear: LinearisedLoop, drive: Address, share: float = 1.0) -> DriveMargins:
+    """Return the margins at a drive: at rest, and the least over the gains of the rules.
+
+    Parameters
+    ----------
+    linear : LinearisedLoop
+        The loop.
+    drive : (str, str)
+        Axis and port.
+    share : float
+        Of the ranges of the rule bases' inputs, around rest, over which gains count.
+
+    Raises
+    ------
+    LoopProofError
+        If the drive does not answer to what it moves.
+    """
+    loop = linear.opened(drive)
+    if not np.abs(loop.at(np.geomspace(1e-4, 1.0, 8) * math.pi / loop.period)).any():
+        raise LoopProofError(
+            f"at rest '{drive[1]}' does not answer to what it moves: a limit holds, or the rules"
+            " are flat there",
+            hint="other set points, as in --at temperature=21",
+        )
+    gains = rule_gains(linear, share)
+    return DriveMargins(
+        drive, loop, margins_of(loop), _worst(linear, drive, gains) if gains else None
+    )
+
+
+def rule_gains(linear: LinearisedLoop, share: float = 1.0) -> tuple[RuleGain, ...]:
+    """Return the gains of all rule bases, bounded; empty where one of them has no bounds.
+
+    Along the sum of its inputs that its slopes at rest have, a rule base is one gain times that
+    sum, within its sector; where it has none, a gain for each input, within the bounds of its
+    slopes. See :mod:`fuzzyarm.proof.map.sector`.
+    """
+    found: list[RuleGain] = []
+    for (_, output), group in groupby(
+        enumerate(linear.slopes), key=lambda pair: (id(pair[1].sheet), pair[1].output)
+    ):
+        slopes = list(group)
+        sheet, at = slopes[0][1].sheet, slopes[0][1].at
+        if not isinstance(sheet, RuleBase):
+            return ()
+        prover = Prover(sheet, output)
+        region = {
+            v.name: (at[v.name] - share * (at[v.name] - v.low),
+                     at[v.name] + share * (v.high - at[v.name]))
+            for v in sheet.inputs
+        }  # fmt: skip
+        try:
+            found += _sector_gain(prover, region, slopes) or _slope_gains(prover, region, slopes)
+        except UnprovableError:
+            return ()
+    return tuple(found)
+
+
+_Slopes = Sequence[tuple[int, RuleSlope]]
+
+
+def _sector_gain(
+    prover: Prover, region: Mapping[str, tuple[float, float]], slopes: _Slopes
+) -> list[RuleGain]:
+    """Return the gain along the linear law; none where the rules are not 0 with it."""
+    weights = {slope.input: Fraction(slope.value) for _, slope in slopes}
+    if not all(weights.values()) or any(slopes[0][1].at.values()):
+        return []
+    try:
+        of = sector(prover, weights, region)
+    except NoSectorError:
+        return []
+    if of.slack or not of.complete:
+        return []
+    words = f"{prover.rulebase.name}, along {form_text(weights, 4)}"
+    return [RuleGain(words, tuple((k, s.value) for k, s in slopes), of.low, of.high)]
+
+
+def _slope_gains(
+    prover: Prover, region: Mapping[str, tuple[float, float]], slopes: _Slopes
+) -> list[RuleGain]:
+    """Return the slope along each input."""
+    found = []
+    for index, slope in slopes:
+        bounds = prover.slope(region, slope.input)
+        words = f"{prover.rulebase.name}, slope along {slope.input}"
+        found.append(RuleGain(words, ((index, 1.0),), bounds.low, bounds.high))
+    return found
+
+
+_LEAST = {"gain": 1, "gain_down": -1, "phase": 1, "delay": 1, "sensitivity": -1}
+"""Margins, and whether the least or the greatest one is the worst."""
+
+
+def _worst(linear: LinearisedLoop, drive: Address, gains: tuple[RuleGain, ...]) -> WorstMargins:
+    """Return the worst margins over a box of gains: from its corners downhill."""
+    known: dict[tuple[float, ...], Margins] = {}
+
+    def at(values: tuple[float, ...]) -> Margins:
+        if values not in known:
+            known[values] = margins_of(linear.opened(drive, changed(gains, values)))
+        return known[values]
+
+    def cost(name: str, values: tuple[float, ...]) -> float:
+        margins = at(values)
+        return _LEAST[name] * getattr(margins, name) if margins.stable else -math.inf
+
+    corners = list(dict.fromkeys(product(*((gain.low, gain.high) for gain in gains))))
+    worst: dict[str, float] = {}
+    where: dict[str, tuple[float, ...]] = {}
+    for name in _LEAST:
+        start = min(corners, key=partial(cost, name))
+        best = _descended(partial(cost, name), start, [(g.low, g.high) for g in gains])
+        if not at(best).stable:
+            return WorstMargins(gains, Margins(stable=False), {"stable": best})
+        worst[name], where[name] = getattr(at(best), name), best
+    places = {
+        f"{name}_at": getattr(at(where[name]), f"{name}_at")
+        for name in ("gain", "phase", "sensitivity")
+    }
+    return WorstMargins(gains, Margins(True, **worst, **places), where)
+
+
+def changed(gains: Sequence[RuleGain], values: Sequence[float]) -> dict[int, float]:
+    """Return slopes of a loop, by index, for values of its gains."""
+    return {
+        index: value * times
+        for gain, value in zip(gains, values, strict=True)
+        for index, times in gain.slopes
+    }
+
+
+def _descended(
+    cost: Callable[[tuple[float, ...]], float],
+    start: tuple[float, ...],
+    bounds: list[tuple[float, float]],
+) -> tuple[float, ...]:
+    """Return a point with a least cost: compass search, steps halved."""
+    best, share = start, 0.5
+    while share > 0.05:
+        near = [
+            tuple(
+                min(max(x + sign * share * (high - low), low), high) if j == k else x
+                for j, (x, (low, high)) in enumerate(zip(best, bounds, strict=True))
+            )
+            for k in range(len(best))
+            for sign in (-1, 1)
+        ]
+        better = min(near, key=cost)
+        if cost(better) < cost(best):
+            best = better
+        else:
+            share *= 0.5
+    return best

@@ -1,0 +1,292 @@
+"""Margins of loops: against python-control, and against runs a little before and beyond them."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from fuzzyarm import load, shipped, simulate
+from fuzzyarm.apps.cli.main import main
+from fuzzyarm.control.controllers import ControllerText
+from fuzzyarm.control.loop import Sensor
+from fuzzyarm.language import parse
+from fuzzyarm.plant import Plant, Port, find_plant
+from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.claim.problem import loop_problem
+from fuzzyarm.proof.loop import LoopProofError
+from fuzzyarm.proof.loop.linearised import linearised
+from fuzzyarm.proof.loop.margins import changed, drive_margins, late_radius, margins_of
+
+H = 0.02
+
+
+def plant_of(a, b):
+    """Return a plant x' = A x + b u that shows its first two states, x2 being the rate of x1."""
+
+    class Linear(Plant):
+        name = "linear"
+        inputs = {"u": Port("V")}
+        outputs = {"x1": Port("m", -9.0, 9.0)} | (
+            {"x2": Port("m/s", -9.0, 9.0)} if len(a) > 1 else {}
+        )
+        states = {f"x{k + 1}": "m" for k in range(len(a))}
+
+        def derivative(self, t, x, u, p):
+            return [sum(a[i][j] * x[j] for j in range(len(a))) + b[i] * u[0] for i in range(len(a))]
+
+        def output(self, t, x, p):
+            return list(x[:2])
+
+    return Linear()
+
+
+def controller_of(lines):
+    text = "controller law\nperiod 20 ms\naxis linear\n  e = error of x1\n"
+    return load_text(text + "".join(f"  {line}\n" for line in lines))
+
+
+def load_text(text):
+    """Return a controller from its text."""
+    parsed = parse(text)
+    assert parsed.controller is not None, parsed.diagnostics
+    return ControllerText(parsed.controller)
+
+
+def law(kind, z, p):
+    """Return -u / x1 of a law, and -u / x2."""
+    integral = H / (1.0 - 1.0 / z)
+    share = H / (0.1 + H)
+    slope = (1.0 - 1.0 / z) / H * share / (1.0 - (1.0 - share) / z)
+    lag = share / (1.0 - (1.0 - share) / z)
+    return {
+        "p": (p, 0.0),
+        "pd": (p, 0.3 * p),
+        "pi": (p + 0.5 * p * integral, 0.0),
+        "pid": (p + 0.5 * p * integral + 0.2 * p * slope, 0.0),
+        "lag": (p * lag, 0.0),
+    }[kind]
+
+
+LAWS = {
+    "p": ("drive u = e * 2",),
+    "pd": ("d = error of x2", "drive u = e * 2 + d * 0.6"),
+    "pi": ("i = integral of e", "drive u = e * 2 + i * 1"),
+    "pid": (
+        "i = integral of e",
+        "d = rate of e, filter 100 ms",
+        "drive u = e * 2 + i * 1 + d * 0.4",
+    ),
+    "lag": ("f = lag of e, time 100 ms", "drive u = f * 2"),
+}
+
+PLANTS = {
+    "first order": ([[-1.0]], [2.0]),
+    "unstable": ([[0.7]], [1.0]),
+    "motor": ([[0.0, 1.0], [0.0, -2.0]], [0.0, 1.5]),
+    "oscillator": ([[0.0, 1.0], [-9.0, -1.2]], [0.0, 4.0]),
+    "third order": ([[0.0, 1.0, 0.0], [0.0, -3.0, 2.0], [0.0, -0.5, -8.0]], [0.0, 0.0, 6.0]),
+}
+
+LOOPS = [
+    ("first order", "p", 0),
+    ("first order", "pi", 0),
+    ("unstable", "p", 2),
+    ("unstable", "lag", 0),
+    ("motor", "p", 0),
+    ("motor", "pd", 3),
+    ("motor", "pid", 0),
+    ("oscillator", "pd", 0),
+    ("oscillator", "pi", 0),
+    ("third order", "p", 1),
+    ("third order", "pd", 0),
+    ("third order", "pid", 2),
+]
+"""Plant, law, and periods by which the sensor of x1 is late."""
+
+
+def loop_of(plant, kind, late):
+    sensors = {"x1": Sensor(delay=late * H)} if late else {}
+    problem = loop_problem(controller_of(LAWS[kind]), plant_of(*PLANTS[plant]), sensors=sensors)
+    return linearised(problem)
+
+
+@pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)
+def test_margins_of_linear_loops_are_those_of_python_control(plant, kind, late):
+    control = pytest.importorskip("control")
+    a, b = (np.array(part) for part in PLANTS[plant])
+    shown = np.eye(len(a))[: 2 if len(a) > 1 else 1]
+    sampled = control.c2d(control.ss(a, b[:, None], shown, np.zeros((len(shown), 1))), H, "zoh")
+
+    def theirs(omega):
+        z = np.exp(1j * omega * H)
+        of_first, of_second = law(kind, z, 2.0)
+        x = np.ravel(sampled(z))
+        return complex(of_first * x[0] / z**late + (of_second * x[1] if kind == "pd" else 0.0))
+
+    loop = loop_of(plant, kind, late)
+    ours = margins_of(loop.opened(loop.drives[0]))
+    assert ours.stable
+    # At our frequencies their transfer function is -1 / gain, and exp(jφ) with φ = phase - 180°.
+    if math.isfinite(ours.gain):
+        assert theirs(ours.gain_at) == pytest.approx(-1.0 / ours.gain, rel=1e-9)
+    if math.isfinite(ours.phase):
+        angle = math.radians(ours.phase - 180.0)
+        at = complex(math.cos(angle), math.sin(angle))
+        assert theirs(ours.phase_at) == pytest.approx(at, rel=1e-9)
+    # And none of the crossings that they find is nearer than ours.
+    omega = np.geomspace(1e-3, math.pi / H, 3000)
+    response = control.frd(np.array([theirs(w) for w in omega]), omega, smooth=True)
+    gains, phases, *_ = control.stability_margins(response, returnall=True)
+    assert all(x >= ours.gain * (1.0 - 1e-3) for x in gains if x > 1.0)
+    assert all(x % 360.0 >= ours.phase - 1e-2 for x in phases)
+    assert math.isinf(ours.phase) is (len(phases) == 0)
+
+
+def unstable_in(loop, changes):
+    """Whether matrices of a loop with changed gain or dead time have a radius above 1."""
+    return np.abs(np.linalg.eigvals(loop.a - changes * np.outer(loop.b, loop.c))).max() > 1.0
+
+
+@pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)
+def test_gain_and_dead_time_at_their_margins_are_at_the_limit(plant, kind, late):
+    loop = loop_of(plant, kind, late)
+    opened = loop.opened(loop.drives[0])
+    found = margins_of(opened)
+    for factor in (found.gain, found.gain_down):
+        if 0.0 < factor < math.inf:
+            outward = 1.0001 if factor > 1.0 else 1.0 / 1.0001
+            assert unstable_in(opened, factor * outward)
+            assert not unstable_in(opened, factor / outward)
+    if math.isfinite(found.delay):
+        assert (
+            late_radius(opened, 1.001 * found.delay)
+            > 1.0
+            > late_radius(opened, 0.999 * found.delay)
+        )
+
+
+def late_run(plant, gains, dead_time, periods=6000):
+    """Return |x| at the middle and at the end: own steps of a loop u = -gains x, late."""
+    from scipy.linalg import expm
+
+    a, b = (np.array(part) for part in PLANTS[plant])
+    whole, part = divmod(dead_time, H)
+    both = np.zeros((len(a) + 1, len(a) + 1))
+    both[:-1, :-1], both[:-1, -1] = a, b
+    first, second = expm(both * part), expm(both * (H - part))
+    x = np.zeros(len(a))
+    x[0] = 1.0
+    sent = [0.0] * (int(whole) + 2)
+    sizes = []
+    for _ in range(periods):
+        sent = [-float(gains @ x), *sent[:-1]]
+        x = (first @ [*x, sent[int(whole) + 1]])[:-1]
+        x = (second @ [*x, sent[int(whole)]])[:-1]
+        sizes.append(np.abs(x).max())
+    return max(sizes[periods // 2 - 500 : periods // 2]), max(sizes[-500:])
+
+
+@pytest.mark.parametrize(
+    ("plant", "kind", "gains"),
+    [
+        ("motor", "p", [2.0, 0.0]),
+        ("motor", "pd", [2.0, 0.6]),
+        ("oscillator", "pd", [2.0, 0.6]),
+        ("third order", "p", [2.0, 0.0, 0.0]),
+    ],
+)
+def test_a_run_decays_just_before_the_delay_margin_and_grows_just_beyond(plant, kind, gains):
+    loop = loop_of(plant, kind, 0)
+    delay = margins_of(loop.opened(loop.drives[0])).delay
+    for factor, grows in ((0.99, False), (1.01, True)):
+        middle, end = late_run(plant, np.array(gains), factor * delay)
+        assert (end > middle) == grows
+
+
+@pytest.mark.parametrize(("plant", "kind", "late"), LOOPS)
+def test_the_peak_of_the_sensitivity_is_above_all_samples(plant, kind, late):
+    loop = loop_of(plant, kind, late)
+    opened = loop.opened(loop.drives[0])
+    found = margins_of(opened)
+    omega = np.linspace(1e-3, math.pi / H, 7001)
+    peak = (1.0 / np.abs(1.0 + opened.at(omega))).max()
+    assert peak <= found.sensitivity * (1.0 + 1e-9)
+    assert found.sensitivity <= peak * 1.01
+
+
+# --- rules ---
+
+SHIPPED = [
+    ("servo.frb", "motor", {}, 1.0),
+    ("ball-and-beam.frb", "ball-and-beam", {}, 1.0),
+    ("cartpole.frb", "cartpole", {}, 0.5),
+    ("tanks.frb", "tanks", {"level2": 0.1}, 1.0),
+]
+
+
+@pytest.mark.parametrize(("name", "plant", "set_point", "share"), SHIPPED)
+def test_no_gain_of_the_rules_is_worse_than_the_worst(name, plant, set_point, share):
+    problem = loop_problem(load(shipped(name)), find_plant(plant), set_point=set_point)
+    loop = linearised(problem)
+    for drive in loop.drives:
+        worst = drive_margins(loop, drive, share).worst
+        rng = np.random.default_rng(1)
+        for _ in range(25):
+            values = [rng.uniform(gain.low, gain.high) for gain in worst.gains]
+            found = margins_of(loop.opened(drive, changed(worst.gains, values)))
+            assert found.stable
+            for margin in ("gain", "phase", "delay"):
+                assert getattr(found, margin) >= getattr(worst.margins, margin) * (1.0 - 1e-6)
+            assert found.gain_down <= worst.margins.gain_down * (1.0 + 1e-6)
+            assert found.sensitivity <= worst.margins.sensitivity * (1.0 + 1e-6)
+
+
+def test_a_small_run_goes_as_the_linearised_loop():
+    text, plant = load(shipped("servo.frb")), find_plant("motor")
+    loop = linearised(loop_problem(text, plant))
+    opened = loop.opened(loop.drives[0])
+    closed = opened.a - np.outer(opened.b, opened.c)
+    small = 1e-7
+    run = simulate(text, starting_at(plant, [small, 0.0, 0.0]), reference={"position": 0.0},
+                   duration=0.2)  # fmt: skip
+    z, way = np.array([small, 0.0, 0.0]), []
+    for _ in run.time:
+        way.append(z[0])
+        z = closed @ z
+    # The rules are linear along e and ce each; together min makes an edge between them.
+    assert np.abs(run.outputs["position"] - way).max() < 0.2 * small
+
+
+def test_a_loop_at_a_limit_has_no_margins():
+    problem = loop_problem(load(shipped("heater.frb")), find_plant("room"))
+    loop = linearised(problem)
+    with pytest.raises(LoopProofError, match="does not answer"):
+        drive_margins(loop, loop.drives[0])
+
+
+# --- the command ---
+
+
+def test_the_command_prints_margins_and_draws_them(capsys, tmp_path):
+    path = shipped("heater.frb")
+    out = tmp_path / "margins.png"
+    assert main(["margins", str(path), "--at", "temperature=21", "--plot", str(out)]) == 0
+    assert "57.8° at 0.002211 rad/s" in capsys.readouterr().out
+    assert out.stat().st_size > 10_000
+
+
+def test_json_has_null_for_what_is_unlimited(capsys):
+    assert main(["margins", str(shipped("servo.frb")), "--json"]) == 0
+    (data,) = json.loads(capsys.readouterr().out)
+    assert data["drive"] == "shaft.voltage"
+    assert data["nominal"]["gain_down"] == 0.0
+    assert data["worst"]["phase"] <= data["nominal"]["phase"]
+
+
+def test_an_unstable_loop_is_said_with_its_radius(capsys, tmp_path):
+    path = tmp_path / "wild.frb"
+    text = "controller wild\nperiod 20 ms\naxis cart\n  e = error of x\n  drive f = -1 * e\n"
+    path.write_text(text, encoding="utf-8")
+    assert main(["margins", str(path), "--plant", "cartpole"]) == 3
+    assert "not stable, the spectral radius is 1." in capsys.readouterr().out
