@@ -29,6 +29,7 @@ from fuzzyarm.language.model.controller import Axes, ControllerModel, GainModel
 from fuzzyarm.language.model.rulebase import Input, Rule, RuleBase, RuleBlock, Shape, Term
 from fuzzyarm.language.model.rulebase import Output as OutputVariable
 from fuzzyarm.learning.validation import Bin, Region, RuleUse, Validation
+from fuzzyarm.proof.loop.margins import Margins
 from fuzzyarm.proof.map.controllers import DriveGain, DriveProof, DriveSector
 from fuzzyarm.requests import Request
 from fuzzyarm.requests.schema import schema_of as schema_of_request
@@ -665,6 +666,28 @@ DRIVE = record_of(
     reached={"enum": ["never", "yes", "open", ""]},
 )
 
+_MARGINS = record_of(Margins, "margins", types={"*": ["number", "null"]})
+MARGINS = rows(
+    record(
+        "a drive at which the loop is opened",
+        drive=text("axis and port"),
+        nominal=_MARGINS | {"description": "at rest; null for what has no limit"},
+        worst=_MARGINS
+        | {"type": ["object", "null"], "description": "over all gains; null without bounds"},
+        gains=rows(
+            record(
+                "a gain of the rules",
+                of=text("what it is"),
+                low=number("its proved lower bound"),
+                high=number("its proved upper bound"),
+            ),
+            "gains that are not one number",
+        ),
+        where=by_name({"type": "array", "items": {"type": "number"}}, "by margin, its gains"),
+    ),
+    "in the order of the drives",
+)
+
 EVALUATED = by_name(
     {"type": ["number", "null", "array"]},
     "values; of interval type 2 with both ends; null where there is none",
@@ -883,6 +906,7 @@ OUTPUTS = (
         "what holds of its drives",
         rows(DRIVE, "in the order of the axes"),
     ),
+    Output("margins", "margins FILE --plant P", "how far a loop is from instability", MARGINS),
     Output("prove-loop", "prove FILE --plant P --stable", "a claim about a loop", LOOP_VERDICT),
     Output("prove-tube", "prove FILE --plant P --for TIME", "a tube", LOOP_BOUNDS),
     Output("compile", "compile FILE -o OUT.lut", "a table that was made", TABLE_REPORT),

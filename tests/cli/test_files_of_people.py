@@ -60,6 +60,7 @@ WRITTEN = {
     ],
     ("tune", "--plot"): [f"tune servo.frb {RUN} --evals 3 --plot o.png"],
     ("prove", "--plot"): ["prove servo.frb --plant motor --stable --plot o.png"],
+    ("margins", "--plot"): ["margins servo.frb --plot o.png"],
     ("validate", "--plot"): ["validate model.frb samples.csv --plot o.png"],
     ("reproduce", "--overview"): ["reproduce 7.1.1 --overview o.png"],
     ("sweep", "-o"): [f"sweep servo.frb {RUN} --sweep J=0.01..0.02:3 -o o.csv"],

@@ -100,6 +100,7 @@ CALLS = {
     "prove-table": [["prove", PD7, "--table", "linear"]],
     "prove-sector": [["prove", PD7, "--sector"], ["prove", PD7, "--sector", "--along", "e=1,ce=1"]],
     "prove-drives": [["prove", SERVO, "--sector"]],
+    "margins": [["margins", SERVO]],
     "prove-loop": [
         ["prove", SERVO, *ON_MOTOR, "--stable"],
         ["prove", SERVO, *ON_MOTOR, "--claim", f"{BOX}: position in -1 .. 1", "--for", "3ms"],

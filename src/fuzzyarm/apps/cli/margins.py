@@ -1,12 +1,12 @@
 """How far a loop is from instability: gain, phase and delay margin, and peak sensitivity.
 
-The loop is linearised about its rest, as sampled: plant, sensors, delays, memory and held drives.
-It is opened at each drive in turn, the others closed. A gain margin is the factor of the loop's
-gain, up and down, that makes it unstable; a delay margin is further dead time of the actuator,
-exactly, a part of a period included.
+The sampled loop is linearised about its rest, with sensors, delays, memory and held drives, and
+opened at each drive in turn, the others closed. The gain margin is the factor of the loop's gain,
+up and down, at which it becomes unstable; the delay margin is the same for dead time of the
+actuator, fractions of a period included.
 
-A rule base has one gain at rest only. Where bounds of its gain are proved over the ranges of its
-inputs (or over --share of them), the worst margins found among those gains stand beside.
+A rule base has a single gain at rest only. Its gain over the ranges of its inputs (or over --share
+of them) has proved bounds; the worst margins found among those gains are printed beside.
 
 Exit status 3 if the loop at rest is not stable. --plot draws Bode and Nyquist diagrams.
 

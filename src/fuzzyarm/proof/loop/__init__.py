@@ -12,6 +12,7 @@ from fuzzyarm.proof.claim.text import claim_text, read_claim
 from fuzzyarm.proof.loop.call import prove
 from fuzzyarm.proof.loop.certificate import Certificate, CertificateError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.margins import DriveMargins, Margins, margins
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
 from fuzzyarm.proof.loop.tube_certificate import (
@@ -26,9 +27,11 @@ __all__ = [
     "Certificate",
     "CertificateError",
     "Demand",
+    "DriveMargins",
     "EnclosureError",
     "LoopProofError",
     "LoopVerdict",
+    "Margins",
     "Tube",
     "TubeCertificate",
     "certify_tube",
@@ -36,6 +39,7 @@ __all__ = [
     "claim_text",
     "loop_problem",
     "loop_tube",
+    "margins",
     "prove",
     "prove_loop",
     "read_certificate",

@@ -16,6 +16,7 @@ periods).
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -25,10 +26,14 @@ from itertools import groupby, product
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base import above
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.plant.plant import Address
-from fuzzyarm.proof.claim.problem import LoopProofError
-from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plant import Address, Plant
+from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
+from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope, linearised
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import NoSectorError, form_text, sector
@@ -41,6 +46,7 @@ __all__ = [
     "changed",
     "drive_margins",
     "late_radius",
+    "margins",
     "margins_of",
     "rule_gains",
 ]
@@ -71,7 +77,7 @@ class Margins:
     delay : float or None
         Further dead time of the actuator that makes it unstable, s.
     sensitivity : float or None
-        The largest |S|.
+        The peak of the sensitivity.
     gain_at, phase_at, sensitivity_at : float or None
         Where, rad/s; of `phase` the crossover. None where there is no such frequency.
     """
@@ -146,6 +152,64 @@ class DriveMargins:
     loop: OpenLoop
     nominal: Margins
     worst: WorstMargins | None
+
+
+def margins(
+    controller: ControllerText | str | os.PathLike[str],
+    plant: str | Plant,
+    *,
+    set_point: Mapping[str, float] | None = None,
+    parameters: Mapping[str, tuple[float, float]] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    connect: Mapping[str, str] | None = None,
+    share: float = 1.0,
+) -> dict[str, DriveMargins]:
+    """Return the margins of a loop, opened at each drive in turn.
+
+    Parameters
+    ----------
+    controller : ControllerText, str or path-like
+        The controller, or its file.
+    plant : str or Plant
+        What it runs on.
+    set_point : mapping of str to float, optional
+        Constant, by port; 0 for others.
+    parameters : mapping of str to (float, float), optional
+        Of the plant, by name; of an interval the middle counts.
+    sensors : mapping of str to Sensor, optional
+        By port; exact ones by default.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    share : float
+        Of the ranges of the rule bases' inputs, around rest, over which their gains are bounded.
+
+    Returns
+    -------
+    dict of str to DriveMargins
+        By ``axis.port``.
+
+    Raises
+    ------
+    LoopProofError
+        If the loop has no rest that is found, or rests where nothing answers.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> from fuzzyarm.proof.loop import margins
+    >>> found = margins(fuzzyarm.shipped("servo.frb"), "motor")["shaft.voltage"]
+    >>> f"{found.nominal.phase:.1f}, {found.worst.margins.phase:.1f} degrees"
+    '68.3, 63.3 degrees'
+    """
+    text: ControllerText = (
+        controller if isinstance(controller, ControllerText) else above.function("load")(controller)
+    )
+    problem = loop_problem(
+        text, find_plant(plant), set_point=set_point, parameters=parameters, sensors=sensors,
+        connect=connect,
+    )  # fmt: skip
+    linear = linearised(problem)
+    return {".".join(drive): drive_margins(linear, drive, share) for drive in linear.drives}
 
 
 # --- one loop ---
