@@ -1010,15 +1010,13 @@ OUTPUTS = (
         "what was found and written",
         record(
             "a conversion",
-            "rules residual sources",
+            "sources",
             source=text("IN"),
             target=text("OUT"),
             producer=text("the program IN was read as one of"),
             written=truth("whether OUT was"),
             diagnostics=rows(SHORT_FINDING, "what differs"),
             sources={"type": "array", "description": "of several that are connected: all of them"},
-            rules=whole("of a table: how many"),
-            residual={"description": "of a table: how far the rules are from it"},
         ),
     ),
     Output(

@@ -124,7 +124,6 @@ CALLS = {
     ],
     "convert": [
         ["convert", PD7, "a.fll"],
-        ["convert", "a.lut", "c.frb", "--terms", "5", "--lossy"],
         ["convert", PD7, THERMOSTAT, "d.frb", "--connect", "pd7/u -> thermostat/error"],
     ],
     "compile-board": [["compile", PD7, "--for", "arduino", "-o", "board"]],

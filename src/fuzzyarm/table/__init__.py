@@ -21,7 +21,6 @@ if TYPE_CHECKING:
         measure_fidelity,
     )
     from fuzzyarm.table.files import TableFileError, read_table, write_table
-    from fuzzyarm.table.rules import RulesOfTable, rules_of_table
     from fuzzyarm.table.table import LookupTable
     from fuzzyarm.table.text import ParsedTable, parse_lut, write_lut
 
@@ -45,7 +44,6 @@ __all__ = [
     "measure_fidelity",
     "parse_lut",
     "read_table",
-    "rules_of_table",
     "write_lut",
     "write_table",
 ]
@@ -77,10 +75,6 @@ if not TYPE_CHECKING:
                 "TableFileError",
                 "read_table",
                 "write_table",
-            ),
-            "rules": (
-                "RulesOfTable",
-                "rules_of_table",
             ),
             "table": ("LookupTable",),
             "text": (

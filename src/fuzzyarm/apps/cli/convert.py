@@ -11,10 +11,6 @@ warned about, what was written is read back and compared at 100 points: the warn
 difference, and beyond 1 % of the range of an output it is an error. From .frb to .frb
 the text is formatted and its comments stay; other files have no place for them.
 
-    fuzzyarm convert learned.lut learned.frb
-
-A table becomes the rules whose terms come nearest; what they cannot express is said.
-
     fuzzyarm convert light.fis move.fis tree.frb --connect "light/out -> move/level"
 
 Several files become one rule base, as a `fistree` of MATLAB chains them: --connect leads an output
@@ -101,7 +97,8 @@ def _run(arguments: argparse.Namespace) -> int:
 def _convert_one(arguments: argparse.Namespace, target: str) -> int:
     """Write one file as another."""
     if Path(arguments.source).suffix.lower() in SUFFIXES:
-        return _convert_table(arguments, target)
+        hint = f"fuzzyarm fit {arguments.source} -o {arguments.target} makes rules of it"
+        raise WordError(f"{arguments.source} is a table, not a rule base", hint=hint)
     imported = read(
         arguments.source,
         producer=arguments.producer,
@@ -204,48 +201,6 @@ def _report_of_tree(
         print_error(f"{arguments.target}: not written")
     elif not (arguments.quiet or arguments.json):
         say(f"{arguments.target}: written, {_summary(diagnostics)}")
-
-
-def _convert_table(arguments: argparse.Namespace, target: str) -> int:
-    """Write the nearest rules to a table and say what they leave out."""
-    from fuzzyarm.table import read_table
-    from fuzzyarm.table.rules import TERMS, rules_of_table
-
-    table = read_table(arguments.source)
-    name = Path(arguments.target).stem
-    fitted = rules_of_table(table, name, terms=arguments.terms or TERMS)
-    exported = written(
-        fitted.rulebase,
-        target,
-        producer=arguments.consumer,
-        lossy=arguments.lossy,
-        strict=arguments.strict,
-    )
-    # A table has no order of conditions or descriptions to lose: only what changes numbers counts.
-    diagnostics = [
-        replace(d, path=arguments.source)
-        for d in exported.diagnostics
-        if d.is_error or d.severity == "warning"
-    ]
-    is_written = exported.text is not None
-    if exported.text is not None:
-        write_atomically(arguments.target, exported.text)
-    imported = Imported(fitted.rulebase, (), "table")
-    rules = len(fitted.rulebase.rules)
-    if arguments.json:
-        data = _as_json(arguments, imported, diagnostics, written=is_written)
-        residual = {"worst": fitted.worst, "rms": fitted.rms}
-        print_json({**data, "rules": rules, "residual": residual})
-        if not is_written:
-            print_error(f"{arguments.target}: not written")
-        return int(not is_written)
-    _report(arguments, imported, diagnostics, written=is_written)
-    if is_written and not arguments.quiet:
-        say(
-            f"what {rules} rules cannot express of {table.output}: {fitted.worst:.3g} at worst, "
-            f"{fitted.rms:.3g} rms over {table.values.size} cells"
-        )
-    return int(not is_written)
 
 
 # --- What a script makes ---
@@ -390,9 +345,7 @@ def _report(
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:
-        # Of a table the residual tells what was lost.
-        summary = "" if imported.producer == "table" and not findings else f", {_summary(findings)}"
-        say(f"{arguments.target}: written{summary}")
+        say(f"{arguments.target}: written, {_summary(findings)}")
 
 
 def _summary(findings: Sequence[Diagnostic]) -> str:
@@ -426,7 +379,7 @@ COMMANDS = (
         _run,
         argument(
             "source IN",
-            ".frb, .fll, .fcl, .fis or .fml; a table; or a script, .py; several to connect",
+            ".frb, .fll, .fcl, .fis or .fml; or a script, .py; several to connect",
             nargs="+",
         ),
         argument("target OUT", ".frb, .fll, .fcl, .fis or .fml", nargs="?"),
@@ -440,7 +393,6 @@ COMMANDS = (
         argument("--from", "the program IN was written for", dest="producer", choices=_READ_AS),
         argument("--for", "the program OUT is written for", dest="consumer", choices=_WRITTEN_FOR),
         argument("--block NAME", "which function block of an .fcl to take"),
-        argument("--terms N", "number of terms of the output, where IN is a table", type=int),
         flag("--quiet -q", "print errors only"),
         FORCE,
         json_of("what was found"),
