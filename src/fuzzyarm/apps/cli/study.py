@@ -23,7 +23,6 @@ from fuzzyarm.apps.cli.command import (
 
 if TYPE_CHECKING:
     from fuzzyarm.apps.study import Ensemble, PublishedRow, Reproduced, RowJudgement
-    from fuzzyarm.apps.study.beyond import Beyond
     from fuzzyarm.apps.study.identify import Identified
 
 
@@ -79,13 +78,9 @@ def _reproduce(arguments: argparse.Namespace) -> int:
 
 
 def _print(results: list[Reproduced]) -> None:
-    from fuzzyarm.apps.study.beyond import SUMMARY_TABLE
-
     for result in results:
         print(_reproduced_as_text(result), end="\n\n")
     _summary(results)
-    if any(result.published.table == SUMMARY_TABLE for result in results):
-        _beyond()
 
 
 def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
@@ -252,37 +247,6 @@ def _within_levels(judgements: Sequence[RowJudgement]) -> str:
     return f"whatever the bounds, all four RMS errors of a row: {counts}"
 
 
-def _beyond() -> None:
-    """Print the controllers that the study does not have."""
-    from fuzzyarm.apps.study.beyond import run_beyond
-
-    beyond = list(run_beyond())
-    print("beyond the study: RMS errors beside the smallest of each column of the summary table,")
-    print("at the set points as there; in all control periods; and from the path")
-    to_beat = {
-        "rows without a model": beyond[0].best_without_model,
-        "all rows": beyond[0].best_of_all,
-    }
-    for name, figures in to_beat.items():
-        print(_four_line(name, figures))
-    for row in beyond:
-        print(_four_line(row.name, row.rms) + f"   {_beaten(row)}")
-        print(_four_line("  all periods", row.rms_periods))
-        print(_four_line("  path", row.rms_path))
-
-
-def _four_line(name: str, figures: Sequence[float]) -> str:
-    return f"  {name:<22}" + "".join(f"{value:>10.4f}" for value in figures)
-
-
-def _beaten(beyond: Beyond) -> str:
-    if beyond.beats_all:
-        return "at the set points below every row in all four"
-    if beyond.beats_those_without_model:
-        return "at the set points below every row without a model in all four"
-    return "NOT below every row without a model"
-
-
 def _reproduced_by(described: Reproduced, printed: Reproduced) -> str:
     names = [r.variant for r in (described, printed) if r.judgement.within]
     return " and ".join(names) if names else "neither"
@@ -316,12 +280,10 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
 
 def _overview(results: Sequence[Reproduced], path: Path) -> None:
     """Draw the rows of the summary, or, if there are none among them, all."""
-    from fuzzyarm.apps.study.beyond import run_beyond
     from fuzzyarm.apps.study.figures import SUMMARY, draw_overview, save_figure
 
     summary = [result for result in results if result.published.table[0] == SUMMARY]
-    beyond = list(run_beyond()) if summary else []
-    save_figure(draw_overview(summary or results, beyond), path)
+    save_figure(draw_overview(summary or results), path)
 
 
 _IDENTIFY = """Fit the gains that the study does not print to the figures that it does.

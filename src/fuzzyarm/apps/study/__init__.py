@@ -19,13 +19,10 @@ from fuzzyarm.apps.study.reproduce import (
 from fuzzyarm.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from fuzzyarm.apps.study.beyond import NAMES, Beyond, run_beyond
     from fuzzyarm.apps.study.comparison import Compared, compare, compared_names, cost_of
     from fuzzyarm.apps.study.figures import draw_chapter, draw_overview, draw_profiles, save_figure
 
 __all__ = [
-    "NAMES",
-    "Beyond",
     "Compared",
     "Ensemble",
     "Identified",
@@ -47,7 +44,6 @@ __all__ = [
     "published_rows",
     "reproduce",
     "reproduce_row",
-    "run_beyond",
     "save_figure",
     "variants",
 ]
@@ -56,7 +52,6 @@ if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(
         __name__,
         {
-            "beyond": ("NAMES", "Beyond", "run_beyond"),
             "comparison": ("Compared", "compare", "compared_names", "cost_of"),
             "figures": ("draw_chapter", "draw_overview", "draw_profiles", "save_figure"),
         },

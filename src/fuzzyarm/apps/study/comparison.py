@@ -15,8 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.apps.study.beyond import NAMES as BEYOND
-from fuzzyarm.apps.study.beyond import SUMMARY_TABLE
 from fuzzyarm.apps.study.cost import RESOLUTION, Operations, count_operations, measure_time
 from fuzzyarm.apps.study.published import published_rows
 from fuzzyarm.base.keywords import demand_arguments
@@ -44,10 +42,17 @@ Numbers = tuple[float, ...]
 """Of each output that follows on the first trajectory, then on the second, and so on."""
 
 
+SUMMARY_TABLE = "7.1.1"
+"""The table of all controllers with payload."""
+
+OWN = ("fuzzy-fine", "fuzzy-smooth", "pd-motor", "pd-motor-tuned", "pid-smooth")
+"""Controllers that the study does not have: rule bases, then straight lines on the same motors."""
+
+
 def compared_names() -> list[str]:
     """Return the controllers of the summary table and those that the study does not have."""
     rows = [row.controller for row in published_rows() if row.table == SUMMARY_TABLE]
-    return [*rows, *BEYOND]
+    return [*rows, *OWN]
 
 
 # --- Conditions ---

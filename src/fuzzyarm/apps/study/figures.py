@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.apps.study.beyond import NAMES as BEYOND
-from fuzzyarm.apps.study.beyond import Beyond
-from fuzzyarm.apps.study.comparison import Compared, ControlStepCost
+from fuzzyarm.apps.study.comparison import OWN, Compared, ControlStepCost
 from fuzzyarm.apps.study.cost import RESOLUTION
 from fuzzyarm.apps.study.published import RMS_PLACES, PublishedRow
 from fuzzyarm.apps.study.reproduce import Reproduced
@@ -111,7 +109,7 @@ def chapter_of(row: PublishedRow) -> str:
 
 def chapter_of_controller(name: str) -> str:
     """Return the chapter of a controller; empty for one that the study does not have."""
-    if name in BEYOND or name not in CATALOGUE:
+    if name in OWN or name not in CATALOGUE:
         return ""
     if CATALOGUE[name].takes:
         return "6"
@@ -182,18 +180,15 @@ def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
 HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {second}")
 
 
-def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) -> Figure:
+def draw_overview(results: Sequence[Reproduced]) -> Figure:
     """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
 
-    The rows are on the same pair of trajectories, in the order of the table; controllers that
-    were not published stand below them.
+    The rows are on the same pair of trajectories, in the order of the table.
 
     Parameters
     ----------
     results : sequence of Reproduced
         Rows of all chapters.
-    beyond : sequence of Beyond
-        Controllers that were not published.
 
     Returns
     -------
@@ -203,17 +198,13 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
     from matplotlib.figure import Figure
 
     rows = [result for result in results if result.variant == "as-printed"]
-    height = 1.9 + 0.24 * (len(rows) + len(beyond))
+    height = 1.9 + 0.24 * len(rows)
     figure = Figure(figsize=(13.0, height), layout="constrained")
     panels: Any = figure.subplots(1, 4, sharey=True, squeeze=False)[0]
     first, second = rows[0].published.trajectories
     for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
         for height, result in enumerate(rows):
             _mark(panel, -height, result, place)
-        for line, comparison in enumerate(beyond, len(rows)):
-            panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
-            panel.plot(comparison.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
-            panel.plot(comparison.rms_path[column], -line, "D", color=OWN_COLOUR, **_FROM_PATH)
         panel.set_xscale("log")
         figure_files.plain_powers(panel, "x", *panel.get_xlim())
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
@@ -224,14 +215,12 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
         panel.tick_params(axis="y", length=0)
     names = [result.published.row for result in rows]
     colours = [FAMILIES[chapter_of(result.published)][1] for result in rows]
-    names += [comparison.name for comparison in beyond]
-    colours += [OWN_COLOUR] * len(beyond)
     panels[0].set_yticks([-height for height in range(len(names))])
     panels[0].set_yticklabels(names, fontsize=9)
     panels[0].set_ylim(-len(names) + 0.4, 0.6)
     for label, colour in zip(panels[0].get_yticklabels(), colours, strict=True):
         label.set_color(colour)
-    _key(figure, rows, beyond)
+    _key(figure, rows)
     return figure
 
 
@@ -247,7 +236,7 @@ def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
     panel.plot(published, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
 
 
-def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond]) -> None:
+def _key(figure: Figure, chosen: Sequence[Reproduced]) -> None:
     from matplotlib.lines import Line2D
 
     ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
@@ -262,22 +251,10 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond])
     for chapter, (name, colour) in FAMILIES.items():
         if chapter in chapters:
             entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
-    if beyond:
-        style: dict[str, Any] = {
-            "marker": "D",
-            "color": OWN_COLOUR,
-            "markersize": 5.5,
-            "linestyle": "none",
-        }
-        entries.append(Line2D([], [], label="beyond the study", **style))
-        entries.append(Line2D([], [], label="the same from the path", **style | _FROM_PATH))
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
     )
 
-
-_FROM_PATH: dict[str, Any] = {"markersize": 5.5, "fillstyle": "none"}
-"""How an error from the path is marked, beside one at the set points."""
 
 # --- Error against cost ---
 
