@@ -33,7 +33,6 @@ __all__ = [
     "LookupTable",
     "ParsedTable",
     "PlainTable",
-    "RulesOfTable",
     "TableDiff",
     "TableError",
     "TableFileError",
