@@ -154,7 +154,7 @@ above.register(
         "infer": "fuzzyarm.inference",
         "rulebase_figure": "fuzzyarm.apps.show.figures",
         "table_of_request": "fuzzyarm.exchange.files",
-        "text_in": "fuzzyarm.exchange.live.conversion",
+        "text_in": "fuzzyarm.exchange.formats.conversion",
         "text_of": "fuzzyarm.apps.notebook",
         "write": "fuzzyarm.language",
     }

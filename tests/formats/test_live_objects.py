@@ -25,8 +25,7 @@ from skfuzzy import control
 
 import fuzzyarm
 from fuzzyarm.base.diagnostic import RuleBaseError
-from fuzzyarm.exchange.live import compare
-from fuzzyarm.exchange.live.comparison import comparison_points
+from fuzzyarm.exchange.formats.comparison import compare, comparison_points
 from fuzzyarm.exchange.live.objects import read_object
 from fuzzyarm.exchange.live.simpful import from_simpful
 from fuzzyarm.language import write

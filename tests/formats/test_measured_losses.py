@@ -10,7 +10,7 @@ import pytest
 from fuzzyarm.apps.cli import main
 from fuzzyarm.base.diagnostic import RuleBaseError, Severity
 from fuzzyarm.exchange.formats import parse
-from fuzzyarm.exchange.live.conversion import text_in, written
+from fuzzyarm.exchange.formats.conversion import text_in, written
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse as parse_own
 from fuzzyarm.language import write as write_own
@@ -46,6 +46,18 @@ def ends(text: str = ENDS) -> RuleBase:
     rulebase = parse_own(text).rulebase
     assert rulebase is not None
     return rulebase
+
+
+def test_a_refusal_has_the_figure_of_what_would_be_written() -> None:
+    text = ENDS.replace("centroid(101, endpoints)", "farthest-of-maximum(101, endpoints)")
+    exported = written(ends(text), ".fll")
+    assert exported.text is None
+    figure = exported.diagnostics[-1]
+    assert (figure.name, figure.severity) == ("numbers-differ", Severity.INFO)
+    assert figure.message.startswith("with --lossy 'y' differs by up to ")
+    anyway = written(ends(text), ".fll", lossy=True)
+    assert figure.message.removeprefix("with --lossy ") in [d.message for d in anyway.diagnostics]
+    assert not any("--lossy" in d.message for d in anyway.diagnostics)
 
 
 @pytest.mark.parametrize(("x", "expected"), [(0.0, -30.0), (2.5, -15.0), (8.0, 18.0)])

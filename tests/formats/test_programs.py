@@ -14,8 +14,8 @@ from typing import NamedTuple
 import pytest
 
 from fuzzyarm.base.diagnostic import Diagnostic, Severity
+from fuzzyarm.exchange.formats.comparison import SLIGHT
 from fuzzyarm.exchange.live import ScriptError, System, read_script
-from fuzzyarm.exchange.live.comparison import SLIGHT
 from tests.formats.forked_python import forked_python
 
 PROGRAMS = Path(__file__).parent / "programs"

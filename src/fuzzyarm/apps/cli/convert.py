@@ -55,7 +55,7 @@ from fuzzyarm.base.files import same_file, write_atomically
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.protected import ForeignFileError
 from fuzzyarm.exchange.formats import MEANINGS, PRODUCERS, Exported, Imported, read, suffix_of
-from fuzzyarm.exchange.live.conversion import converted, findings_of, written
+from fuzzyarm.exchange.formats.conversion import converted, findings_of, written
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.reading import read_text, text_to_show
 from fuzzyarm.table import SUFFIXES

@@ -26,8 +26,8 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.folders import EXPORTS, FOREIGN
 from fuzzyarm.base.made import marked
 from fuzzyarm.exchange.compiled import Making, compiled, making_of, program_of, source_of
+from fuzzyarm.exchange.formats.conversion import converted, findings_of
 from fuzzyarm.exchange.formats.findings import Imported
-from fuzzyarm.exchange.live.conversion import converted, findings_of
 from fuzzyarm.language.edit import Reading
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.requests.fields import RequestError

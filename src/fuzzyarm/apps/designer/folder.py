@@ -42,7 +42,7 @@ from fuzzyarm.base.folders import READABLE
 from fuzzyarm.base.names import printable
 from fuzzyarm.base.shipped_files import EXAMPLES, shipped, what_it_is
 from fuzzyarm.exchange.formats import read as read_foreign
-from fuzzyarm.exchange.live.conversion import converted, findings_of
+from fuzzyarm.exchange.formats.conversion import converted, findings_of
 from fuzzyarm.language import load_rulebase, read_text
 from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table

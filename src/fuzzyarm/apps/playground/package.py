@@ -31,11 +31,6 @@ APART = frozenset(
 )
 """What a page has no use for: commands, compilers, other libraries, and the page's own files."""
 
-KEPT = frozenset(
-    {"exchange/live/__init__.py", "exchange/live/comparison.py", "exchange/live/conversion.py"}
-)
-"""Of those, what conversions between formats are measured with."""
-
 LOADING = """
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -55,7 +50,7 @@ def _members() -> Iterator[tuple[str, bytes]]:
         inside = path.relative_to(PACKAGE).as_posix()
         parts = inside.split("/")
         homes = {"/".join(parts[:k]) for k in range(1, len(parts) + 1)}
-        if homes & APART and inside not in KEPT:
+        if homes & APART:
             continue
         if path.suffix in {".py", ".js", ".typed"} and "__pycache__" not in parts:
             yield f"fuzzyarm/{inside}", path.read_bytes()

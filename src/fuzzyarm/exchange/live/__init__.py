@@ -1,4 +1,4 @@
-"""Systems of other fuzzy libraries, live: rule bases of them, and how far their numbers differ.
+"""Systems of other fuzzy libraries, live: rule bases of them, their numbers compared.
 
 A module for each library reads its objects by their attributes and asks them for their numbers;
 :mod:`fuzzyarm.exchange.live.objects` knows all of them, :mod:`fuzzyarm.exchange.live.gather` runs
@@ -13,14 +13,12 @@ from typing import TYPE_CHECKING
 from fuzzyarm.base.lazy import lazily
 
 if TYPE_CHECKING:
-    from fuzzyarm.exchange.live.comparison import compare
     from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy, to_skfuzzy
     from fuzzyarm.exchange.live.systems import ScriptError, System, from_live, read_script
 
 __all__ = [
     "ScriptError",
     "System",
-    "compare",
     "from_live",
     "from_skfuzzy",
     "read_script",
@@ -31,7 +29,6 @@ if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(
         __name__,
         {
-            "comparison": ("compare",),
             "skfuzzy": ("from_skfuzzy", "to_skfuzzy"),
             "systems": ("ScriptError", "System", "from_live", "read_script"),
         },

@@ -21,9 +21,9 @@ from typing import Any
 
 from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.base.keywords import ArgumentError
+from fuzzyarm.exchange.formats.comparison import comparison_points
 from fuzzyarm.exchange.formats.findings import Imported, UnreadableError
 from fuzzyarm.exchange.formats.fll import parse_fll
-from fuzzyarm.exchange.live.comparison import comparison_points
 from fuzzyarm.exchange.live.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
 from fuzzyarm.exchange.live.pyit2fls import KINDS, from_pyit2fls, pyit2fls_numbers
 from fuzzyarm.exchange.live.simpful import from_simpful, simpful_numbers

@@ -24,10 +24,10 @@ from typing import Any
 from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity, Span
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.exchange.files import FileWarning
+from fuzzyarm.exchange.formats.comparison import compare
 from fuzzyarm.exchange.formats.findings import Findings
 from fuzzyarm.exchange.formats.tables import in_tables
 from fuzzyarm.exchange.live import gather
-from fuzzyarm.exchange.live.comparison import compare
 from fuzzyarm.exchange.live.objects import library_of, measured, read_object
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase

@@ -18,7 +18,7 @@ from fuzzyarm.exchange.formats.findings import Exported, Findings
 from fuzzyarm.exchange.formats.registry import parse
 from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 
-__all__ = ["compare", "comparison_points", "measure"]
+__all__ = ["compare", "comparison_points", "figures_of", "measure"]
 
 SAME = 1e-9
 """Numbers that are nearer than this, of the range of their output, are the same."""
@@ -219,15 +219,27 @@ def measure(
         return exported
     found = [
         finding
-        for finding in _measured(rulebase, exported.text, suffix, producer, lossy, strict)
+        for finding in _measured(
+            rulebase, exported.text, suffix, producer, lossy=lossy, strict=strict
+        )
         if finding.severity is not Severity.INFO
     ]
     text = None if any(finding.is_error for finding in found) else exported.text
     return Exported(text, (*exported.diagnostics, *found))
 
 
+def figures_of(
+    rulebase: RuleBase, text: str, suffix: str, producer: str | None
+) -> list[Diagnostic]:
+    """Return how far the outputs of a lossy text differ, for who decides whether to write it."""
+    return [
+        replace(found, message=f"with --lossy {found.message}", severity=Severity.INFO, hint="")
+        for found in _measured(rulebase, text, suffix, producer, lossy=True, strict=False)
+    ]
+
+
 def _measured(
-    rulebase: RuleBase, text: str, suffix: str, producer: str | None, lossy: bool, strict: bool
+    rulebase: RuleBase, text: str, suffix: str, producer: str | None, *, lossy: bool, strict: bool
 ) -> tuple[Diagnostic, ...]:
     findings = Findings(lossy=lossy, strict=strict)
     imported = parse(text, suffix, producer=producer, lossy=True)

@@ -9,10 +9,10 @@ from pathlib import Path
 from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError, Severity
 from fuzzyarm.base.made import MARK
 from fuzzyarm.base.numbers import counted
+from fuzzyarm.exchange.formats.comparison import figures_of, measure
 from fuzzyarm.exchange.formats.findings import Exported, Imported
 from fuzzyarm.exchange.formats.registry import suffix_of, write
 from fuzzyarm.exchange.formats.tables import in_tables
-from fuzzyarm.exchange.live.comparison import measure
 from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.language.reading import format_text
 from fuzzyarm.language.tokens import tokenize
@@ -28,7 +28,9 @@ def written(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Return a rule base in the format of `suffix`; what is only warned about is measured.
+    """Return a rule base in the format of `suffix`; what a loss means for numbers is measured.
+
+    Where the format is refused, the findings have the numbers that `lossy` would write.
 
     Parameters
     ----------
@@ -39,7 +41,13 @@ def written(
     """
     model = model_of(rulebase)
     exported = write(model, suffix, producer=producer, lossy=lossy, strict=strict)
-    return measure(model, exported, suffix, producer=producer, lossy=lossy, strict=strict)
+    if exported.text is not None or lossy:
+        return measure(model, exported, suffix, producer=producer, lossy=lossy, strict=strict)
+    anyway = write(model, suffix, producer=producer, lossy=True)
+    if anyway.text is None:
+        return exported
+    figures = figures_of(model, anyway.text, suffix, producer)
+    return replace(exported, diagnostics=(*exported.diagnostics, *figures))
 
 
 def converted(
