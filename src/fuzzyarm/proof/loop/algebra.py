@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase, Variable
 from fuzzyarm.proof.claim.problem import LostRunError
@@ -28,13 +29,18 @@ __all__ = ["Number", "Zonotopes"]
 
 Number = Forms | float
 
+Vector = NDArray[np.float64]
+
 
 class Zonotopes(LoopAlgebra[Number]):
     """Numbers of a control period: forms of shape (batch,), and floats of the file."""
 
-    def __init__(self, batch: int, planes: Callable[[RuleBase, str], RulePlanes]) -> None:
+    def __init__(
+        self, batch: int, planes: Callable[[RuleBase, str], RulePlanes], *, by_cells: bool = False
+    ) -> None:
         self.batch = batch
         self.planes = planes
+        self.by_cells = by_cells
         self.count = 0
 
     def forms(self, x: Number) -> Forms:
@@ -118,8 +124,7 @@ class Zonotopes(LoopAlgebra[Number]):
         results: list[Number] = []
         for output in sheet.outputs:
             planes: RulePlanes = self.planes(sheet, output.name)
-            arguments = [self._inside(inputs[variable.name], variable) for variable in sheet.inputs]
-            value = self._asked(planes.band, arguments)
+            value = self._concluded(planes, [inputs[variable.name] for variable in sheet.inputs])
             if planes.clamps:
                 value = self.fresh(clip(value, output.low, output.high))
             elif output.outside == "error" and not planes.prover.lies_between:
@@ -133,6 +138,25 @@ class Zonotopes(LoopAlgebra[Number]):
             TablePlanes(sheet).band, [self.forms(inputs[name]) for name in sheet.names]
         )
 
+    def _concluded(self, planes: RulePlanes, arguments: Sequence[Number]) -> Forms:
+        """Return an output: by the planes of cells where they are known, else box by box."""
+        variables = planes.prover.inputs
+        grid = planes.grid if self.by_cells else None
+        if grid is None:
+            every = zip(arguments, variables, strict=True)
+            return self._asked(planes.band, [self._inside(x, variable) for x, variable in every])
+        for x, variable in zip(arguments, variables, strict=True):
+            if variable.outside == "error":
+                _demand_inside(self.forms(x), variable)
+        inputs = stacked([self.forms(x) for x in arguments])
+        symbols, rest = inputs.parts, inputs.rest
+        sides = np.concatenate([symbols, np.eye(len(rest))[:, :, None] * rest])
+        slopes, low, high, sure = grid.bands(inputs.centre, sides)
+        if not sure.all():
+            every = zip(arguments, variables, strict=True)
+            return self._asked(planes.band, [self._inside(x, variable) for x, variable in every])
+        return self._on(inputs, slopes, Forms.between(low, high))
+
     def _inside(self, x: Number, variable: Variable) -> Forms:
         forms = self.forms(x)
         if variable.outside == "extend":
@@ -145,7 +169,6 @@ class Zonotopes(LoopAlgebra[Number]):
     def _asked(self, band: Callable[[Zonotope], PlaneBand], arguments: Sequence[Forms]) -> Forms:
         """Return a value from the plane and the band of each box."""
         inputs = stacked(arguments)
-        rows = range(inputs.shape[0])
         bands = [
             band(
                 Zonotope(
@@ -156,8 +179,12 @@ class Zonotopes(LoopAlgebra[Number]):
             for box in range(self.batch)
         ]
         slopes = np.array([plane.slopes for plane in bands])
-        value = Forms.between([plane.low for plane in bands], [plane.high for plane in bands])
-        for row in rows:
+        band_of = Forms.between([plane.low for plane in bands], [plane.high for plane in bands])
+        return self._on(inputs, slopes, band_of)
+
+    def _on(self, inputs: Forms, slopes: Vector, value: Forms) -> Forms:
+        """Return a band around planes."""
+        for row in range(inputs.shape[0]):
             value = value + inputs[row].scaled(slopes[:, row])
         return self.fresh(value)
 

@@ -96,6 +96,24 @@ class Box(NamedTuple):
         )
 
 
+class Nearness(NamedTuple):
+    """How near to the goal boxes are.
+
+    Attributes
+    ----------
+    value : ndarray, shape (boxes,)
+        An upper bound of V, proved: at most 1 is at the goal; NaN where that cannot be.
+    starts : ndarray, shape (dimensions, boxes)
+        What each dimension of the box makes of the width, in units of the goal; only a hint.
+    rest : ndarray, shape (boxes,)
+        What everything else makes of it.
+    """
+
+    value: Vector
+    starts: Vector
+    rest: Vector
+
+
 class FollowedBoxes(NamedTuple):
     """What came of boxes that were followed side by side; times in control periods.
 
@@ -263,18 +281,8 @@ class Follower:
         first = self._outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             self.reached = period
-            algebra.count = len(states.parts)
-            measurements = self._told(states, constants, period * self.period)
-            inputs, memory = control.run(measurements, memory, first=period == 0)
-            drives = {
-                name: algebra.forms(inputs[port])
-                for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
-            }
-            intervals = self._driven(drives)
-            # The period may have made new symbols, as for the band around a plane.
-            states = states.with_symbols(max(algebra.count, len(states.parts)))
-            states, steps, parts = self._moved(
-                states, {**constants, **drives}, period * self.period, parts
+            states, memory, intervals, steps, parts = self.period_on(
+                algebra, control, states, constants, memory, period, parts, first=period == 0
             )
             if not at:
                 at.append(_joined(first, intervals))
@@ -305,6 +313,36 @@ class Follower:
             weight,
             undone if self.goal is None else undone | ~arrived,
         )
+
+    def period_on(
+        self,
+        algebra: Zonotopes,
+        control: LoopPeriod[Number],
+        states: Forms,
+        constants: Mapping[str, Forms],
+        memory: Mapping[str, Number],
+        period: int,
+        parts: int,
+        *,
+        first: bool,
+    ) -> tuple[Forms, dict[str, Number], Intervals, list[tuple[Intervals, Intervals]], int]:
+        """Return states and memory a period later, the drives, and the outputs in its steps.
+
+        Last how many steps the next period is to take.
+        """
+        algebra.count = len(states.parts)
+        time = period * self.period
+        measurements = self._told(states, constants, time)
+        inputs, after = control.run(measurements, memory, first=first)
+        drives = {
+            name: algebra.forms(inputs[port])
+            for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
+        }
+        intervals = self._driven(drives)
+        # The period may have made new symbols, as for the band around a plane.
+        states = states.with_symbols(max(algebra.count, len(states.parts)))
+        states, steps, parts = self._moved(states, {**constants, **drives}, time, parts)
+        return states, after, intervals, steps, parts
 
     def _driven(self, inputs: Mapping[str, Forms]) -> Intervals:
         """Return where the inputs are: within the limits of their actuators."""
@@ -461,7 +499,8 @@ class Follower:
 
     @staticmethod
     def _fewer(
-        states: Forms, memory: Mapping[str, Number], columns: int, algebra: Zonotopes
+        states: Forms, memory: Mapping[str, Number], columns: int, algebra: Zonotopes,
+        most: int = MOST_SYMBOLS,
     ) -> tuple[Forms, dict[str, Number]]:
         """Return states and memory over fewer symbols."""
         names = [name for name, value in memory.items() if isinstance(value, Forms)]
@@ -473,7 +512,7 @@ class Follower:
         # together.
         if joint.rest.any():
             joint = joint.with_symbols(count + joint.shape[0], range(count, count + joint.shape[0]))
-        joint = joint.reduced(columns, columns + MOST_SYMBOLS * joint.shape[0])
+        joint = joint.reduced(columns, columns + most * joint.shape[0])
         size = states.shape[0]
         remembered: dict[str, Number] = dict(memory)
         remembered |= {name: joint[size + i] for i, name in enumerate(names)}

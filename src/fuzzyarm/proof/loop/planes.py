@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.claim.problem import LostRunError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.plane_grid import HALVINGS, PlaneGrid, cells_of
 from fuzzyarm.proof.map.arithmetic import FLOATS
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.map.bounds import WIDENED, UnprovableError
@@ -255,6 +256,34 @@ class RulePlanes:
 
     # --- questions ---
 
+    @cached_property
+    def grid(self) -> PlaneGrid | None:
+        """The planes of its cells, for many sets at once; None where it cannot be cut into them."""
+        inputs = self.prover.inputs
+        ends = np.array([(variable.low, variable.high) for variable in inputs])
+        if len(ends) not in HALVINGS or not (self.has_pieces and np.isfinite(ends).all()):
+            return None
+        low, high = ends.T
+        cut = self._whole(low, high)
+        if cut.is_silent:
+            return None
+        middle = cut.middle
+
+        def bands(
+            pieces: Quotients, slopes: Vector, centre: Vector, at: Vector
+        ) -> tuple[Vector, Vector]:
+            places = pieces.corners - centre[:, None, :]
+            planes = (places * slopes[:, None, :]).sum(axis=2) + (at - middle)[:, None]
+            tilt = np.abs(slopes).sum(axis=1) * np.abs(pieces.corners).max(axis=(1, 2))
+            return _bands(pieces, planes, tilt)
+
+        return PlaneGrid(
+            low, high, [variable.outside == "clamp" for variable in inputs],
+            lambda edges: cells_of(
+                cut.quotients, edges, _cut_at, lambda part: self._values(part, middle), bands
+            ),
+        )  # fmt: skip
+
     def band(self, inputs: Zonotope) -> PlaneBand:
         """Return a plane and the band around it over a set of inputs.
 
@@ -284,7 +313,9 @@ class RulePlanes:
         slopes, offset = np.zeros(len(centre)), 0.0
         for round_number in range(ROUNDS + 1):
             slopes, offset = self._plane(pieces, centre, radius, middle)
-            lows, highs = _bands(pieces, slopes, offset, centre, middle)
+            planes = (pieces.corners - centre) @ slopes + (offset - middle)
+            tilt = np.full(pieces.count, np.abs(slopes).sum() * np.abs(centre).max())
+            lows, highs = _bands(pieces, planes, tilt)
             if round_number == ROUNDS or pieces.count > MOST:
                 break
             deciding = self._deciding(pieces, slopes, offset, centre, middle, lows, highs)
@@ -391,15 +422,14 @@ class RulePlanes:
         return np.asarray(crude | np.isnan(top))
 
 
-def _bands(
-    pieces: Quotients, slopes: Vector, offset: float, centre: Vector, middle: float
-) -> tuple[Vector, Vector]:
-    """Return for each piece between what the value less the plane lies."""
-    dimension = len(centre)
-    sources, shares = _raised(dimension, pieces.degree)
+def _bands(pieces: Quotients, planes: Vector, tilt: Vector) -> tuple[Vector, Vector]:
+    """Return for each piece between what the value less the plane lies.
+
+    `planes` at the vertices; `tilt` is what a plane moves by where a corner is off by its size.
+    """
+    sources, shares = _raised(pieces.corners.shape[2], pieces.degree)
     # N − k D with a plane k has the degree n + 1 and the coefficients Σⱼ γⱼ/(n + 1) (N − kⱼ D),
     # those of N and D at γ − eⱼ and k at vertex j.
-    planes = (pieces.corners - centre) @ slopes + (offset - middle)
     upper, lower = pieces.upper[:, sources], pieces.lower[:, sources]
     assert pieces.error is not None
     error = pieces.error[:, sources]
@@ -410,7 +440,7 @@ def _bands(
     sizes = ((np.abs(upper) + tall * np.abs(lower)) * shares).sum(axis=2)
     # How far a corner is off moves the plane: a share of the sizes again.
     off = ((pieces.reach + tall) * error * shares).sum(axis=2) + OFF * (
-        sizes + np.abs(slopes).sum() * np.abs(centre).max() * below
+        sizes + tilt[:, None] * below
     )
     top, bottom = differences + off, differences - off
     room, more = below - off_below, below + off_below

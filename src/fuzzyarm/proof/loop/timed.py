@@ -30,12 +30,12 @@ from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.checked_loop import CheckedLoop
 from fuzzyarm.proof.loop.checker import is_positive_definite, refutation
 from fuzzyarm.proof.loop.enclosure import EnclosureError, outward
-from fuzzyarm.proof.loop.follower import Demand
+from fuzzyarm.proof.loop.follower import Demand, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.outward import above, below
 from fuzzyarm.proof.loop.tube import Tube, tube
 from fuzzyarm.proof.loop.verification import port_within, power_up
-from fuzzyarm.proof.loop.zonotope import Forms
+from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, stacked
 
 __all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way", "loop_tube"]
 
@@ -298,24 +298,41 @@ class Haven:
         V ≤ (1 + slack) |Lᵀ z|², and each entry of Lᵀ z is an affine form: what states owe to the
         same symbols cancels.
         """
+        return self.nearness(states, memory, 0).value
+
+    def nearness(self, states: Forms, memory: Mapping[str, Number], count: int) -> Nearness:
+        """Return an upper bound of V in each box, and what makes boxes wide.
+
+        Parameters
+        ----------
+        states : Forms, shape (states, boxes)
+            Of the plant.
+        memory : mapping of str to Forms or float
+            Of the controller.
+        count : int
+            Symbols that are the starts.
+        """
         batch = states.shape[1]
         names = self.maker.problem.states
         # z is counted from the true rest, of which an interval is known.
-        z: list[Forms] = []
+        rows: list[Forms] = []
         for name, rest in zip(self.loop.names, self.rests, strict=True):
             value = states[names.index(name)] if name in names else memory[name]
             forms = value if isinstance(value, Forms) else Forms.at(np.full(batch, value))
             low, high = np.full(batch, rest.low), np.full(batch, rest.high)
-            z.append(forms - Forms.between(low, high))
-        total = np.zeros(batch)
-        for k in range(len(z)):
-            entry = z[k].scaled(self.factor[k, k])
-            for i in range(k + 1, len(z)):
-                if self.factor[i, k]:
-                    entry = entry + z[i].scaled(self.factor[i, k])
-            size = entry.bounds.size
-            total = np.nextafter(total + np.nextafter(size * size, np.inf), np.inf)
-        return np.nextafter(total * (1.0 + self.slack), np.inf)
+            rows.append(forms - Forms.between(low, high))
+        z = stacked(rows)
+        turn, size = self.factor.T, np.abs(self.factor.T)
+        centre = turn @ z.centre
+        parts = np.abs(np.matmul(turn, z.parts))
+        spread, rest = parts.sum(axis=0), size @ z.rest
+        # Each entry is a sum of products: all of their roundings, over the sums of magnitudes.
+        doubt = (len(turn) + len(parts) + 4) * ROUNDING * (size @ (np.abs(z.centre) + z.spread))
+        most = (np.abs(centre) + spread + rest + doubt) * ENLARGED
+        value = ((most * most).sum(axis=0) * (1.0 + self.slack)) * ENLARGED
+        far = np.sqrt((parts[:count] ** 2).sum(axis=1))
+        other = np.sqrt(((parts[count:].sum(axis=0) + rest) ** 2).sum(axis=0))
+        return Nearness(value, far, other)
 
 
 def _factored(p: tuple[tuple[Fraction, ...], ...]) -> tuple[NDArray[np.float64], float]:

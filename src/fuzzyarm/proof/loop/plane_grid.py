@@ -1,0 +1,434 @@
+r"""Planes through a rule base, kept cell by cell: a band for many sets of inputs at once.
+
+The declared ranges are cut into cells once. Of each cell a plane and the proved band around it are
+kept, ``u - p·(x - c) in l .. h``, and so for cells that are twice, four times, … as long along each
+axis by itself. A set of inputs then meets a few cells, whatever its size. For any slopes k
+
+    u - k·x  in  -k·c + [l, h] + (p - k)·(x - c),    x in the part of the cell that the set may meet,
+
+so the band around a plane of the whole set is the hull over these cells. Which plane it is matters
+only for how wide the band becomes: least squares, then drawn towards the largest distances (Lawson).
+
+Beyond the range of an input that is brought back into it, the surface goes on as it is at the end:
+an outer cell without an end, whose slope along that axis is 0. So nothing is given up for a limit
+of an input that some values of a set reach and others do not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.proof.map.bernstein import Quotients
+
+__all__ = ["Bands", "PlaneGrid", "cells_of"]
+
+Vector = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+HALVINGS = {1: 9, 2: 6, 3: 4}
+"""By the number of inputs: how often a range is halved for the smallest cells."""
+
+AT_MOST = {1: 32, 2: 8, 3: 4}
+"""By the number of inputs: cells that a set may meet along each axis."""
+
+ROUNDS = 3
+"""Times that weights are drawn towards the largest distances."""
+
+OFF = 2.0**-42
+"""Of the sizes of what is added: 2,000 roundings, more than a band takes."""
+
+
+class Bands(NamedTuple):
+    """Of each set: between ``k·x + low`` and ``k·x + high``; not `sure`: nothing is known.
+
+    Shapes (sets, inputs), (sets,), (sets,), (sets,).
+    """
+
+    slopes: Vector
+    low: Vector
+    high: Vector
+    sure: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Cells of one length for each axis, in the order of a grid; of each a plane and its band."""
+
+    slopes: Vector  # (*shape, n)
+    low: Vector  # (*shape)
+    high: Vector
+
+    def joined(self, axis: int, edges: Sequence[Vector]) -> _Cells:
+        """Return cells twice as long along an axis; `edges` of the cells as they are."""
+        pick = [slice(None)] * self.low.ndim
+        first, second = (_taken(self, pick, axis, start) for start in (0, 1))
+        middles = 0.5 * edges[axis][1:] + 0.5 * edges[axis][:-1]
+        halves = 0.5 * np.diff(edges[axis])
+        shape = [1] * self.low.ndim
+        shape[axis] = -1
+        here, there = middles[::2].reshape(shape), middles[1::2].reshape(shape)
+        middle = 0.5 * here + 0.5 * there
+        slopes = 0.5 * first.slopes + 0.5 * second.slopes
+        steep = (second.low + second.high - first.low - first.high) / (2.0 * (there - here))
+        slopes[..., axis] = steep
+        lows, highs = [], []
+        for part, centre, half in ((first, here, halves[::2]), (second, there, halves[1::2])):
+            away = np.abs(part.slopes - slopes)
+            reach = away[..., axis] * half.reshape(shape)
+            for other in range(self.low.ndim):
+                if other != axis:
+                    sides = [1] * self.low.ndim
+                    sides[other] = -1
+                    reach = reach + away[..., other] * (0.5 * np.diff(edges[other])).reshape(sides)
+            shift = slopes[..., axis] * (middle - centre)
+            size = np.abs(shift) + reach + np.abs(part.low) + np.abs(part.high)
+            lows.append(part.low + shift - reach - OFF * size)
+            highs.append(part.high + shift + reach + OFF * size)
+        return _Cells(slopes, np.minimum(*lows), np.maximum(*highs))
+
+
+def _taken(cells: _Cells, pick: list[slice], axis: int, start: int) -> _Cells:
+    chosen = list(pick)
+    chosen[axis] = slice(start, None, 2)
+    index = tuple(chosen)
+    return _Cells(cells.slopes[index], cells.low[index], cells.high[index])
+
+
+class PlaneGrid:
+    """The cells of one output, asked for the bands of many sets.
+
+    Parameters
+    ----------
+    low, high : ndarray, shape (inputs,)
+        Of the cells.
+    is_clamped : sequence of bool
+        By input: whether values beyond are brought back, so that the surface goes on level.
+    cells : callable
+        Gives slopes, least and largest distance of the smallest cells, by their edges.
+    """
+
+    def __init__(
+        self,
+        low: Vector,
+        high: Vector,
+        is_clamped: Sequence[bool],
+        cells: Callable[[Sequence[Vector]], tuple[Vector, Vector, Vector]],
+    ) -> None:
+        self.low, self.high = low, high
+        self.is_clamped = np.array(is_clamped)
+        self.size = len(low)
+        self.depth = HALVINGS[self.size]
+        self.most = AT_MOST[self.size]
+        finest = [np.linspace(a, b, (1 << self.depth) + 1) for a, b in zip(low, high, strict=True)]
+        self.edges = [[axis[:: 1 << level] for level in range(self.depth + 1)] for axis in finest]
+        self._stored: list[_Cells] = []
+        self._number = np.zeros((self.depth + 1,) * self.size, dtype=np.int64)
+        self._fill(_Cells(*cells(finest)))
+        counts = [part.low.size for part in self._stored]
+        self._offset = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        self._slopes = np.concatenate([part.slopes.reshape(-1, self.size) for part in self._stored])
+        self._lows = np.concatenate([part.low.ravel() for part in self._stored])
+        self._highs = np.concatenate([part.high.ravel() for part in self._stored])
+        # Edges of all levels behind one another, the outer ones at infinity.
+        self._ends, self._begin = [], []
+        for axis in range(self.size):
+            rows = [np.concatenate([[-np.inf], e, [np.inf]]) for e in self.edges[axis]]
+            self._begin.append(np.concatenate([[0], np.cumsum([len(row) for row in rows])[:-1]]))
+            self._ends.append(np.concatenate(rows))
+
+    def _fill(self, smallest: _Cells) -> None:
+        """Store the cells of all lengths, with outer ones around them."""
+        kept: dict[tuple[int, ...], _Cells] = {}
+        for levels in product(range(self.depth + 1), repeat=self.size):
+            axis = next((k for k, level in enumerate(levels) if level), None)
+            if axis is None:
+                kept[levels] = smallest
+            else:
+                finer = tuple(level - (k == axis) for k, level in enumerate(levels))
+                edges = [self.edges[k][level] for k, level in enumerate(finer)]
+                kept[levels] = kept[finer].joined(axis, edges)
+            self._number[levels] = len(self._stored)
+            self._stored.append(self._padded(kept[levels], levels))
+
+    def _padded(self, cells: _Cells, levels: Sequence[int]) -> _Cells:
+        """Return cells with the outer ones: level along their axis from where the range ends."""
+        slopes, low, high = cells.slopes, cells.low, cells.high
+        for axis, level in enumerate(levels):
+            edges = self.edges[axis][level]
+            parts = [(slopes, low, high)]
+            for index, side in ((0, -0.5), (-1, 0.5)):
+                pick = [slice(None)] * self.size
+                pick[axis] = slice(index, index + 1 or None)
+                at = tuple(pick)
+                # The slope goes, and with it how far the end is from the middle of the cell.
+                shift = slopes[at][..., axis] * (side * (edges[1] - edges[0]))
+                level_slopes = slopes[at].copy()
+                level_slopes[..., axis] = 0.0
+                more = OFF * (np.abs(shift) + np.abs(low[at]) + np.abs(high[at]))
+                wall = np.where(self.is_clamped[axis], 0.0, np.inf)
+                edge = (level_slopes, low[at] + shift - more - wall, high[at] + shift + more + wall)
+                parts = [edge, *parts] if side < 0 else [*parts, edge]
+            slopes, low, high = (
+                np.concatenate([part[k] for part in parts], axis=axis) for k in range(3)
+            )
+        return _Cells(slopes, low, high)
+
+    # ── questions ────────────────────────────────────────────────────────────────────
+
+    def bands(self, centre: Vector, generators: Vector) -> Bands:
+        """Return a plane and the band around it of each set.
+
+        Parameters
+        ----------
+        centre : ndarray, shape (inputs, sets)
+            Of the sets.
+        generators : ndarray, shape (symbols, inputs, sets)
+            Of the sets.
+        """
+        with np.errstate(all="ignore"):
+            return self._bands(centre, generators)
+
+    def _bands(self, centre: Vector, generators: Vector) -> Bands:
+        count = centre.shape[1]
+        radius = np.abs(generators).sum(axis=0) * (1.0 + 1e-12) + 1e-300
+        # Farther by more than an index or an edge can be rounded by.
+        width = (self.high - self.low)[:, None]
+        radius = radius + 1e-12 * (np.abs(centre) + width)
+        first, last = centre - radius, centre + radius
+        flat, lows, highs = self._met(first, last)
+        n = self.size
+        where = np.stack(lows), np.stack(highs)  # (n, sets, cells)
+        middle, half = 0.5 * where[0] + 0.5 * where[1], 0.5 * (where[1] - where[0])
+        some = (half >= 0.0).all(axis=0) & self._near(middle, half, centre, generators)
+        slopes = self._slopes[flat].transpose(2, 0, 1)  # (n, sets, cells)
+        least, most = self._lows[flat], self._highs[flat]
+        home = self._middles  # where the plane of each cell is counted from
+        away = middle - home
+        base = (slopes * away).sum(axis=0)
+        size = np.abs(base) + np.abs(least) + np.abs(most) + (np.abs(slopes) * half).sum(axis=0)
+        least, most = base + least, base + most
+        value = 0.5 * least + 0.5 * most
+        sure = np.isfinite(np.where(some, least + most, 0.0)).all(axis=1) & some.any(axis=1)
+        good = some & sure[:, None]
+        places = np.where(good, (middle - centre[:, :, None]) / radius[:, :, None], 0.0)
+        thick = np.where(good, half / radius[:, :, None], 0.0)
+        steep = np.where(good, slopes * radius[:, :, None], 0.0)
+        value = np.where(good, value, 0.0)
+        weight = good.astype(float)
+        k = np.zeros((n, count))
+        for _ in range(ROUNDS):
+            k, at = _fitted(weight, places, thick, value, steep)
+            gap = value - at[:, None] - (places * k[:, :, None]).sum(axis=0)
+            reach = (np.abs(steep - k[:, :, None]) * thick).sum(axis=0)
+            gap = np.where(good, np.abs(gap) + reach + 0.5 * (most - least), 0.0)
+            top = gap.max(axis=1, keepdims=True)
+            weight = weight * (gap + 0.05 * top)
+            weight = weight / np.maximum(weight.max(axis=1, keepdims=True), 1e-300)
+        k = np.where(np.isfinite(k), k, 0.0) / radius
+        # u - k·x over each part of a cell, in absolute coordinates.
+        line = (k[:, :, None] * middle).sum(axis=0)
+        reach = (np.abs(slopes - k[:, :, None]) * half).sum(axis=0)
+        size = size + np.abs(line) + reach + (np.abs(k)[:, :, None] * half).sum(axis=0)
+        low = np.where(good, least - line - reach - OFF * size, np.inf).min(axis=1)
+        high = np.where(good, most - line + reach + OFF * size, -np.inf).max(axis=1)
+        return Bands(k.T, low, high, sure & np.isfinite(low) & np.isfinite(high))
+
+    def _met(self, first: Vector, last: Vector) -> tuple[Index, list[Vector], list[Vector]]:
+        """Return the cells that boxes may meet, and the part of each box in each."""
+        count = first.shape[1]
+        steps = np.arange(self.most)
+        levels, index, lows, highs, homes, lengths = [], [], [], [], [], []
+        for axis in range(self.size):
+            begin, whole = self.low[axis], self.high[axis] - self.low[axis]
+            smallest = whole / (1 << self.depth)
+            a = (first[axis] - begin) / smallest
+            b = (last[axis] - begin) / smallest
+            number = 1 << self.depth
+            a = np.clip(np.floor(np.nan_to_num(a, nan=-1.0)), -1, number).astype(np.int64)
+            b = np.clip(np.floor(np.nan_to_num(b, nan=number)), -1, number).astype(np.int64)
+            level = np.zeros(count, dtype=np.int64)
+            for _ in range(self.depth):
+                i, j = _coarser(a, level, number), _coarser(b, level, number)
+                level = level + (j - i + 1 > self.most)
+            i, j = _coarser(a, level, number), _coarser(b, level, number)
+            cell = i[:, None] + steps  # -1 is the outer one
+            over = cell > j[:, None]
+            cell = np.minimum(cell, j[:, None])
+            at = self._begin[axis][level][:, None] + cell + 1
+            left, right = self._ends[axis][at], self._ends[axis][at + 1]
+            # The part of the box in it; of steps beyond the last cell none.
+            lows.append(np.where(over, np.inf, np.maximum(left, first[axis][:, None])))
+            highs.append(np.where(over, -np.inf, np.minimum(right, last[axis][:, None])))
+            home = np.where(np.isinf(left), right, np.where(np.isinf(right), left, 0.5 * (left + right)))
+            homes.append(home)
+            levels.append(level)
+            index.append(cell + 1)
+            lengths.append((number >> level) + 2)
+        flat = np.zeros((count, *(self.most,) * self.size), dtype=np.int64)
+        spread: list[list[Vector]] = [[], [], []]
+        for axis in range(self.size):
+            shape = [count, *(1,) * self.size]
+            flat = flat * lengths[axis].reshape(shape)
+            shape[axis + 1] = self.most
+            flat = flat + index[axis].reshape(shape)
+            for kept, values in zip(spread, (lows, highs, homes), strict=True):
+                full = np.broadcast_to(values[axis].reshape(shape), (count, *(self.most,) * self.size))
+                kept.append(full.reshape(count, -1))
+        offset = self._offset[self._number[tuple(levels)]]
+        self._middles = np.stack(spread[2])
+        return flat.reshape(count, -1) + offset[:, None], spread[0], spread[1]
+
+    def _near(
+        self, middle: Vector, half: Vector, centre: Vector, generators: Vector
+    ) -> NDArray[np.bool_]:
+        """Tell which parts of cells a set may meet, by the axes of its generators."""
+        if self.size == 1:
+            return np.ones(middle.shape[1:], dtype=bool)
+        sides = np.moveaxis(generators, 2, 0)  # (sets, symbols, n)
+        scale = np.abs(sides).sum(axis=1) + 1e-300  # (sets, n)
+        scaled = sides / scale[:, None, :]
+        ways = np.linalg.eigh(np.swapaxes(scaled, 1, 2) @ scaled)[1]  # any direction separates
+        keep = np.ones(middle.shape[1:], dtype=bool)
+        for k in range(self.size):
+            way = (ways[:, :, k] / scale).T  # (n, sets)
+            reach = np.abs((sides * way.T[:, None, :]).sum(axis=2)).sum(axis=1) * (1.0 + 1e-9) + 1e-9
+            reach = reach + 1e-11 * (np.abs(way) * (np.abs(centre) + 1.0)).sum(axis=0)
+            share = ((middle - centre[:, :, None]) * way[:, :, None]).sum(axis=0)
+            thick = (half * np.abs(way)[:, :, None]).sum(axis=0)
+            keep &= np.abs(share) - thick <= reach[:, None]
+        return keep
+
+
+def _coarser(index: Index, level: Index, number: int) -> Index:
+    """Return the cell of a coarser level that holds a smallest one; the outer ones stay outer."""
+    inner = np.clip(index, 0, number - 1) >> level
+    return np.where(index < 0, -1, np.where(index >= number, number >> level, inner))
+
+
+def _fitted(
+    weight: Vector, places: Vector, half: Vector, value: Vector, steep: Vector
+) -> tuple[Vector, Vector]:
+    """Return slopes and the value at 0 of planes near some cells, by least squares over them."""
+    n, count = len(places), weight.shape[0]
+    rows = np.zeros((count, n + 1, n + 1))
+    right = np.zeros((count, n + 1))
+    total = weight.sum(axis=1)
+    rows[:, n, n] = total + 1e-12
+    right[:, n] = (weight * value).sum(axis=1)
+    for i in range(n):
+        rows[:, i, n] = rows[:, n, i] = (weight * places[i]).sum(axis=1)
+        # Over a box of half the width h the mean of x² is c² + h²/3, of x u it is c u + s h²/3.
+        thick = half[i] * half[i] / 3.0
+        right[:, i] = (weight * (value * places[i] + steep[i] * thick)).sum(axis=1)
+        for j in range(n):
+            square = places[i] * places[j] + (thick if i == j else 0.0)
+            rows[:, i, j] = (weight * square).sum(axis=1)
+        rows[:, i, i] += 1e-9 * total + 1e-30
+    solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
+    return solved[:, :n].T, solved[:, n]
+
+
+# ── the smallest cells ───────────────────────────────────────────────────────────────
+
+
+def cells_of(
+    pieces: Quotients,
+    edges: Sequence[Vector],
+    cut_at: Callable[[Quotients, Vector], Quotients],
+    values: Callable[[Quotients], Vector],
+    bands: Callable[[Quotients, Vector, Vector, Vector], tuple[Vector, Vector]],
+) -> tuple[Vector, Vector, Vector]:
+    """Return slopes, least and largest distance of cells, from the pieces of a rule base.
+
+    Parameters
+    ----------
+    pieces : Quotients
+        With vertices in the inputs themselves.
+    edges : sequence of ndarray
+        Of the cells, by axis.
+    cut_at, values, bands : callable
+        Of :mod:`fuzzyarm.proof.loop.planes`: the parts on one side of a plane, the values at the
+        vertices, and the band around a plane by its slopes, its centre and its value there.
+    """
+    size = len(edges)
+    shape = tuple(len(row) - 1 for row in edges)
+    part = _spread_out(pieces, edges, shape)
+    for axis in range(size):
+        row = edges[axis]
+        wide = row[-1] - row[0]
+        more = 1e-9 * wide / shape[axis] + 1e-13 * float(np.abs(row).max())
+        for sign, ends in ((1.0, row[1:]), (-1.0, row[:-1])):
+            limit = ends[np.unravel_index(part.owner, shape)[axis]]
+            heights = sign * (part.corners[:, :, axis] - limit[:, None]) - more
+            part = cut_at(part, heights)
+    cell = np.unravel_index(part.owner, shape)
+    centre = np.stack(
+        [0.5 * edges[axis][cell[axis]] + 0.5 * edges[axis][cell[axis] + 1] for axis in range(size)],
+        axis=1,
+    )
+    half = np.array([0.5 * (row[1] - row[0]) for row in edges])
+    number = math.prod(shape)
+    height = values(part)
+    known = np.isfinite(height)
+    height = np.where(known, height, 0.0)
+    place = (part.corners - centre[:, None, :]) / half
+    slopes, at = np.zeros((number, size)), np.zeros(number)
+    weight = known.astype(float)
+    columns = np.concatenate([place, np.ones((*place.shape[:2], 1))], axis=2)
+    for _ in range(ROUNDS):
+        rows, right = np.zeros((number, size + 1, size + 1)), np.zeros((number, size + 1))
+        weighted = columns * weight[:, :, None]
+        np.add.at(rows, part.owner, np.einsum("pvi,pvj->pij", weighted, columns))
+        np.add.at(right, part.owner, np.einsum("pvi,pv->pi", weighted, height))
+        rows += 1e-9 * np.eye(size + 1)
+        solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
+        slopes, at = solved[:, :size], solved[:, size]
+        line = (place * slopes[part.owner, None, :]).sum(axis=2) + at[part.owner, None]
+        gap = np.where(known, np.abs(height - line), 0.0)
+        top = np.zeros(number)
+        np.maximum.at(top, part.owner, gap.max(axis=1))
+        weight = weight * (gap + 0.05 * top[part.owner, None] + 1e-30)
+        largest = np.full(number, 1e-300)
+        np.maximum.at(largest, part.owner, weight.max(axis=1))
+        weight = weight / largest[part.owner, None]
+    slopes = slopes / half
+    lows, highs = bands(part, slopes[part.owner], centre, at[part.owner])
+    least, most = np.full(number, np.inf), np.full(number, -np.inf)
+    np.minimum.at(least, part.owner, lows)
+    np.maximum.at(most, part.owner, highs)
+    empty = least > most  # no piece: nothing is known
+    least, most = np.where(empty, -np.inf, least + at), np.where(empty, np.inf, most + at)
+    more = OFF * (np.abs(at) + np.abs(least))
+    return (
+        slopes.reshape(*shape, size), (least - more).reshape(shape), (most + more).reshape(shape)
+    )  # fmt: skip
+
+
+def _spread_out(pieces: Quotients, edges: Sequence[Vector], shape: tuple[int, ...]) -> Quotients:
+    """Return each piece once for each cell that it may meet, which becomes its owner."""
+    firsts, counts = [], []
+    for axis, row in enumerate(edges):
+        wide = (row[-1] - row[0]) / shape[axis]
+        low, high = pieces.corners[:, :, axis].min(axis=1), pieces.corners[:, :, axis].max(axis=1)
+        first = np.clip(np.floor((low - row[0]) / wide - 1e-6), 0, shape[axis] - 1).astype(np.int64)
+        last = np.clip(np.floor((high - row[0]) / wide + 1e-6), 0, shape[axis] - 1).astype(np.int64)
+        firsts.append(first)
+        counts.append(last - first + 1)
+    many = np.prod(counts, axis=0)
+    which = np.repeat(np.arange(pieces.count), many)
+    step = np.arange(len(which)) - np.repeat(np.cumsum(many) - many, many)
+    cell = np.zeros(len(which), dtype=np.int64)
+    for axis in range(len(shape)):
+        later = np.prod([np.ones_like(many), *counts[axis + 1 :]], axis=0)
+        along = step // later[which] % counts[axis][which]
+        cell = cell * shape[axis] + firsts[axis][which] + along
+    part = pieces.take(which)
+    part.owner = cell
+    return part

@@ -1,0 +1,340 @@
+"""Boxes of starts that are followed side by side, each from its own first period on.
+
+A pool takes boxes in as others leave, so that as many are followed at once as arrays are good for.
+A box leaves when it has **arrived** at the goal, when all of its runs are **lost** (beyond the
+bound of a port, or without a value), or when it is given up: it comes no nearer, it cannot be
+enclosed any more, or it was followed long enough.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.proof.loop.algebra import Number, Zonotopes
+from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals
+from fuzzyarm.proof.loop.follower import ORDER, Box, Follower, Nearness
+from fuzzyarm.proof.loop.period import LoopPeriod
+from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError, LostRunError
+from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.symbolic.nodes import symbols
+
+__all__ = ["ARRIVED", "GIVEN_UP", "LOST", "Fate", "Pool"]
+
+Vector = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+ARRIVED, LOST, GIVEN_UP = "arrived", "lost", "given up"
+
+SYMBOLS = 12
+"""Symbols for each state, beside those of the starts."""
+
+SIDE_BY_SIDE = 192
+"""Boxes that are followed at once."""
+
+AT_LEAST = 48
+"""Boxes that are taken in at once, while there are as many."""
+
+SPLIT, WIDE, MOST_HALVINGS = 0.15, 0.5, 14
+"""A box is halved on its way where what is not due to its starts is more than a share of its width,
+which is more than so much of the goal; and how often in all."""
+
+HOPELESS = 2.0
+"""Times what is due to the starts, that all else may be in a box that is halved on its way."""
+
+
+Goal = Callable[[Forms, Mapping[str, Number], int], Nearness]
+"""Tells of states, memory and the number of dimensions."""
+
+
+class Fate(NamedTuple):
+    """What became of a box: after how many periods, why, and what widened its tube most."""
+
+    box: Box
+    end: str
+    periods: int
+    reason: str
+    weight: Vector
+
+
+@dataclass
+class _Swarm:
+    """Boxes on their way."""
+
+    states: Forms
+    constants: dict[str, Forms]
+    memory: dict[str, Number]
+    boxes: list[Box]
+    ages: NDArray[np.int64]
+    doubtful: Flags  # a run may have been beyond a bound
+    weight: Vector  # (dimensions, boxes)
+
+    def part(self, which: NDArray[np.int64]) -> _Swarm:
+        """Return some of them."""
+        return _Swarm(
+            self.states[:, which],
+            {name: forms[which] for name, forms in self.constants.items()},
+            {n: x[which] if isinstance(x, Forms) else x for n, x in self.memory.items()},
+            [self.boxes[k] for k in which.tolist()],
+            self.ages[which],
+            self.doubtful[which],
+            self.weight[:, which],
+        )
+
+    def joined(self, other: _Swarm) -> _Swarm:
+        """Return both."""
+        if not self.boxes or not other.boxes:
+            return self if self.boxes else other
+        sizes = len(self.boxes), len(other.boxes)
+        memory: dict[str, Number] = {}
+        for name, x in self.memory.items():
+            y = other.memory[name]
+            if isinstance(x, Forms) or isinstance(y, Forms) or x != y:
+                memory[name] = _beside(_as_forms(x, sizes[0]), _as_forms(y, sizes[1]))
+            else:
+                memory[name] = x
+        return _Swarm(
+            _beside(self.states, other.states),
+            {name: _beside(forms, other.constants[name]) for name, forms in self.constants.items()},
+            memory,
+            self.boxes + other.boxes,
+            np.concatenate([self.ages, other.ages]),
+            np.concatenate([self.doubtful, other.doubtful]),
+            np.concatenate([self.weight, other.weight], axis=1),
+        )
+
+
+def _as_forms(x: Number, count: int) -> Forms:
+    return x if isinstance(x, Forms) else Forms.at(np.full(count, x))
+
+
+def _beside(a: Forms, b: Forms) -> Forms:
+    """Return forms of two batches as one."""
+    count = max(len(a.parts), len(b.parts))
+    a, b = (x if len(x.parts) == count else x.with_symbols(count) for x in (a, b))
+    return Forms(
+        np.concatenate([a.centre, b.centre], axis=-1),
+        np.concatenate([a.parts, b.parts], axis=-1),
+        np.concatenate([a.rest, b.rest], axis=-1),
+    )
+
+
+class Pool:
+    """Follows boxes.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop; its start is the window.
+    goal : callable
+        Tells how near boxes are.
+    horizon : int
+        Periods after which a box is given up.
+    stop : Stop
+        When to give up.
+    """
+
+    def __init__(self, problem: LoopProblem, goal: Goal, horizon: int, stop: Stop) -> None:
+        equations = problem.equations
+        if any("t" in symbols(root) for root in (*equations.rates, *equations.outputs)):
+            raise LoopProofError("the plant's equations depend on the time")
+        self.follower = Follower(problem, horizon * problem.period, stop=stop)
+        self.follower.order = ORDER
+        self.goal, self.horizon, self.stop = goal, horizon, stop
+        self.count = len(self.follower.first.low)
+        self.most = MOST_HALVINGS
+        self.control = self._control(0)
+        self.parts = 1
+        self.steps = 0
+
+    def _control(self, batch: int) -> tuple[Zonotopes, LoopPeriod[Number]]:
+        algebra = Zonotopes(batch, self.follower.planes, by_cells=True)
+        return algebra, LoopPeriod[Number](self.follower.problem, algebra)
+
+    def follow(
+        self, boxes: Callable[[int], Sequence[Box]], done: Callable[[Sequence[Fate]], None]
+    ) -> None:
+        """Follow boxes until there are none, or time is over.
+
+        Parameters
+        ----------
+        boxes : callable
+            Gives at most so many boxes.
+        done : callable
+            Told of those that leave; it may have made others.
+        """
+        swarm: _Swarm | None = None
+        with np.errstate(all="ignore"):  # what is not finite is refused in each period
+            while not self.stop.now:
+                here = 0 if swarm is None else len(swarm.boxes)
+                if here <= SIDE_BY_SIDE - AT_LEAST:
+                    new = list(boxes(SIDE_BY_SIDE - here))
+                    if new:
+                        begun, fates = self._begun(new)
+                        if fates:
+                            done(fates)
+                        swarm = begun if swarm is None else swarm.joined(begun)
+                        continue
+                if swarm is None or not swarm.boxes:
+                    return
+                swarm, fates = self._advanced(swarm, first=False)
+                if fates:
+                    done(fates)
+
+    def _begun(self, boxes: Sequence[Box]) -> tuple[_Swarm, list[Fate]]:
+        """Return boxes after their first period."""
+        follower, batch = self.follower, len(boxes)
+        states, constants = follower._begun(boxes)  # noqa: SLF001
+        control = self.control[1]
+        memory: dict[str, Number] = {
+            name: 0.0 if math.isnan(value) else value for name, value in control.memory.items()
+        }
+        follower.sizes = states.bounds.size.max(axis=1)
+        swarm = _Swarm(
+            states, constants, memory, list(boxes), np.zeros(batch, dtype=np.int64),
+            np.zeros(batch, dtype=bool), np.ones((self.count, batch)),
+        )  # fmt: skip
+        return self._advanced(swarm, first=True)
+
+    def _advanced(self, swarm: _Swarm, *, first: bool) -> tuple[_Swarm, list[Fate]]:
+        """Return boxes a period later, and what became of those that leave."""
+        follower = self.follower
+        batch = len(swarm.boxes)
+        algebra, control = self._control(batch)
+        try:
+            follower.sizes = swarm.states.bounds.size.max(axis=1)
+            states, memory, _, steps, parts = follower.period_on(
+                algebra, control, swarm.states, swarm.constants, swarm.memory, 0, self.parts,
+                first=first,
+            )  # fmt: skip
+            at = steps[-1][1]
+            if not np.isfinite(at.size).all():
+                raise EnclosureError("the tube has no bound")
+            near = self.goal(states, memory, self.count)
+            states, memory = self._fewer(states, memory, algebra)
+        except LostRunError as error:
+            if batch == 1:
+                return swarm.part(np.zeros(0, dtype=np.int64)), [self._fate(swarm, LOST, error)]
+            return self._apart(swarm, first=first)
+        except EnclosureError as error:
+            if batch == 1 or self.stop.now:
+                nothing = swarm.part(np.zeros(0, dtype=np.int64))
+                fate = self._fate(swarm, GIVEN_UP, error)
+                return nothing, [fate._replace(box=box) for box in swarm.boxes]
+            return self._apart(swarm, first=first)
+        self.parts = parts
+        self.steps += 1
+        later = _Swarm(
+            states, swarm.constants, memory, swarm.boxes, swarm.ages + 1, swarm.doubtful,
+            near.starts,
+        )  # fmt: skip
+        return self._left(later, near, at)
+
+    def _apart(self, swarm: _Swarm, *, first: bool) -> tuple[_Swarm, list[Fate]]:
+        """Return two halves, each a period later: one of the boxes is at fault."""
+        middle = len(swarm.boxes) // 2
+        every = np.arange(len(swarm.boxes))
+        parts = self.parts
+        one, fates = self._advanced(swarm.part(every[:middle]), first=first)
+        self.parts = parts
+        two, others = self._advanced(swarm.part(every[middle:]), first=first)
+        return one.joined(two), fates + others
+
+    def _fewer(
+        self, states: Forms, memory: Mapping[str, Number], algebra: Zonotopes
+    ) -> tuple[Forms, dict[str, Number]]:
+        return self.follower._fewer(  # noqa: SLF001
+            states, memory, self.count, algebra, SYMBOLS
+        )
+
+    def _fate(self, swarm: _Swarm, end: str, error: Exception) -> Fate:
+        at_end = isinstance(error, LostRunError) and error.at_end
+        words = error.where if isinstance(error, LostRunError) else str(error)
+        return Fate(swarm.boxes[0], end, int(swarm.ages[0]) + at_end, words, swarm.weight[:, 0])
+
+    def _left(self, swarm: _Swarm, near: Nearness, at: Intervals) -> tuple[_Swarm, list[Fate]]:
+        """Return the boxes that stay, and the fates of the others."""
+        follower = self.follower
+        low, high = at.low, at.high
+        limits = follower.limits[:, None]
+        ports = len(limits)
+        out = (low[:ports] > limits) | (high[:ports] < -limits)
+        lost = out.any(axis=0)
+        over = ~(np.maximum(-low[:ports], high[:ports]) <= limits).all(axis=0)
+        swarm.doubtful = swarm.doubtful | over
+        arrived = (near.value <= 1.0) & ~swarm.doubtful & ~lost
+        old = swarm.ages >= self.horizon
+        due = near.starts.sum(axis=0)
+        width = due + near.rest
+        cut = (width > WIDE) & ~(near.rest <= SPLIT * width) & ~(lost | arrived | old)
+        halvings = np.array([sum(box.halvings) for box in swarm.boxes])
+        hopeless = cut & (~(near.rest <= HOPELESS * due) | (halvings >= self.most))
+        cut &= ~hopeless
+        gone = lost | arrived | old | hopeless
+        if not (gone | cut).any():
+            return swarm, []
+        fates = []
+        for k in np.flatnonzero(gone).tolist():
+            if lost[k]:
+                name = follower.labels[int(out[:, k].argmax())]
+                end, words = LOST, f"beyond the bound of '{name}'"
+            elif arrived[k]:
+                end, words = ARRIVED, ""
+            else:
+                end = GIVEN_UP
+                words = (
+                    "some runs may leave a bound" if swarm.doubtful[k]
+                    else "its tube grows" if hopeless[k]
+                    else "it takes too long"
+                )  # fmt: skip
+            fates.append(
+                Fate(swarm.boxes[k], end, int(swarm.ages[k]), words, swarm.weight[:, k])
+            )
+        stays = swarm.part(np.flatnonzero(~(gone | cut)))
+        if cut.any():
+            stays = stays.joined(self._halved(swarm.part(np.flatnonzero(cut))))
+        return stays, fates
+
+    def _halved(self, swarm: _Swarm) -> _Swarm:
+        """Return both halves of each box, where they are by now."""
+        ways = np.array([self._dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)])
+        halves = []
+        for upper in (False, True):
+            half = swarm.part(np.arange(len(swarm.boxes)))
+            sign = 0.5 if upper else -0.5
+            half.states = _narrowed(half.states, ways, sign)
+            half.constants = {n: _narrowed(x, ways, sign) for n, x in half.constants.items()}
+            half.memory = {
+                n: _narrowed(x, ways, sign) if isinstance(x, Forms) else x
+                for n, x in half.memory.items()
+            }
+            half.boxes = [
+                box.halves(way)[upper] for box, way in zip(half.boxes, ways.tolist(), strict=True)
+            ]
+            halves.append(half)
+        return halves[0].joined(halves[1])
+
+    def _dimension(self, box: Box, weight: Vector) -> int:
+        """Return the dimension to halve: the one that makes the box widest."""
+        return int(np.argmax(weight + 1e-3 * weight.sum() * 0.5 ** np.array(box.halvings)))
+
+
+def _narrowed(x: Forms, symbols_of: NDArray[np.int64], sign: float) -> Forms:
+    """Return forms on one half of a symbol of each box: ε is ± ½ + ½ ε' there."""
+    every = np.arange(len(symbols_of))
+    index = (symbols_of, ..., every)
+    if len(x.parts) <= int(symbols_of.max()):
+        return x  # over none of them
+    halves = x.parts[index] * sign  # exact
+    halves = np.moveaxis(halves, 0, -1)
+    parts = x.parts.copy()
+    parts[index] = np.moveaxis(parts[index], -1, -1) * 0.5
+    centre = x.centre + halves
+    rest = x.rest + ROUNDING * np.abs(centre)
+    return Forms(centre, parts, rest * ENLARGED)
