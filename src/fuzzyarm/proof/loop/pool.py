@@ -45,6 +45,9 @@ SPLIT, WIDE, MOST_HALVINGS = 0.15, 0.5, 14
 """A box is halved on its way where what is not due to its starts is more than a share of its width,
 which is more than so much of the goal; and how often in all."""
 
+MOST_CUTS = 3
+"""Times that a box is halved on its way: what is not due to its starts has added up until then."""
+
 HOPELESS = 2.0
 """Times what is due to the starts, that all else may be in a box that is halved on its way."""
 
@@ -54,13 +57,14 @@ Goal = Callable[[Forms, Mapping[str, Number], int], Nearness]
 
 
 class Fate(NamedTuple):
-    """What became of a box: after how many periods, why, and what widened its tube most."""
+    """What became of a box: after how many periods, why, what made it wide, whether it was halved."""
 
     box: Box
     end: str
     periods: int
     reason: str
     weight: Vector
+    was_cut: bool
 
 
 @dataclass
@@ -72,8 +76,9 @@ class _Swarm:
     memory: dict[str, Number]
     boxes: list[Box]
     ages: NDArray[np.int64]
-    doubtful: Flags  # a run may have been beyond a bound
+    doubtful: NDArray[np.int64]  # since when a run may have been beyond a bound; 0: none was
     weight: Vector  # (dimensions, boxes)
+    cuts: NDArray[np.int64]  # how often a box was halved on its way
 
     def part(self, which: NDArray[np.int64]) -> _Swarm:
         """Return some of them."""
@@ -85,6 +90,7 @@ class _Swarm:
             self.ages[which],
             self.doubtful[which],
             self.weight[:, which],
+            self.cuts[which],
         )
 
     def joined(self, other: _Swarm) -> _Swarm:
@@ -107,6 +113,7 @@ class _Swarm:
             np.concatenate([self.ages, other.ages]),
             np.concatenate([self.doubtful, other.doubtful]),
             np.concatenate([self.weight, other.weight], axis=1),
+            np.concatenate([self.cuts, other.cuts]),
         )
 
 
@@ -159,8 +166,8 @@ class Pool:
 
     def follow(
         self, boxes: Callable[[int], Sequence[Box]], done: Callable[[Sequence[Fate]], None]
-    ) -> None:
-        """Follow boxes until there are none, or time is over.
+    ) -> list[Box]:
+        """Follow boxes until there are none, or time is over; return those on their way.
 
         Parameters
         ----------
@@ -182,10 +189,15 @@ class Pool:
                         swarm = begun if swarm is None else swarm.joined(begun)
                         continue
                 if swarm is None or not swarm.boxes:
-                    return
+                    return []
                 swarm, fates = self._advanced(swarm, first=False)
                 if fates:
                     done(fates)
+        return [] if swarm is None else swarm.boxes
+
+    def restart(self, stop: Stop) -> None:
+        """Work until another time."""
+        self.stop = self.follower.stop = stop
 
     def _begun(self, boxes: Sequence[Box]) -> tuple[_Swarm, list[Fate]]:
         """Return boxes after their first period."""
@@ -198,7 +210,8 @@ class Pool:
         follower.sizes = states.bounds.size.max(axis=1)
         swarm = _Swarm(
             states, constants, memory, list(boxes), np.zeros(batch, dtype=np.int64),
-            np.zeros(batch, dtype=bool), np.ones((self.count, batch)),
+            np.zeros(batch, dtype=np.int64), np.ones((self.count, batch)),
+            np.zeros(batch, dtype=np.int64),
         )  # fmt: skip
         return self._advanced(swarm, first=True)
 
@@ -232,7 +245,7 @@ class Pool:
         self.steps += 1
         later = _Swarm(
             states, swarm.constants, memory, swarm.boxes, swarm.ages + 1, swarm.doubtful,
-            near.starts,
+            near.starts, swarm.cuts,
         )  # fmt: skip
         return self._left(later, near, at)
 
@@ -256,7 +269,7 @@ class Pool:
     def _fate(self, swarm: _Swarm, end: str, error: Exception) -> Fate:
         at_end = isinstance(error, LostRunError) and error.at_end
         words = error.where if isinstance(error, LostRunError) else str(error)
-        return Fate(swarm.boxes[0], end, int(swarm.ages[0]) + at_end, words, swarm.weight[:, 0])
+        return Fate(swarm.boxes[0], end, int(swarm.ages[0]) + at_end, words, swarm.weight[:, 0], bool(swarm.cuts[0]))
 
     def _left(self, swarm: _Swarm, near: Nearness, at: Intervals) -> tuple[_Swarm, list[Fate]]:
         """Return the boxes that stay, and the fates of the others."""
@@ -267,14 +280,19 @@ class Pool:
         out = (low[:ports] > limits) | (high[:ports] < -limits)
         lost = out.any(axis=0)
         over = ~(np.maximum(-low[:ports], high[:ports]) <= limits).all(axis=0)
-        swarm.doubtful = swarm.doubtful | over
-        arrived = (near.value <= 1.0) & ~swarm.doubtful & ~lost
-        old = swarm.ages >= self.horizon
+        swarm.doubtful = np.where((swarm.doubtful == 0) & over, swarm.ages, swarm.doubtful)
+        doubtful = swarm.doubtful > 0
+        arrived = (near.value <= 1.0) & ~doubtful & ~lost
+        # Those that may have left a bound, and have not all left it soon after, are halved.
+        old = (swarm.ages >= self.horizon) | (
+            doubtful & (swarm.ages > swarm.doubtful + swarm.doubtful // 4 + 16)
+        )
         due = near.starts.sum(axis=0)
         width = due + near.rest
         cut = (width > WIDE) & ~(near.rest <= SPLIT * width) & ~(lost | arrived | old)
         halvings = np.array([sum(box.halvings) for box in swarm.boxes])
         hopeless = cut & (~(near.rest <= HOPELESS * due) | (halvings >= self.most))
+        hopeless |= cut & (swarm.cuts >= MOST_CUTS)
         cut &= ~hopeless
         gone = lost | arrived | old | hopeless
         if not (gone | cut).any():
@@ -289,12 +307,12 @@ class Pool:
             else:
                 end = GIVEN_UP
                 words = (
-                    "some runs may leave a bound" if swarm.doubtful[k]
+                    "some runs may leave a bound" if doubtful[k]
                     else "its tube grows" if hopeless[k]
                     else "it takes too long"
                 )  # fmt: skip
             fates.append(
-                Fate(swarm.boxes[k], end, int(swarm.ages[k]), words, swarm.weight[:, k])
+                Fate(swarm.boxes[k], end, int(swarm.ages[k]), words, swarm.weight[:, k], bool(swarm.cuts[k]))
             )
         stays = swarm.part(np.flatnonzero(~(gone | cut)))
         if cut.any():
@@ -303,10 +321,11 @@ class Pool:
 
     def _halved(self, swarm: _Swarm) -> _Swarm:
         """Return both halves of each box, where they are by now."""
-        ways = np.array([self._dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)])
+        ways = np.array([self.dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)])
         halves = []
         for upper in (False, True):
             half = swarm.part(np.arange(len(swarm.boxes)))
+            half.cuts = half.cuts + 1
             sign = 0.5 if upper else -0.5
             half.states = _narrowed(half.states, ways, sign)
             half.constants = {n: _narrowed(x, ways, sign) for n, x in half.constants.items()}
@@ -320,7 +339,7 @@ class Pool:
             halves.append(half)
         return halves[0].joined(halves[1])
 
-    def _dimension(self, box: Box, weight: Vector) -> int:
+    def dimension(self, box: Box, weight: Vector) -> int:
         """Return the dimension to halve: the one that makes the box widest."""
         return int(np.argmax(weight + 1e-3 * weight.sum() * 0.5 ** np.array(box.halvings)))
 

@@ -259,10 +259,10 @@ class Haven:
         faded = values * self._fade(self.first - period)
         # A factor and a product were rounded: two more roundings at most.
         inside = (values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level)
-        inside &= self._is_fixed(memory, states.shape[1])
+        inside &= self.fixed(memory, states.shape[1])
         return np.where(inside, 1, -self._is_stalled(period, values).astype(np.int64))
 
-    def _is_fixed(self, memory: Mapping[str, Number], batch: int) -> NDArray[np.bool_]:
+    def fixed(self, memory: Mapping[str, Number], batch: int) -> NDArray[np.bool_]:
         """Tell in which boxes what the form takes as constant is what it is taken to be."""
         fixed = np.ones(batch, dtype=bool)
         for name in self.maker.fixed:

@@ -1,0 +1,672 @@
+"""The map of starts: from where every run comes to rest, from where runs are lost, what is open.
+
+A window of starts is cut into boxes. A box is **proved** where a tube from all of it leads into the
+region that no run leaves and in which all come to rest (:class:`~fuzzyarm.proof.loop.timed.Haven`),
+**refuted** where all of its runs leave the bound of a port for certain, or have no value; at the
+smallest size, where the run from its middle does. Everything else is **open**, with the reason.
+The region is found once, rule bases are cut once; boxes are followed side by side
+(:mod:`fuzzyarm.proof.loop.pool`), large ones first.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.shown import Shown, one_line
+from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.control.loop.blocks import default_processes, end_processes, packed, unpacked
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.loop.algebra import Number
+from fuzzyarm.proof.loop.certificate import Certificate, fingerprints_of
+from fuzzyarm.proof.loop.claims import loop_sentence, problem_of
+from fuzzyarm.proof.loop.enclosure import EnclosureError
+from fuzzyarm.proof.loop.follower import Box, Nearness
+from fuzzyarm.proof.loop.form_maker import FormMaker
+from fuzzyarm.proof.loop.identity import loop_digests
+from fuzzyarm.proof.loop.pool import ARRIVED, LOST, Fate, Pool
+from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem, LoopProofError
+from fuzzyarm.proof.loop.runs import run_of
+from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
+from fuzzyarm.proof.loop.verdicts import prove_loop
+from fuzzyarm.proof.loop.verification import verified
+from fuzzyarm.proof.loop.zonotope import Forms
+from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.requests.journal import WorkJournal, question_of
+from fuzzyarm.symbolic.operations import Interval
+
+__all__ = ["MAP_BUDGET", "MappedBox", "StartMap", "map_starts"]
+
+PROVED, REFUTED, OPEN = "proved", "refuted", "open"
+
+MAP_BUDGET = 300.0
+"""Seconds that each worker may take where nothing is said."""
+
+TILES = 64
+"""Parts of the window to begin with, at least."""
+
+HALVINGS = 8
+"""How often a side of the window is halved at most, on average over the sides."""
+
+RUNS = 400
+"""Drawn starts, by which the share of those that come to rest is estimated."""
+
+AT_ONCE = 4
+"""Pieces of work for each worker."""
+
+
+class MappedBox(NamedTuple):
+    """A part of the window: its ends by dimension, the verdict, after how many periods, and why."""
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    verdict: str
+    periods: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class StartMap(Shown):
+    """What is known of the starts of a loop, all over a window.
+
+    Attributes
+    ----------
+    statement : str
+        Which loop.
+    window : dict of str to Interval
+        The starts; states that are not in it begin where the plant does.
+    others : dict of str to float
+        Where those begin.
+    boxes : tuple of MappedBox
+        Parts of the window, which fill it.
+    region : dict of str to (float, float)
+        How far the region around rest reaches, in which all tubes end.
+    rest : dict of str to float
+        Where the loop rests.
+    certificate : Certificate or None
+        Of that region.
+    starts, settled, settled_proved : int
+        How many starts were drawn, how many of their runs came to rest, and how many of those
+        begin in boxes that are proved.
+    seconds, work : float
+        How long it took by the clock, and of the processors.
+    reason : str
+        Why nothing was proved; empty where there is a region.
+    """
+
+    statement: str
+    window: Mapping[str, Interval]
+    others: Mapping[str, float]
+    boxes: tuple[MappedBox, ...] = field(repr=False)
+    region: Mapping[str, tuple[float, float]]
+    rest: Mapping[str, float]
+    certificate: Certificate | None
+    starts: int
+    settled: int
+    settled_proved: int
+    seconds: float
+    work: float
+    period: float
+    reason: str = ""
+
+    def share(self, verdict: str) -> float:
+        """Return the share of the window's volume that has a verdict."""
+        sides = [span.high - span.low for span in self.window.values()]
+        return sum(
+            math.prod((b - a) / s for a, b, s in zip(box.low, box.high, sides, strict=True))
+            for box in self.boxes
+            if box.verdict == verdict
+        )
+
+    @property
+    def decided(self) -> float:
+        """The share of the volume that is proved or refuted."""
+        return self.share(PROVED) + self.share(REFUTED)
+
+    @property
+    def covered(self) -> float:
+        """The share of drawn starts at rest in the end that begin in proved boxes; NaN: of none."""
+        return self.settled_proved / self.settled if self.settled else math.nan
+
+    @property
+    def longest(self) -> float:
+        """After which time all runs from proved boxes are in the region, s."""
+        return self.period * max((b.periods for b in self.boxes if b.verdict == PROVED), default=0)
+
+    def verdict_at(self, **start: float) -> str:
+        """Return the verdict on a start, by state; `open` where it is not in the window."""
+        unknown = [name for name in start if name not in self.window]
+        if unknown or len(start) < len(self.window):
+            raise ClaimError(f"a start of the map has {', '.join(self.window)}")
+        at = [start[name] for name in self.window]
+        for box in self.boxes:
+            if all(a <= x <= b for a, x, b in zip(box.low, at, box.high, strict=True)):
+                return box.verdict
+        return OPEN
+
+    def reasons(self) -> list[tuple[str, float]]:
+        """Return why boxes are open, and the share of the volume of each reason, largest first."""
+        totals: Counter[str] = Counter()
+        for box in self.boxes:
+            if box.verdict == OPEN:
+                totals[box.reason] += self._share_of(box)  # type: ignore[assignment]
+        return [(reason, float(share)) for reason, share in totals.most_common()]
+
+    def _share_of(self, box: MappedBox) -> float:
+        sides = [span.high - span.low for span in self.window.values()]
+        return math.prod((b - a) / s for a, b, s in zip(box.low, box.high, sides, strict=True))
+
+    def sentence(self) -> str:
+        """Return the coverage in a sentence."""
+        window = ", ".join(
+            f"{name} in {number_text(span.low)} .. {number_text(span.high)}"
+            for name, span in self.window.items()
+        )
+        return (
+            f"from {_percent(self.share(PROVED))} of {window} every run comes to rest, from"
+            f" {_percent(self.share(REFUTED))} runs are lost, {_percent(self.share(OPEN))} is open"
+        )
+
+    def __repr__(self) -> str:
+        return one_line(self, f"map of {self.statement}: {_percent(self.share(PROVED))} proved")
+
+    def __str__(self) -> str:
+        lines = [f"map: {self.statement}", f"  {self.sentence()}"]
+        if self.others:
+            begun = ", ".join(f"{name} = {x:g}" for name, x in self.others.items())
+            lines.append(f"  the other states begin at {begun}")
+        if self.longest:
+            lines.append(f"  within {self.longest:g} s all proved runs are in the region around rest")
+        if self.starts:
+            lines.append(
+                f"  of {self.starts} drawn starts {self.settled} came to rest, and of those"
+                f" {_percent(self.covered)} are proved"
+            )
+        lines += [f"  open, {_percent(share)}: {reason}" for reason, share in self.reasons()[:3]]
+        return "\n".join([*lines, *([f"  {self.reason}"] if self.reason else [])])
+
+
+def _percent(share: float) -> str:
+    """Return a share in per cent, never rounded up to all."""
+    if math.isnan(share):
+        return "none"
+    tenths = math.floor(1000.0 * share + 1e-9) / 10.0
+    return f"{tenths:g} %"
+
+
+# ── the case ─────────────────────────────────────────────────────────────────────────
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What a worker has to know."""
+
+    text: ControllerText
+    claim: LoopClaim  # that is stable, from the window
+    plant: Plant
+    connect: Mapping[str, str] | None
+    sensors: Mapping[str, Sensor] | None
+    certificate: Certificate
+
+    def problem(self) -> LoopProblem:
+        """Return the loop."""
+        return problem_of(
+            self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
+        )
+
+
+class _Worker:
+    """Maps boxes of a case, one piece of work after the other."""
+
+    def __init__(self, case: _Case) -> None:
+        problem = case.problem()
+        stop = Stop()
+        against, _, loop = verified(problem, case.certificate)
+        if against or loop is None:
+            raise LoopProofError(f"the region is not proved: {against}")
+        self.haven = Haven(
+            FormMaker(problem, stop), case.certificate, loop, claim_of_stability(case.claim)
+        )
+        horizon = math.ceil(self.haven.horizon / problem.period)
+        self.pool = Pool(problem, self.nearness, horizon, stop)
+        self.pool.most = HALVINGS * len(self.pool.follower.names)
+        self.first = self.pool.follower.first
+        self.middle = self._rest()
+
+    def _rest(self) -> NDArray[np.float64]:
+        """Return the place of rest in the window."""
+        names, rests = self.haven.loop.names, self.haven.rests
+        values = [
+            float(rests[names.index(name)].middle) if name in names else 0.0
+            for name in self.pool.follower.names
+        ]
+        return np.array(values)
+
+    def nearness(self, states: Forms, memory: Mapping[str, Number], count: int) -> Nearness:
+        """Return how near to the region boxes are."""
+        near = self.haven.nearness(states, memory, count)
+        fixed = self.haven.fixed(memory, states.shape[1])
+        return near._replace(value=np.where(fixed, near.value, np.inf))
+
+    def tiles(self) -> list[Box]:
+        """Return the parts of the window to begin with."""
+        boxes, ways = [self.first], len(self.first.low)
+        while len(boxes) < TILES:
+            way = int(np.argmin(boxes[0].halvings)) if ways else 0
+            boxes = [half for box in boxes for half in box.halves(way)]
+        return sorted(boxes, key=self.distance)
+
+    def distance(self, box: Box) -> float:
+        """Return how far a box is from rest, in shares of the window."""
+        low, high = np.array(box.low), np.array(box.high)
+        width = np.array(self.first.high) - np.array(self.first.low)
+        return float((np.abs(0.5 * low + 0.5 * high - self.middle) / width).max(initial=0.0))
+
+    def mapped(
+        self, boxes: Sequence[Box], seconds: float, heard: Callable[[Sequence[MappedBox]], None]
+    ) -> None:
+        """Map boxes; what is decided, and in the end what is left open, is heard."""
+        _Mapping(self, boxes, heard).run(seconds)
+
+
+class _Mapping:
+    """One piece of work."""
+
+    def __init__(
+        self, worker: _Worker, boxes: Sequence[Box], heard: Callable[[Sequence[MappedBox]], None]
+    ) -> None:
+        self.worker, self.heard = worker, heard
+        self.queue: list[tuple[int, float, int, Box, str]] = []
+        self.count = 0
+        self.under_way: dict[Box, None] = {}
+        self.probes: dict[Box, tuple[Box, str]] = {}
+        for box in boxes:
+            self._push(box, "")
+
+    def _push(self, box: Box, reason: str) -> None:
+        self.count += 1
+        key = sum(box.halvings), self.worker.distance(box), self.count
+        heapq.heappush(self.queue, (*key, box, reason))
+
+    def run(self, seconds: float) -> None:
+        """Work until all is decided, or time is over."""
+        pool = self.worker.pool
+        pool.restart(Stop(seconds))
+        rest = pool.follow(self._next, self._done)
+        waiting = [(box, reason) for *_, box, reason in self.queue]
+        waiting += [self.probes.get(box, (box, "")) for box in rest]
+        late = "time ran out"
+        self.heard([_mapped(box, OPEN, 0, reason or late) for box, reason in waiting])
+
+    def _next(self, most: int) -> list[Box]:
+        boxes = []
+        while self.queue and len(boxes) < most:
+            *_, box, _ = heapq.heappop(self.queue)
+            boxes.append(box)
+        return boxes
+
+    def _done(self, fates: Sequence[Fate]) -> None:
+        decided = []
+        for fate in fates:
+            box = fate.box
+            if box in self.probes:
+                box, reason = self.probes.pop(box)
+                if fate.end == LOST:
+                    decided.append(_mapped(box, REFUTED, fate.periods, f"a run is {fate.reason}"))
+                else:
+                    decided.append(_mapped(box, OPEN, 0, reason))
+            elif fate.end == ARRIVED:
+                decided.append(_mapped(box, PROVED, fate.periods, ""))
+            elif fate.end == LOST:
+                decided.append(
+                    _mapped(box, REFUTED, fate.periods, f"all runs are {fate.reason}")
+                )
+            elif fate.was_cut:  # anew: what had added up until it was halved is less from now on
+                self._push(box, fate.reason)
+            elif sum(box.halvings) < self.worker.pool.most:
+                way = self.worker.pool.dimension(box, fate.weight)
+                for half in box.halves(way):
+                    self._push(half, fate.reason)
+            else:
+                self._probe(box, fate.reason)
+        if decided:
+            self.heard(decided)
+
+    def _probe(self, box: Box, reason: str) -> None:
+        """Follow the run from the middle of a box that is too small to be halved."""
+        at = tuple(0.5 * a + 0.5 * b for a, b in zip(box.low, box.high, strict=True))
+        probe = Box(at, at, box.halvings)
+        self.probes[probe] = (box, reason)
+        self._push(probe, reason)
+
+
+def _mapped(box: Box, verdict: str, periods: int, reason: str) -> MappedBox:
+    return MappedBox(box.low, box.high, verdict, periods, reason)
+
+
+@lru_cache(maxsize=2)
+def _worker_of(content: bytes) -> _Worker:
+    return _Worker(unpacked(content))
+
+
+def _piece(content: bytes, boxes: Sequence[Box], seconds: float) -> tuple[list[MappedBox], float]:
+    """Map boxes in another process; return them, and the seconds of work."""
+    begun = time.process_time()
+    found: list[MappedBox] = []
+    _worker_of(content).mapped(boxes, seconds - (time.process_time() - begun), found.extend)
+    return found, time.process_time() - begun
+
+
+# ── the map ──────────────────────────────────────────────────────────────────────────
+
+
+Watch = Callable[[StartMap], None]
+
+
+def map_starts(
+    text: ControllerText,
+    claim: LoopClaim,
+    *,
+    plant: Plant,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = MAP_BUDGET,
+    workers: int = 1,
+    journal: str | None = None,
+    runs: int = RUNS,
+    watch: Watch | None = None,
+) -> StartMap:
+    """Map the starts of a loop: proved, refuted or open.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    claim : LoopClaim
+        That it is stable, with set points and parameters; its starts are the window, by default
+        the ranges of the outputs that are states.
+    plant : Plant
+        What it runs.
+    connect, sensors
+        As for :func:`fuzzyarm.proof.loop.prove_loop`.
+    budget : float
+        Seconds of the processor that each worker may take.
+    workers : int
+        Processes at a time.
+    journal : str, optional
+        A file that gets a line for each box; of the same question, it is gone on with.
+    runs : int
+        Drawn starts, whose runs are simulated.
+    watch : callable, optional
+        Given the map as far as it is, now and then.
+
+    Raises
+    ------
+    ClaimError
+        If the window names what is no state, or an output has no range to be the window.
+    LoopProofError
+        If nothing is proved about the loop, by name.
+    """
+    return _Map(text, claim, plant, connect, sensors, budget, workers, runs, watch).made(journal)
+
+
+class _Map:
+    """A map in the making."""
+
+    def __init__(
+        self, text: ControllerText, claim: LoopClaim, plant: Plant,
+        connect: Mapping[str, str] | None, sensors: Mapping[str, Sensor] | None,
+        budget: float, workers: int, runs: int, watch: Watch | None,
+    ) -> None:  # fmt: skip
+        self.begun, self.stop = time.monotonic(), Stop(budget)
+        self.text, self.plant, self.connect, self.sensors = text, plant, connect, sensors
+        self.budget, self.workers, self.runs, self.watch = budget, workers, runs, watch
+        start = claim.start or self._ranges(claim)
+        self.claim = replace(claim_of_stability(claim), start=tuple(start))
+        self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
+        self.window = {name: Interval(low, high) for name, low, high in start}
+        for name, span in self.window.items():
+            if not span.low < span.high:
+                raise ClaimError(f"{name} in {span.low:g} .. {span.high:g} is no window")
+        self.boxes: list[MappedBox] = []
+        self.work = 0.0
+        self.journal: WorkJournal | None = None
+        self.drawn: list[tuple[tuple[float, ...], bool]] = []
+        self.told = -math.inf
+
+    def _ranges(self, claim: LoopClaim) -> Iterator[tuple[str, float, float]]:
+        """Yield the ranges of the outputs that are states."""
+        problem = problem_of(
+            self.text, claim_of_stability(claim), plant=self.plant, connect=self.connect,
+            sensors=self.sensors,
+        )  # fmt: skip
+        for (_, name), port in problem.site.interface.outputs.items():
+            if name in problem.states:
+                if not math.isfinite(port.high - port.low):
+                    raise ClaimError(f"'{name}' has no range", hint=f"--over '{name} in -1 .. 1'")
+                yield name, port.low, port.high
+
+    def made(self, journal: str | None) -> StartMap:
+        """Return the whole map."""
+        verdict = prove_loop(
+            self.text, claim_of_stability(self.claim), plant=self.plant, connect=self.connect,
+            sensors=self.sensors, budget=0.5 * self.budget,
+        )  # fmt: skip
+        self.work += verdict.work
+        self.region = verdict
+        if not isinstance(verdict.certificate, Certificate):
+            whole = MappedBox(*zip(*self.window.values(), strict=True), OPEN, 0, verdict.reason)
+            self.boxes = [whole]
+            return self._map(f"no region around rest is proved: {verdict.reason}")
+        case = _Case(
+            self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate
+        )
+        try:
+            if journal is not None:
+                self._open(journal)
+            self._searched(case)
+        except EnclosureError as error:
+            raise LoopProofError(str(error)) from error
+        finally:
+            if self.journal is not None:
+                self.journal.close()
+        if self.runs:
+            self._draw()
+        return self._map()
+
+    def _map(self, reason: str = "") -> StartMap:
+        verdict = self.region
+        settled = [at for at, came in self.drawn if came]
+        proved = [box for box in self.boxes if box.verdict == PROVED]
+        lows = np.array([box.low for box in proved]).reshape(len(proved), -1)
+        highs = np.array([box.high for box in proved]).reshape(len(proved), -1)
+        within = sum(bool(((lows <= at) & (highs >= at)).all(axis=1).any()) for at in settled)
+        begins = self.problem.begins_alone
+        return StartMap(
+            statement=loop_sentence(
+                claim_of_stability(self.claim), self.sensors, self.connect, plant=self.plant,
+                text=self.text,
+            ),
+            window=self.window,
+            others={name: self.problem.start[name].low for name in begins},
+            boxes=tuple(self.boxes),
+            region=verdict.region,
+            rest=verdict.rest,
+            certificate=verdict.certificate if isinstance(verdict.certificate, Certificate) else None,
+            starts=len(self.drawn),
+            settled=len(settled),
+            settled_proved=within,
+            seconds=time.monotonic() - self.begun,
+            work=self.work,
+            period=self.problem.period,
+            reason=reason,
+        )  # fmt: skip
+
+    # ── boxes ────────────────────────────────────────────────────────────────────────
+
+    def _searched(self, case: _Case) -> None:
+        worker = _Worker(case)
+        todo = _without(worker.tiles(), self.boxes)
+        if self.workers == 1 or len(todo) < 2:
+            worker.mapped(todo, self.stop.left, self._heard)
+            self.work = self.stop.spent
+            return
+        content = packed(case)
+        executor = default_processes(self.workers)
+        try:
+            self._shared(executor, content, todo)
+        finally:
+            end_processes(executor)
+
+    def _shared(self, executor: Executor, content: bytes, todo: Sequence[Box]) -> None:
+        """Let workers map boxes; each has the whole budget, less what was taken here."""
+        count = min(len(todo), self.workers * AT_ONCE)
+        parts = [todo[k::count] for k in range(count)]
+        left = dict.fromkeys(range(self.workers), self.stop.left)
+        under_way: dict[Future[tuple[list[MappedBox], float]], int] = {}
+        seconds = self.stop.spent
+        while parts or under_way:
+            for slot in [k for k in left if k not in under_way.values()]:
+                if not parts:
+                    break
+                share = left[slot] / math.ceil(len(parts) / self.workers)
+                task = executor.submit(_piece, content, parts.pop(0), max(share, 0.0))
+                under_way[task] = slot
+            for task in wait(under_way, return_when=FIRST_COMPLETED).done:
+                slot = under_way.pop(task)
+                boxes, taken = task.result()
+                left[slot] -= taken
+                seconds += taken
+                self.work = seconds
+                self._heard(boxes)
+
+    def _heard(self, boxes: Sequence[MappedBox]) -> None:
+        self.boxes += boxes
+        if self.journal is not None:
+            self.journal.append(map(_row, (box for box in boxes if box.verdict != OPEN)))
+        now = time.monotonic()
+        if self.watch is not None and now > self.told + 0.25:
+            self.told = now
+            self.watch(self._map())
+
+    # ── the journal ──────────────────────────────────────────────────────────────────
+
+    def _open(self, path: str) -> None:
+        """Begin a journal, or go on with it."""
+        ends = [f"{name} {end}" for name in self.window for end in ("from", "to")]
+        question = question_of(
+            {"map": self._map().statement, "window": {n: list(s) for n, s in self.window.items()}},
+            {},
+        )
+        question["files"] = {
+            **fingerprints_of(self.text), **loop_digests(self.text, self.plant)
+        }  # fmt: skip
+        self.journal = journal = WorkJournal(
+            path, "map", question, [*ends, "verdict", "periods", "reason"], piece="box",
+            option="--resume",
+        )  # fmt: skip
+        if journal.path.is_file() and journal.path.stat().st_size:
+            self.boxes = journal.read(lambda _, row: _read_row(row))
+        else:
+            journal.begin()
+
+    # ── drawn starts ─────────────────────────────────────────────────────────────────
+
+    def _draw(self) -> None:
+        """Simulate runs from drawn starts: the share that comes to rest, and a last doubt."""
+        generator = np.random.default_rng(0)
+        problem, rest = self.problem, self.region.rest
+        values = {name: span.low for name, span in problem.parameters.items()}
+        duration = max(problem.plant.duration or 0.0, 1000 * problem.period)
+        lost = []
+        for _ in range(self.runs):
+            start = {n: float(generator.uniform(s.low, s.high)) for n, s in problem.start.items()}
+            try:
+                run = run_of(problem, start, values, duration=duration)
+            except FuzzyarmError:
+                continue
+            if run is None:
+                continue
+            at = tuple(start[name] for name in self.window)
+            if run.diverged is not None:
+                lost.append(at)
+            self.drawn.append((at, run.diverged is None and self._rests(run, rest)))
+        self._demand_none_lost(lost)
+
+    def _rests(self, run: Any, rest: Mapping[str, float]) -> bool:
+        """Tell whether a run ends next to rest: a hundredth of the range of each output."""
+        problem = self.problem
+        for address, port in problem.site.interface.outputs.items():
+            name = address[1]
+            if name in problem.states:
+                last = float(np.asarray(run.outputs[problem.site.interface.label(address)])[-1])
+                wide = port.high - port.low if math.isfinite(port.high - port.low) else 1.0
+                if not abs(last - rest[name]) <= 0.01 * wide:
+                    return False
+        return True
+
+    def _demand_none_lost(self, lost: Sequence[tuple[float, ...]]) -> None:
+        """Take back boxes that a run contradicts: this has never been seen, and proves a fault."""
+        for number, box in enumerate(self.boxes):
+            if box.verdict == PROVED and any(
+                all(a <= x <= b for a, x, b in zip(box.low, at, box.high, strict=True))
+                for at in lost
+            ):
+                self.boxes[number] = box._replace(
+                    verdict=OPEN, reason="a simulated run contradicts its proof"
+                )
+
+
+def _row(box: MappedBox) -> list[str]:
+    ends = [repr(x) for pair in zip(box.low, box.high, strict=True) for x in pair]
+    return [*ends, box.verdict, str(box.periods), box.reason]
+
+
+def _read_row(row: Sequence[str]) -> MappedBox:
+    *ends, verdict, periods, reason = row
+    numbers = [float(x) for x in ends]
+    if verdict not in (PROVED, REFUTED) or not all(map(math.isfinite, numbers)):
+        raise ValueError
+    return MappedBox(tuple(numbers[::2]), tuple(numbers[1::2]), verdict, int(periods), reason)
+
+
+def _without(boxes: Sequence[Box], done: Sequence[MappedBox]) -> list[Box]:
+    """Return boxes without the parts that are done."""
+    rest: list[Box] = []
+    for box in boxes:
+        inside = [d for d in done if _is_within(d, box)]
+        rest += _remaining(box, inside)
+    return rest
+
+
+def _is_within(part: MappedBox, box: Box) -> bool:
+    ends = zip(part.low, part.high, box.low, box.high, strict=True)
+    return all(low >= a and high <= b for low, high, a, b in ends)
+
+
+def _remaining(box: Box, done: Sequence[MappedBox]) -> list[Box]:
+    if not done:
+        return [box]
+    if any(part.low == box.low and part.high == box.high for part in done):
+        return []
+    for way in range(len(box.low)):
+        halves = box.halves(way)
+        parts = [[part for part in done if _is_within(part, half)] for half in halves]
+        if sum(map(len, parts)) == len(done):  # no part on both sides of the cut
+            found = [_remaining(half, some) for half, some in zip(halves, parts, strict=True)]
+            return found[0] + found[1]
+    return [box]
