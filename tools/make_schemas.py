@@ -297,6 +297,34 @@ LOOP_VERDICT = record(
     reason=text("why it is undecided, or empty"),
     line=whole("of the file; 0 for a claim of the command"),
 )
+START_MAP = record(
+    "which starts of a loop are proved",
+    property=text("of which loop"),
+    window=by_name(_SPAN, "the starts, by state"),
+    others=by_name({"type": "number"}, "where the other states begin"),
+    proved=number("the share of the window from which every run comes to rest"),
+    refuted=number("the share from which runs are lost"),
+    open=number("the share of which nothing is known"),
+    starts=whole("drawn starts, whose runs were simulated"),
+    settled=whole("of these, those whose runs came to rest"),
+    settled_proved=whole("of those, the ones that begin in proved boxes"),
+    within=number("after which all proved runs are in the region around rest, s"),
+    region=by_name(_SPAN, "that region, by state and memory"),
+    rest=by_name({"type": "number"}, "where the loop rests"),
+    boxes=rows(
+        record(
+            "a part of the window",
+            low=numbers("its lower ends, in the order of the window"),
+            high=numbers("its upper ends"),
+            verdict=text("what is known of it", "proved", "refuted", "open"),
+            periods=whole("control periods until all of its runs are in the region, or lost"),
+            reason=text("why it is refuted or open"),
+        ),
+        "they fill the window",
+    ),
+    seconds=number("how long it took"),
+    reason=text("why nothing is proved, or empty"),
+)
 LOOP_BOUNDS = record(
     "where all runs of a loop are",
     property=text("of which loop, from where, for how long"),
@@ -909,6 +937,7 @@ OUTPUTS = (
     Output("margins", "margins FILE --plant P", "how far a loop is from instability", MARGINS),
     Output("prove-loop", "prove FILE --plant P --stable", "a claim about a loop", LOOP_VERDICT),
     Output("prove-tube", "prove FILE --plant P --for TIME", "a tube", LOOP_BOUNDS),
+    Output("prove-map", "prove FILE --plant P --map", "a map of starts", START_MAP),
     Output("compile", "compile FILE -o OUT.lut", "a table that was made", TABLE_REPORT),
     Output(
         "compile-source", "compile FILE -o OUT.c", "source text of rules and tables", SOURCE_REPORT

@@ -108,6 +108,9 @@ CALLS = {
     "prove-tube": [
         ["prove", SERVO, *ON_MOTOR, "--from", BOX.removeprefix("from "), "--for", "3ms"]
     ],
+    "prove-map": [
+        ["prove", SERVO, *ON_MOTOR, "--map", "--over", "position in 0.3 .. 0.5, velocity in 0 .. 2"]
+    ],
     "compile": [
         ["compile", PD7, "-o", "a.lut"],
         ["compile", PD7, "--tolerance", "1", "-o", "b.lut"],

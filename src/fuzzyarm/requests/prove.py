@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fuzzyarm.requests.bounds import MOST_WORKERS
 from fuzzyarm.requests.fields import Limits, Request, option
 
 __all__ = ["ProveRequest"]
@@ -23,7 +24,7 @@ class ProveRequest(Request):
     budget: float | None = option(
         "--budget SECONDS",
         "processor seconds that each statement may take (those printed are by the clock); else a"
-        " tube or a certificate a minute, others no limit",
+        " tube or a certificate a minute, a map five, others no limit",
         None,
         Limits(0.0, is_open=True),
         unit="seconds",
@@ -45,6 +46,10 @@ class ProveRequest(Request):
         "--claim CLAIM", "of a controller: prove this, as a `prove` line says it", None,
         either="what",
     )  # fmt: skip
+    map: bool = option(
+        "--map", "of a controller on --plant: which starts are proved to come to rest", False,
+        either="what",
+    )  # fmt: skip
     check: str | None = option(
         "--check CERTIFICATE", "whether a certificate proves what it says", None, either="what"
     )
@@ -52,9 +57,23 @@ class ProveRequest(Request):
         "--from START", "with --stable or --for: STATE in LOW .. HIGH, ...", None
     )
     with_: str | None = option(
-        "--with VALUES", "with --stable or --for: PARAMETER in LOW .. HIGH, ...", None
+        "--with VALUES", "with --stable, --map or --for: PARAMETER in LOW .. HIGH, ...", None
     )
-    at: str | None = option("--at PORT=X,...", "with --stable or --for: constant set points", None)
+    at: str | None = option(
+        "--at PORT=X,...", "with --stable, --map or --for: constant set points", None
+    )
+    over: str | None = option(
+        "--over WINDOW", "with --map: STATE in LOW .. HIGH, ...; else the ranges of the outputs",
+        None,
+    )  # fmt: skip
+    workers: int | None = option(
+        "--workers N", "with --map: processes at a time; each has the whole --budget", None,
+        (1, MOST_WORKERS), idle=True,
+    )  # fmt: skip
+    resume: str | None = option(
+        "--resume JOURNAL", "with --map: a file of the boxes that are done; goes on with it", None,
+        idle=True,
+    )  # fmt: skip
     duration: str | None = option(
         "--for TIME", "of a loop: bound all ports so long; with --claim: its end", None
     )

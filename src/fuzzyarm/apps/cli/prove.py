@@ -19,6 +19,9 @@ a file whether it proves what it says, without searching. --for bounds all ports
 time, from all starts of --from; with --claim it is the end of the claim. --plot draws the region or
 the tube, with runs in it.
 
+--map says of a whole window of starts (--over) which are proved to come to rest, which are refuted
+and which are open; --resume keeps a journal, --workers shares the work.
+
   fuzzyarm prove rulebases/pd7.frb --table linear
   fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
   fuzzyarm prove rulebases/servo.frb --plant motor --stable --certificate servo.json

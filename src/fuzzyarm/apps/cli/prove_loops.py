@@ -2,31 +2,121 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.cli.command import UsageError, WordError, print_json, say
-from fuzzyarm.apps.cli.prove_sectors import EXIT_UNDECIDED, ProveWords, exit_status, progress
+from fuzzyarm.apps.cli.prove_sectors import (
+    EXIT_REFUTED,
+    EXIT_UNDECIDED,
+    ProveWords,
+    exit_status,
+    progress,
+)
 from fuzzyarm.exchange.files import controller_if_any
 
 if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.language.model.claims import LoopClaim
-    from fuzzyarm.proof.loop import LoopVerdict, Tube
+    from fuzzyarm.proof.loop import LoopVerdict, StartMap, Tube
 
 
 def prove_loops(request: ProveWords) -> int:
-    """Do what ``--stable``, ``--claim`` or ``--for`` says."""
+    """Do what ``--stable``, ``--map``, ``--claim`` or ``--for`` says."""
     from fuzzyarm.proof.loop.orders import claim_of, loop_of
 
     path = request.files[0]
     controller = loop_of(request, controller_if_any(path))
+    if request.map:
+        return _map(request, path, controller)
     if not request.stable and request.claim is None:
         return _bound(request, path, controller)
     ((verdict, status),) = print_loops(request, path, controller, [claim_of(request)])
     if request.json:
         print_json(loop_data(verdict), 2)
     return status
+
+
+# ── a map ────────────────────────────────────────────────────────────────────────────
+
+
+def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
+    """Map the starts of a loop, and draw the map while it fills."""
+    from fuzzyarm.proof.loop.orders import map_of
+
+    with _filling(request) as watch:
+        found = map_of(request, controller, watch)
+    if request.json:
+        print_json(map_data(found), 2)
+    else:
+        count = f"{len(found.boxes):,} box{'es' * (len(found.boxes) != 1)}"
+        say(*f"{path}: {found}\n  {count}, {found.seconds:.1f} s".splitlines())
+    if request.plot is not None:
+        from fuzzyarm.apps.show.figures.panels import chart_figure
+        from fuzzyarm.apps.show.start_map import map_chart
+        from fuzzyarm.base.figure_files import save_figure
+
+        save_figure(chart_figure(map_chart(found)), request.plot)
+        if not request.json:
+            say(f"{request.plot}: drawn from {path}")
+    verdicts = {box.verdict for box in found.boxes}
+    return EXIT_REFUTED if "refuted" in verdicts else EXIT_UNDECIDED if "open" in verdicts else 0
+
+
+@contextmanager
+def _filling(request: ProveWords) -> Iterator[Callable[[StartMap], None]]:
+    """Draw a map in the terminal as it fills; wipe it afterwards, for the whole one is said."""
+    if not sys.stderr.isatty() or request.json:
+        yield lambda _: None
+        return
+    from rich.console import Console, Group
+    from rich.live import Live
+    from rich.text import Text
+
+    from fuzzyarm.apps.show.panels import panel_view
+    from fuzzyarm.apps.show.start_map import map_panel
+
+    console = Console(stderr=True)
+    with Live(console=console, transient=True, auto_refresh=False) as live:
+
+        def watch(found: StartMap) -> None:
+            wide, high = min(console.width - 14, 72), max(6, min(console.height - 8, 20))
+            view = panel_view(map_panel(found, wide, 2 * high), wide, high)
+            live.update(Group(Text(found.sentence()), view), refresh=True)
+
+        yield watch
+
+
+def map_data(found: StartMap) -> dict[str, Any]:
+    """Return a map of starts as JSON has it."""
+    return {
+        "property": found.statement,
+        "window": {name: list(span) for name, span in found.window.items()},
+        "others": dict(found.others),
+        "proved": found.share("proved"),
+        "refuted": found.share("refuted"),
+        "open": found.share("open"),
+        "starts": found.starts,
+        "settled": found.settled,
+        "settled_proved": found.settled_proved,
+        "within": found.longest,
+        "region": {name: list(ends) for name, ends in found.region.items()},
+        "rest": dict(found.rest),
+        "boxes": [
+            {
+                "low": list(box.low),
+                "high": list(box.high),
+                "verdict": box.verdict,
+                "periods": box.periods,
+                "reason": box.reason,
+            }
+            for box in found.boxes
+        ],
+        "seconds": round(found.seconds, 6),
+        "reason": found.reason,
+    }
 
 
 # ── a tube ───────────────────────────────────────────────────────────────────────────

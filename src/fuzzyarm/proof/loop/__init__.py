@@ -13,6 +13,7 @@ from fuzzyarm.proof.loop.call import prove
 from fuzzyarm.proof.loop.certificate import Certificate, CertificateError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.margins import DriveMargins, Margins, margins
+from fuzzyarm.proof.loop.start_map import MappedBox, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
 from fuzzyarm.proof.loop.tube_certificate import (
@@ -31,7 +32,9 @@ __all__ = [
     "EnclosureError",
     "LoopProofError",
     "LoopVerdict",
+    "MappedBox",
     "Margins",
+    "StartMap",
     "Tube",
     "TubeCertificate",
     "certify_tube",
@@ -39,6 +42,7 @@ __all__ = [
     "claim_text",
     "loop_problem",
     "loop_tube",
+    "map_starts",
     "margins",
     "prove",
     "prove_loop",

@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, TypedDict, overload
+from typing import Any, Literal, TypedDict, overload
 
 from fuzzyarm.base import above
 from fuzzyarm.base.keywords import ArgumentError, demand_alone, demand_arguments, wrong_argument
@@ -21,6 +21,7 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.claim.text import claimed_plant, read_claim
 from fuzzyarm.proof.loop.orders import Proof, proofs_of
+from fuzzyarm.proof.loop.start_map import MAP_BUDGET, StartMap, map_starts
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.proof.map import verdicts
 from fuzzyarm.proof.map.verdicts import Verdict
@@ -61,6 +62,16 @@ class ProveKeywords(TypedDict, total=False):
         NaN where there is none.
     trust : bool
         Of a file: whether plants that it names may be code, which is run.
+    map : bool
+        Of a controller on `plant`: which starts are proved to come to rest, in place of a
+        statement; a :class:`StartMap`.
+    over : str or mapping of str to (float, float)
+        Of a map: the window of starts, as in ``"position in -1 .. 1"``; by default the ranges of
+        the outputs.
+    workers : int
+        Of a map: processes at a time; each has the whole budget.
+    resume : path-like
+        Of a map: a journal, which is begun or gone on with.
     """
 
     plant: str | Plant | None
@@ -72,9 +83,14 @@ class ProveKeywords(TypedDict, total=False):
     continuous: bool
     tell: Tell | None
     trust: bool
+    map: bool
+    over: str | Mapping[str, tuple[float, float]]
+    workers: int
+    resume: str | os.PathLike[str] | None
 
 
 OF_RULES = ("tolerance", "budget", "exact", "tell")
+OF_MAPS = ("over", "workers", "resume")
 OF_LOOPS = ("connect", "sensors", "budget", "continuous", "tell")
 """Keywords that count where a rule base is asked, and a controller in its loop."""
 
@@ -91,6 +107,23 @@ def prove(
     continuous: bool = False,
     tell: Tell | None = None,
 ) -> LoopVerdict: ...
+
+
+@overload
+def prove(
+    thing: ControllerText | str | os.PathLike[str],
+    statement: None = None,
+    *,
+    plant: str | Plant,
+    map: Literal[True],
+    over: str | Mapping[str, tuple[float, float]] = "",
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = MAP_BUDGET,
+    workers: int = 1,
+    resume: str | os.PathLike[str] | None = None,
+    tell: Tell | None = None,
+) -> StartMap: ...
 
 
 @overload
@@ -121,7 +154,7 @@ def prove(
     thing: ControllerText | AnyRuleBase | ProveRequest | str | os.PathLike[str],
     statement: str | LoopClaim | Property | None = None,
     **keywords: Any,
-) -> LoopVerdict | Verdict | tuple[Proof, ...]:
+) -> LoopVerdict | Verdict | StartMap | tuple[Proof, ...]:
     """Prove or refute properties of a rule base, or of a controller in its loop.
 
     Parameters
@@ -133,14 +166,16 @@ def prove(
         of a controller. Without one, of a path, everything that its file states.
     **keywords
         ``budget`` and ``tell``; of a rule base ``tolerance`` and ``exact``; of a controller
-        ``plant``, ``connect``, ``sensors``, ``continuous`` and ``trust``. See
+        ``plant``, ``connect``, ``sensors``, ``continuous`` and ``trust``; with ``map=True`` also
+        ``over``, ``workers`` and ``resume``. See
         :class:`~fuzzyarm.proof.loop.call.ProveKeywords`.
 
     Returns
     -------
-    Verdict, LoopVerdict or tuple
-        A verdict on the statement, with its evidence. Of a request, or a path alone, a tuple of
-        all that was asked: verdicts, what holds of drives, bounds, sectors or a tube.
+    Verdict, LoopVerdict, StartMap or tuple
+        A verdict on the statement, with its evidence; with ``map=True`` a map of starts. Of a
+        request, or a path alone, a tuple of all that was asked: verdicts, what holds of drives,
+        bounds, sectors, a tube or a map.
 
     Raises
     ------
@@ -170,6 +205,8 @@ def prove(
     is_path = isinstance(thing, str | os.PathLike)
     if not isinstance(thing, AnyRuleBase | ControllerText) and not is_path:
         raise wrong_kind(thing, MODEL)
+    if _wants_map(keywords):
+        return _map_of(thing, statement, keywords)
     if statement is None:
         if isinstance(thing, str | os.PathLike):
             return _of_file(os.fspath(thing), keywords)
@@ -187,6 +224,56 @@ def prove(
         raise wrong_kind(model, CONTROLLER)
     own_words = {name: keywords[name] for name in OF_RULES if name in keywords}
     return verdicts.prove(model, statement, **own_words)
+
+
+def _wants_map(keywords: dict[str, Any]) -> bool:
+    """Tell whether a map is asked for; refuse its keywords where it is not."""
+    if keywords.pop("map", False):
+        return True
+    for name in OF_MAPS:
+        if name in keywords:
+            raise ArgumentError(f"prove() takes '{name}' with map=True", argument=name)
+    return False
+
+
+def _map_of(
+    thing: ControllerText | AnyRuleBase | str | os.PathLike[str],
+    statement: str | LoopClaim | Property | None,
+    keywords: dict[str, Any],
+) -> StartMap:
+    """Map the starts of the loop of a controller; a statement may say its set point."""
+    model = above.function("load")(thing) if isinstance(thing, str | os.PathLike) else thing
+    if not isinstance(model, ControllerText):
+        raise wrong_kind(model, CONTROLLER)
+    plant = keywords.get("plant")
+    if plant is None:
+        raise ArgumentError(
+            "prove() needs a plant for a map", argument="plant", hint="as in plant='motor'"
+        )
+    loop_plant = find_plant(plant)
+    name = plant if isinstance(plant, str) else loop_plant.name
+    if isinstance(statement, LoopClaim):
+        claim = statement
+    elif isinstance(statement, str | None):
+        claim = read_claim(statement or "stable", name, f"prove('{statement}')")
+    else:
+        raise wrong_kind(model, RULE_BASE)
+    over = keywords.get("over") or {}
+    if isinstance(over, str):
+        claim = replace(claim, start=read_claim(f"stable from {over}", name, over).start)
+    elif over:
+        claim = replace(claim, start=tuple((n, float(a), float(b)) for n, (a, b) in over.items()))
+    tell = keywords.get("tell")
+    watch = None
+    if tell is not None:
+        watch = lambda found: tell(found.statement, len(found.boxes), 1.0 - found.decided)  # noqa: E731
+    budget, resume = keywords.get("budget", math.inf), keywords.get("resume")
+    return map_starts(
+        model, claim, plant=loop_plant, connect=keywords.get("connect"),
+        sensors=keywords.get("sensors"), budget=MAP_BUDGET if math.isinf(budget) else budget,
+        workers=keywords.get("workers", 1), watch=watch,
+        journal=None if resume is None else os.fspath(resume),
+    )  # fmt: skip
 
 
 def _of_file(path: str, keywords: dict[str, Any]) -> tuple[Proof, ...]:

@@ -499,7 +499,10 @@ class Follower:
 
     @staticmethod
     def _fewer(
-        states: Forms, memory: Mapping[str, Number], columns: int, algebra: Zonotopes,
+        states: Forms,
+        memory: Mapping[str, Number],
+        columns: int,
+        algebra: Zonotopes,
         most: int = MOST_SYMBOLS,
     ) -> tuple[Forms, dict[str, Number]]:
         """Return states and memory over fewer symbols."""

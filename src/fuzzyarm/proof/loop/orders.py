@@ -28,6 +28,7 @@ from fuzzyarm.proof.loop.certificate import Certificate
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.linearised import linearised
 from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins
+from fuzzyarm.proof.loop.start_map import MAP_BUDGET, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.tube_certificate import certify_tube, write_certificate
@@ -43,7 +44,7 @@ from fuzzyarm.table import compile_table
 
 __all__ = ["Proof", "proofs_of"]
 
-Proof = Verdict | LoopVerdict | DriveProof | Bounds | Sector | Tube
+Proof = Verdict | LoopVerdict | DriveProof | Bounds | Sector | Tube | StartMap
 """What proving gives: by what was asked."""
 
 Tell = Callable[[str, int, float], None]
@@ -77,16 +78,22 @@ def _single(request: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
     if bounds_one(request):
         return bounds_of(request, above.function("load_rules")(path, "prove"), tell).values()
     if not request.sector:
-        loop = loop_of(request, controller)
-        if not request.stable and request.claim is None:
-            return [tube_of(request, loop, tell)[0]]
-        return loops_of(request, loop, (claim_of(request),), tell)
+        return _of_loop(request, loop_of(request, controller), tell)
     if controller is not None:
         return drives_of(request, controller, tell)
     sectors, failed = sectors_of(request, above.function("load_rules")(path, "prove"), tell)
     if not sectors:
         raise WordError(f"no sector {failed[0]}")
     return sectors
+
+
+def _of_loop(request: ProveRequest, loop: ControllerText, tell: Tell) -> Iterable[Proof]:
+    """Return what a request asks of a loop: its map, its tube, or a claim."""
+    if request.map:
+        return [map_of(request, loop, lambda found: _told(found, tell))]
+    if not request.stable and request.claim is None:
+        return [tube_of(request, loop, tell)[0]]
+    return loops_of(request, loop, (claim_of(request),), tell)
 
 
 def check_of(request: ProveRequest, controller: ControllerText | None) -> LoopVerdict:
@@ -119,7 +126,7 @@ def require_sensible(request: ProveRequest) -> None:
 
 
 def _mode(request: ProveRequest) -> str:
-    modes = ("sector", "stable", "claim", "duration", "range", "slope", "table")
+    modes = ("sector", "stable", "map", "claim", "duration", "range", "slope", "table")
     field = request.given(modes)
     assert field is not None
     return field.spelling
@@ -132,16 +139,35 @@ def bounds_one(request: ProveRequest) -> bool:
 
 def wants_loop(request: ProveRequest) -> bool:
     """Whether a claim about a loop, or a tube of it, is asked for beside the lines of a file."""
-    required = request.stable or request.claim is not None or request.duration is not None
+    _require_map(request)
+    required = (
+        request.stable or request.map or request.claim is not None or request.duration is not None
+    )
     for word, field in _PARTS.items():
         if getattr(request, field) is not None:
             if request.claim is not None:
                 raise UsageError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
             if not required:
-                raise UsageError(f"--{word} goes with --stable or --for")
+                also = "" if word == "from" else "--map, "
+                raise UsageError(
+                    f"--{word} goes with --stable, {also}or --for".replace(", or", " or")
+                )
     if request.stable and request.duration is not None:
         raise UsageError("--stable is for all time: --for goes with --claim, or alone")
     return bool(required)
+
+
+def _require_map(request: ProveRequest) -> None:
+    """Tell what goes with a map of starts, and what does not."""
+    for name in ("over", "workers", "resume"):
+        if getattr(request, name) is not None and not request.map:
+            raise UsageError(f"--{name} goes with --map")
+    if not request.map:
+        return
+    if request.from_ is not None:
+        raise UsageError("--from goes with --stable or --for", hint="the window of --map is --over")
+    if request.duration is not None or request.continuous:
+        raise UsageError("--map is of the sampled loop, for all time")
 
 
 # --- The lines of files ---
@@ -272,7 +298,8 @@ def loop_of(request: ProveRequest, controller: ControllerText | None) -> Control
     """Return the controller whose loop is asked about."""
     if controller is None:
         raise WordError(
-            f"{request.files[0]} is not a controller: --stable, --claim and --for are about loops"
+            f"{request.files[0]} is not a controller:"
+            " --stable, --map, --claim and --for are about loops"
         )
     return controller
 
@@ -349,7 +376,7 @@ def claim_of(request: ProveRequest, dashes: str = "--") -> LoopClaim:
     if request.claim is not None:
         return _ended(read_claim(request.claim, plant, f"{dashes}claim '{request.claim}'"), request)
     if not plant:
-        word = "stable" if request.stable else "for"
+        word = "stable" if request.stable else "map" if request.map else "for"
         hint = f"{dashes}plant motor" if dashes else "choose one"
         raise UsageError(f"{dashes}{word} needs a plant", hint=hint)
     parts = {}
@@ -384,6 +411,26 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
     claim = claim_of(asked)
     linear = linearised(problem_of(text, claim, **setup_of(asked, claim)))
     return [drive_margins(linear, drive, request.share) for drive in linear.drives]
+
+
+def map_of(
+    request: ProveRequest, controller: ControllerText, watch: Callable[[StartMap], None]
+) -> StartMap:
+    """Map the starts of a loop: proved, refuted or open."""
+    claim = claim_of(request)
+    if request.over is not None:
+        source = f"--over '{request.over}'"
+        start = read_claim(f"stable from {request.over}", request.plant or "", source).start
+        claim = replace(claim, start=start)
+    setup = setup_of(request, claim)
+    return map_starts(
+        controller, claim, budget=request.budget or MAP_BUDGET, workers=request.workers or 1,
+        journal=request.resume, watch=watch, **setup,
+    )  # fmt: skip
+
+
+def _told(found: StartMap, tell: Tell) -> None:
+    tell(found.statement, len(found.boxes), 1.0 - found.decided)
 
 
 def _name(word: str) -> str:

@@ -4,10 +4,10 @@ The declared ranges are cut into cells once. Of each cell a plane and the proved
 kept, ``u - p·(x - c) in l .. h``, and so for cells that are twice, four times, … as long along each
 axis by itself. A set of inputs then meets a few cells, whatever its size. For any slopes k
 
-    u - k·x  in  -k·c + [l, h] + (p - k)·(x - c),    x in the part of the cell that the set may meet,
+    u - k·x  in  -k·c + [l, h] + (p - k)·(x - c),    x in what of the cell the set may meet,
 
 so the band around a plane of the whole set is the hull over these cells. Which plane it is matters
-only for how wide the band becomes: least squares, then drawn towards the largest distances (Lawson).
+only for how wide the band becomes: least squares, drawn towards the largest distances (Lawson).
 
 Beyond the range of an input that is brought back into it, the surface goes on as it is at the end:
 an outer cell without an end, whose slope along that axis is 0. So nothing is given up for a limit
@@ -215,7 +215,8 @@ class PlaneGrid:
         size = np.abs(base) + np.abs(least) + np.abs(most) + (np.abs(slopes) * half).sum(axis=0)
         least, most = base + least, base + most
         value = 0.5 * least + 0.5 * most
-        sure = np.isfinite(np.where(some, least + most, 0.0)).all(axis=1) & some.any(axis=1)
+        finite = np.isfinite(np.where(some, least + most, 0.0)).all(axis=1)
+        sure = np.asarray(finite & some.any(axis=1))
         good = some & sure[:, None]
         places = np.where(good, (middle - centre[:, :, None]) / radius[:, :, None], 0.0)
         thick = np.where(good, half / radius[:, :, None], 0.0)
@@ -266,7 +267,9 @@ class PlaneGrid:
             # The part of the box in it; of steps beyond the last cell none.
             lows.append(np.where(over, np.inf, np.maximum(left, first[axis][:, None])))
             highs.append(np.where(over, -np.inf, np.minimum(right, last[axis][:, None])))
-            home = np.where(np.isinf(left), right, np.where(np.isinf(right), left, 0.5 * (left + right)))
+            home = np.where(
+                np.isinf(left), right, np.where(np.isinf(right), left, 0.5 * (left + right))
+            )
             homes.append(home)
             levels.append(level)
             index.append(cell + 1)
@@ -279,7 +282,9 @@ class PlaneGrid:
             shape[axis + 1] = self.most
             flat = flat + index[axis].reshape(shape)
             for kept, values in zip(spread, (lows, highs, homes), strict=True):
-                full = np.broadcast_to(values[axis].reshape(shape), (count, *(self.most,) * self.size))
+                full = np.broadcast_to(
+                    values[axis].reshape(shape), (count, *(self.most,) * self.size)
+                )
                 kept.append(full.reshape(count, -1))
         offset = self._offset[self._number[tuple(levels)]]
         self._middles = np.stack(spread[2])
@@ -298,7 +303,9 @@ class PlaneGrid:
         keep = np.ones(middle.shape[1:], dtype=bool)
         for k in range(self.size):
             way = (ways[:, :, k] / scale).T  # (n, sets)
-            reach = np.abs((sides * way.T[:, None, :]).sum(axis=2)).sum(axis=1) * (1.0 + 1e-9) + 1e-9
+            reach = (
+                np.abs((sides * way.T[:, None, :]).sum(axis=2)).sum(axis=1) * (1.0 + 1e-9) + 1e-9
+            )
             reach = reach + 1e-11 * (np.abs(way) * (np.abs(centre) + 1.0)).sum(axis=0)
             share = ((middle - centre[:, :, None]) * way[:, :, None]).sum(axis=0)
             thick = (half * np.abs(way)[:, :, None]).sum(axis=0)
@@ -332,7 +339,7 @@ def _fitted(
             rows[:, i, j] = (weight * square).sum(axis=1)
         rows[:, i, i] += 1e-9 * total + 1e-30
     solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
-    return solved[:, :n].T, solved[:, n]
+    return np.asarray(solved[:, :n].T, float), np.asarray(solved[:, n], float)
 
 
 # ── the smallest cells ───────────────────────────────────────────────────────────────
@@ -379,7 +386,8 @@ def cells_of(
     known = np.isfinite(height)
     height = np.where(known, height, 0.0)
     place = (part.corners - centre[:, None, :]) / half
-    slopes, at = np.zeros((number, size)), np.zeros(number)
+    slopes: Vector = np.zeros((number, size))
+    at: Vector = np.zeros(number)
     weight = known.astype(float)
     columns = np.concatenate([place, np.ones((*place.shape[:2], 1))], axis=2)
     for _ in range(ROUNDS):
@@ -389,7 +397,7 @@ def cells_of(
         np.add.at(right, part.owner, np.einsum("pvi,pv->pi", weighted, height))
         rows += 1e-9 * np.eye(size + 1)
         solved = np.linalg.solve(rows, right[:, :, None])[:, :, 0]
-        slopes, at = solved[:, :size], solved[:, size]
+        slopes, at = np.asarray(solved[:, :size], float), np.asarray(solved[:, size], float)
         line = (place * slopes[part.owner, None, :]).sum(axis=2) + at[part.owner, None]
         gap = np.where(known, np.abs(height - line), 0.0)
         top = np.zeros(number)

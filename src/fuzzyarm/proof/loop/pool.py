@@ -16,13 +16,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, LostRunError
 from fuzzyarm.proof.loop.algebra import Number, Zonotopes
 from fuzzyarm.proof.loop.enclosure import EnclosureError, Intervals
 from fuzzyarm.proof.loop.follower import ORDER, Box, Follower, Nearness
 from fuzzyarm.proof.loop.period import LoopPeriod
-from fuzzyarm.proof.loop.problem import LoopProblem, LoopProofError, LostRunError
 from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.nodes import symbols
 
 __all__ = ["ARRIVED", "GIVEN_UP", "LOST", "Fate", "Pool"]
@@ -57,7 +57,7 @@ Goal = Callable[[Forms, Mapping[str, Number], int], Nearness]
 
 
 class Fate(NamedTuple):
-    """What became of a box: after how many periods, why, what made it wide, whether it was halved."""
+    """What became of a box: after how many periods, why, what made it wide, whether it was cut."""
 
     box: Box
     end: str
@@ -202,7 +202,7 @@ class Pool:
     def _begun(self, boxes: Sequence[Box]) -> tuple[_Swarm, list[Fate]]:
         """Return boxes after their first period."""
         follower, batch = self.follower, len(boxes)
-        states, constants = follower._begun(boxes)  # noqa: SLF001
+        states, constants = follower._begun(boxes)
         control = self.control[1]
         memory: dict[str, Number] = {
             name: 0.0 if math.isnan(value) else value for name, value in control.memory.items()
@@ -262,14 +262,19 @@ class Pool:
     def _fewer(
         self, states: Forms, memory: Mapping[str, Number], algebra: Zonotopes
     ) -> tuple[Forms, dict[str, Number]]:
-        return self.follower._fewer(  # noqa: SLF001
-            states, memory, self.count, algebra, SYMBOLS
-        )
+        return self.follower._fewer(states, memory, self.count, algebra, SYMBOLS)
 
     def _fate(self, swarm: _Swarm, end: str, error: Exception) -> Fate:
         at_end = isinstance(error, LostRunError) and error.at_end
         words = error.where if isinstance(error, LostRunError) else str(error)
-        return Fate(swarm.boxes[0], end, int(swarm.ages[0]) + at_end, words, swarm.weight[:, 0], bool(swarm.cuts[0]))
+        return Fate(
+            swarm.boxes[0],
+            end,
+            int(swarm.ages[0]) + at_end,
+            words,
+            swarm.weight[:, 0],
+            bool(swarm.cuts[0]),
+        )
 
     def _left(self, swarm: _Swarm, near: Nearness, at: Intervals) -> tuple[_Swarm, list[Fate]]:
         """Return the boxes that stay, and the fates of the others."""
@@ -278,11 +283,11 @@ class Pool:
         limits = follower.limits[:, None]
         ports = len(limits)
         out = (low[:ports] > limits) | (high[:ports] < -limits)
-        lost = out.any(axis=0)
+        lost = np.asarray(out.any(axis=0))
         over = ~(np.maximum(-low[:ports], high[:ports]) <= limits).all(axis=0)
         swarm.doubtful = np.where((swarm.doubtful == 0) & over, swarm.ages, swarm.doubtful)
         doubtful = swarm.doubtful > 0
-        arrived = (near.value <= 1.0) & ~doubtful & ~lost
+        arrived = np.asarray((near.value <= 1.0) & ~doubtful & ~lost)
         # Those that may have left a bound, and have not all left it soon after, are halved.
         old = (swarm.ages >= self.horizon) | (
             doubtful & (swarm.ages > swarm.doubtful + swarm.doubtful // 4 + 16)
@@ -291,8 +296,8 @@ class Pool:
         width = due + near.rest
         cut = (width > WIDE) & ~(near.rest <= SPLIT * width) & ~(lost | arrived | old)
         halvings = np.array([sum(box.halvings) for box in swarm.boxes])
-        hopeless = cut & (~(near.rest <= HOPELESS * due) | (halvings >= self.most))
-        hopeless |= cut & (swarm.cuts >= MOST_CUTS)
+        hopeless = np.asarray(cut & (~(near.rest <= HOPELESS * due) | (halvings >= self.most)))
+        hopeless = hopeless | (cut & (swarm.cuts >= MOST_CUTS))
         cut &= ~hopeless
         gone = lost | arrived | old | hopeless
         if not (gone | cut).any():
@@ -312,7 +317,14 @@ class Pool:
                     else "it takes too long"
                 )  # fmt: skip
             fates.append(
-                Fate(swarm.boxes[k], end, int(swarm.ages[k]), words, swarm.weight[:, k], bool(swarm.cuts[k]))
+                Fate(
+                    swarm.boxes[k],
+                    end,
+                    int(swarm.ages[k]),
+                    words,
+                    swarm.weight[:, k],
+                    bool(swarm.cuts[k]),
+                )
             )
         stays = swarm.part(np.flatnonzero(~(gone | cut)))
         if cut.any():
@@ -321,7 +333,9 @@ class Pool:
 
     def _halved(self, swarm: _Swarm) -> _Swarm:
         """Return both halves of each box, where they are by now."""
-        ways = np.array([self.dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)])
+        ways = np.array(
+            [self.dimension(box, w) for box, w in zip(swarm.boxes, swarm.weight.T, strict=True)]
+        )
         halves = []
         for upper in (False, True):
             half = swarm.part(np.arange(len(swarm.boxes)))

@@ -31,21 +31,21 @@ from fuzzyarm.control.loop.blocks import default_processes, end_processes, packe
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.claim.identity import loop_digests
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import loop_sentence, problem_of
 from fuzzyarm.proof.loop.algebra import Number
 from fuzzyarm.proof.loop.certificate import Certificate, fingerprints_of
-from fuzzyarm.proof.loop.claims import loop_sentence, problem_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
-from fuzzyarm.proof.loop.identity import loop_digests
 from fuzzyarm.proof.loop.pool import ARRIVED, LOST, Fate, Pool
-from fuzzyarm.proof.loop.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.verdicts import prove_loop
 from fuzzyarm.proof.loop.verification import verified
 from fuzzyarm.proof.loop.zonotope import Forms
-from fuzzyarm.proof.map.arithmetic import Stop
+from fuzzyarm.proof.stop import Stop
 from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
 
@@ -104,6 +104,10 @@ class StartMap(Shown):
         begin in boxes that are proved.
     seconds, work : float
         How long it took by the clock, and of the processors.
+    period : float
+        Of control, s.
+    units : dict of str to str
+        Of the states.
     reason : str
         Why nothing was proved; empty where there is a region.
     """
@@ -121,6 +125,7 @@ class StartMap(Shown):
     seconds: float
     work: float
     period: float
+    units: Mapping[str, str] = field(default_factory=dict, repr=False)
     reason: str = ""
 
     def share(self, verdict: str) -> float:
@@ -190,7 +195,9 @@ class StartMap(Shown):
             begun = ", ".join(f"{name} = {x:g}" for name, x in self.others.items())
             lines.append(f"  the other states begin at {begun}")
         if self.longest:
-            lines.append(f"  within {self.longest:g} s all proved runs are in the region around rest")
+            lines.append(
+                f"  within {self.longest:g} s all proved runs are in the region around rest"
+            )
         if self.starts:
             lines.append(
                 f"  of {self.starts} drawn starts {self.settled} came to rest, and of those"
@@ -313,7 +320,7 @@ class _Mapping:
         self.heard([_mapped(box, OPEN, 0, reason or late) for box, reason in waiting])
 
     def _next(self, most: int) -> list[Box]:
-        boxes = []
+        boxes: list[Box] = []
         while self.queue and len(boxes) < most:
             *_, box, _ = heapq.heappop(self.queue)
             boxes.append(box)
@@ -332,9 +339,7 @@ class _Mapping:
             elif fate.end == ARRIVED:
                 decided.append(_mapped(box, PROVED, fate.periods, ""))
             elif fate.end == LOST:
-                decided.append(
-                    _mapped(box, REFUTED, fate.periods, f"all runs are {fate.reason}")
-                )
+                decided.append(_mapped(box, REFUTED, fate.periods, f"all runs are {fate.reason}"))
             elif fate.was_cut:  # anew: what had added up until it was halved is less from now on
                 self._push(box, fate.reason)
             elif sum(box.halvings) < self.worker.pool.most:
@@ -435,8 +440,8 @@ class _Map:
         self.begun, self.stop = time.monotonic(), Stop(budget)
         self.text, self.plant, self.connect, self.sensors = text, plant, connect, sensors
         self.budget, self.workers, self.runs, self.watch = budget, workers, runs, watch
-        start = claim.start or self._ranges(claim)
-        self.claim = replace(claim_of_stability(claim), start=tuple(start))
+        start = claim.start or tuple(self._ranges(claim))
+        self.claim = replace(claim_of_stability(claim), start=start)
         self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
         self.window = {name: Interval(low, high) for name, low, high in start}
         for name, span in self.window.items():
@@ -469,8 +474,8 @@ class _Map:
         self.work += verdict.work
         self.region = verdict
         if not isinstance(verdict.certificate, Certificate):
-            whole = MappedBox(*zip(*self.window.values(), strict=True), OPEN, 0, verdict.reason)
-            self.boxes = [whole]
+            low, high = zip(*self.window.values(), strict=True)
+            self.boxes = [MappedBox(low, high, OPEN, 0, verdict.reason)]
             return self._map(f"no region around rest is proved: {verdict.reason}")
         case = _Case(
             self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate
@@ -489,11 +494,11 @@ class _Map:
         return self._map()
 
     def _map(self, reason: str = "") -> StartMap:
-        verdict = self.region
+        verdict, certificate = self.region, self.region.certificate
         settled = [at for at, came in self.drawn if came]
         proved = [box for box in self.boxes if box.verdict == PROVED]
-        lows = np.array([box.low for box in proved]).reshape(len(proved), -1)
-        highs = np.array([box.high for box in proved]).reshape(len(proved), -1)
+        lows = np.array([box.low for box in proved]).reshape(-1, len(self.window))
+        highs = np.array([box.high for box in proved]).reshape(-1, len(self.window))
         within = sum(bool(((lows <= at) & (highs >= at)).all(axis=1).any()) for at in settled)
         begins = self.problem.begins_alone
         return StartMap(
@@ -506,13 +511,14 @@ class _Map:
             boxes=tuple(self.boxes),
             region=verdict.region,
             rest=verdict.rest,
-            certificate=verdict.certificate if isinstance(verdict.certificate, Certificate) else None,
+            certificate=certificate if isinstance(certificate, Certificate) else None,
             starts=len(self.drawn),
             settled=len(settled),
             settled_proved=within,
             seconds=time.monotonic() - self.begun,
             work=self.work,
             period=self.problem.period,
+            units=self.plant.states,
             reason=reason,
         )  # fmt: skip
 

@@ -325,13 +325,13 @@ class Haven:
         turn, size = self.factor.T, np.abs(self.factor.T)
         centre = turn @ z.centre
         parts = np.abs(np.matmul(turn, z.parts))
-        spread, rest = parts.sum(axis=0), size @ z.rest
+        spread, more = parts.sum(axis=0), size @ z.rest
         # Each entry is a sum of products: all of their roundings, over the sums of magnitudes.
         doubt = (len(turn) + len(parts) + 4) * ROUNDING * (size @ (np.abs(z.centre) + z.spread))
-        most = (np.abs(centre) + spread + rest + doubt) * ENLARGED
+        most = (np.abs(centre) + spread + more + doubt) * ENLARGED
         value = ((most * most).sum(axis=0) * (1.0 + self.slack)) * ENLARGED
         far = np.sqrt((parts[:count] ** 2).sum(axis=1))
-        other = np.sqrt(((parts[count:].sum(axis=0) + rest) ** 2).sum(axis=0))
+        other = np.sqrt(((parts[count:].sum(axis=0) + more) ** 2).sum(axis=0))
         return Nearness(value, far, other)
 
 

@@ -1,0 +1,174 @@
+"""Maps of starts: what is proved comes to rest, what is refuted is lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fuzzyarm
+from fuzzyarm.base.errors import UsageError
+from fuzzyarm.plant import find_plant
+from fuzzyarm.proof.claim.problem import ClaimError
+from fuzzyarm.proof.loop import StartMap
+from fuzzyarm.proof.loop.follower import Box
+from fuzzyarm.proof.loop.planes import RulePlanes
+from fuzzyarm.proof.loop.start_map import MappedBox, _remaining
+from fuzzyarm.requests.journal import JournalError
+from fuzzyarm.requests.prove import ProveRequest
+
+WINDOW = "position in 0.25 .. 0.5, velocity in 0 .. 2"
+
+SERVO = fuzzyarm.shipped("servo.frb")
+
+
+@pytest.fixture(scope="module")
+def servo() -> StartMap:
+    return fuzzyarm.prove(SERVO, plant="motor", map=True, over=WINDOW, budget=60.0)
+
+
+def _motor_step(x: np.ndarray, voltage: np.ndarray) -> np.ndarray:
+    """One period of the motor, by its matrix exponential written out as a series."""
+    inertia, friction, torque, resistance, inductance = 0.01, 0.02, 0.35, 2.0, 0.004
+    a = np.array(
+        [
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, -friction / inertia, torque / inertia, 0.0],
+            [0.0, -torque / inductance, -resistance / inductance, 1.0 / inductance],
+            [0.0, 0.0, 0.0, 0.0],
+        ]
+    )
+    total, term = np.eye(4), np.eye(4)
+    for k in range(1, 30):
+        term = term @ a * (0.001 / k)
+        total = total + term
+    return x @ total[:3, :3].T + voltage[:, None] * total[:3, 3]
+
+
+def test_a_map_fills_its_window(servo: StartMap) -> None:
+    assert servo.share("proved") == pytest.approx(1.0)
+    shares = sum(servo.share(verdict) for verdict in ("proved", "refuted", "open"))
+    assert shares == pytest.approx(1.0, abs=1e-12)
+    assert servo.settled == servo.settled_proved > 0
+
+
+def test_runs_from_proved_boxes_are_in_the_region_when_it_says(servo: StartMap) -> None:
+    generator = np.random.default_rng(2)
+    rules = fuzzyarm.load_rulebase(fuzzyarm.shipped("pd7.frb"))
+    boxes = [box for box in servo.boxes if box.verdict == "proved"]
+    starts, ends = [], []
+    for box in boxes:
+        low, high = np.array(box.low), np.array(box.high)
+        shares = np.vstack([generator.random((2, 2)), [[0, 0], [0, 1], [1, 0], [1, 1]]])
+        starts += [*(low + shares * (high - low))]
+        ends += [box.periods] * len(shares)
+    x = np.column_stack([np.array(starts), np.zeros(len(starts))])
+    periods = np.array(ends)
+    most = np.array([servo.region[name][1] for name in ("position", "velocity", "current")])
+    for period in range(periods.max() + 1):
+        arrived = x[periods == period]
+        assert (np.abs(arrived) <= most).all()
+        inputs = {"e": np.clip(-16 * x[:, 0], -6, 6), "ce": np.clip(-0.7 * x[:, 1], -6, 6)}
+        u = np.asarray(fuzzyarm.infer(rules, inputs)["u"])
+        x = _motor_step(x, np.clip(4.5 * u, -24.0, 24.0))
+
+
+def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "cliff.py").write_text(
+        "from fuzzyarm.plant import Plant, Port\n\n\n"
+        "class Cliff(Plant):\n"
+        '    name = "cliff"\n'
+        '    inputs = {"push": Port("N", -1.0, 1.0)}\n'
+        '    outputs = {"y": Port("m", -4.0, 4.0, bound=10.0)}\n'
+        '    states = {"y": "m"}\n'
+        "    duration = 20.0\n\n"
+        "    def derivative(self, t, x, u, p):\n"
+        "        return [0.5 * x[0] + u[0]]\n"
+    )
+    (tmp_path / "hold.frb").write_text(
+        'controller hold "a push against the fall"\n\nperiod 10 ms\n\n'
+        "axis a\n  e = error of y\n  p = e * 2\n  drive push = p\n"
+    )
+    plant = find_plant(str(tmp_path / "cliff.py"))
+    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=30.0)
+    # y' = y/2 + u with |u| ≤ 1 comes back from |y| < 2 and from nowhere else.
+    for box in found.boxes:
+        near, far = min(map(abs, (*box.low, *box.high))), max(map(abs, (*box.low, *box.high)))
+        if box.verdict == "proved":
+            assert far <= 2.0
+        if box.verdict == "refuted":
+            assert far >= 2.0
+            assert near >= 1.9
+    assert found.share("proved") >= 0.45
+    assert found.share("refuted") >= 0.45
+
+
+def test_a_journal_is_gone_on_with(tmp_path: Path, servo: StartMap) -> None:
+    path = tmp_path / "map.csv"
+    asked: dict[str, Any] = {"plant": "motor", "map": True, "over": WINDOW, "resume": path}
+    fuzzyarm.prove(SERVO, budget=60.0, **asked)
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(lines[:12]) + "\n")
+    again = fuzzyarm.prove(SERVO, budget=60.0, **asked)
+    assert again.share("proved") == pytest.approx(servo.share("proved"))
+    assert path.read_text().splitlines()[:12] == lines[:12]
+    with pytest.raises(JournalError):
+        fuzzyarm.prove(SERVO, **{**asked, "over": "position in 0 .. 1"})
+
+
+def test_workers_find_the_same_shares(servo: StartMap) -> None:
+    found = fuzzyarm.prove(SERVO, plant="motor", map=True, over=WINDOW, budget=60.0, workers=2)
+    assert found.share("proved") == pytest.approx(servo.share("proved"))
+
+
+def test_what_is_left_of_a_box() -> None:
+    whole = Box((0.0, 0.0), (1.0, 1.0), (0, 0))
+    done = [
+        MappedBox((0.0, 0.0), (1.0, 0.5), "proved", 1),
+        MappedBox((0.5, 0.5), (1.0, 1.0), "proved", 1),
+    ]
+    assert [(box.low, box.high) for box in _remaining(whole, done)] == [((0.0, 0.5), (0.5, 1.0))]
+    assert _remaining(whole, [MappedBox(whole.low, whole.high, "proved", 1)]) == []
+
+
+@pytest.mark.parametrize("name", ["pd7", "balance", "roompi"])
+def test_planes_of_cells_hold_all_values(name: str) -> None:
+    rules = fuzzyarm.load_rulebase(fuzzyarm.shipped(f"{name}.frb"))
+    output = rules.outputs[0].name
+    grid = RulePlanes(rules, output).grid
+    assert grid is not None
+    generator = np.random.default_rng(1)
+    low, high = grid.low, grid.high
+    for size in (0.003, 0.05, 0.4, 3.0):
+        centre = generator.uniform(1.4 * low, 1.4 * high, (150, 2))
+        sides = generator.normal(size=(6, 2, 150)) * (high - low)[:, None] * size / 10
+        found = grid.bands(centre.T, sides)
+        assert found.sure.all()
+        for k in range(len(centre)):
+            shares = generator.uniform(-1.0, 1.0, (60, 6))
+            shares[:30] = np.sign(shares[:30])
+            points = centre[k] + shares @ sides[:, :, k]
+            inside = np.clip(points, low, high)  # `outside clamp`
+            inputs = {v.name: inside[:, i] for i, v in enumerate(rules.inputs)}
+            values = np.asarray(fuzzyarm.infer(rules, inputs)[output])
+            gaps = values - points @ found.slopes[k]
+            slack = 1e-12 * (1.0 + np.abs(points).max())
+            assert gaps.min() >= found.low[k] - slack
+            assert gaps.max() <= found.high[k] + slack
+
+
+def test_a_window_names_states_and_has_a_width() -> None:
+    with pytest.raises(ClaimError, match="no state 'posiion'"):
+        fuzzyarm.prove(SERVO, plant="motor", map=True, over="posiion in 0 .. 1")
+    with pytest.raises(ClaimError, match="no window"):
+        fuzzyarm.prove(SERVO, plant="motor", map=True, over="position in 1 .. 1")
+
+
+def test_options_of_a_map_go_with_it() -> None:
+    request = ProveRequest(files=(str(SERVO),), plant="motor", stable=True, over="x in 0 .. 1")
+    with pytest.raises(UsageError, match="--over goes with --map"):
+        fuzzyarm.prove(request)
