@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
+import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -61,7 +62,7 @@ class KernelBuildHook(BuildHookInterface):
         # Beside the module lies the digest of its C.
         (module,) = (path for path in folder.glob("_kernels.*") if path.suffix != ".digest")
         build_data["pure_python"] = False
-        build_data["tag"] = f"cp311-abi3-{_tag_of(module)}"
+        build_data["tag"] = f"cp311-abi3-{_tag_of(module, other or '')}"
         if version != "editable":
             build_data["force_include"][str(module)] = f"fuzzyarm/{module.name}"
 
@@ -75,12 +76,18 @@ def _is_pure() -> bool:
     return os.environ.get(PURE, "") not in {"", "0"}
 
 
-def _tag_of(module: Path) -> str:
-    """Return the platform of a module; what reads it is loaded without the rest of fuzzyarm."""
-    path = Path(__file__).with_name("src") / "fuzzyarm" / "apps" / "native" / "binaries.py"
-    spec = importlib.util.spec_from_file_location("binaries", path)
-    assert spec is not None
-    assert spec.loader is not None
-    binaries = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(binaries)
-    return str(binaries.platform_tag(module))
+def _tag_of(module: Path, other: str) -> str:
+    """Return the platform of a module in the name of its wheel; `other` is where it is foreign.
+
+    Of Linux with the newest glibc that a symbol asks for (PEP 600); without glibc it is ``linux``,
+    which no index takes.
+    """
+    here = {"win32": "windows", "darwin": "macos"}.get(sys.platform, sys.platform)
+    machine, _, system = (other or f"{platform.machine().lower()}-{here}").partition("-")
+    if system == "windows":
+        return {"x86_64": "win_amd64", "amd64": "win_amd64"}.get(machine, "win_arm64")
+    if system == "macos":
+        return f"macosx_11_0_{machine.replace('aarch64', 'arm64')}"
+    versions = re.findall(rb"\0GLIBC_(\d+)\.(\d+)", module.read_bytes())
+    newest = max((tuple(map(int, version)) for version in versions), default=())
+    return "_".join(["manylinux" if newest else "linux", *map(str, newest), machine])

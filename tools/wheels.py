@@ -4,7 +4,7 @@
 
 Without a platform all are made: first that at hand, by its own compiler, then the others by the
 compiler of the ``ziglang`` wheel. Of each wheel the name, the format and the machine of its module,
-the libraries that this needs and the oldest system that it runs on are compared with what they must
+the libraries that this needs and the glibc that it asks for are compared with what they must
 be; where auditwheel is installed it is asked as well. A wheel for another platform is not run.
 """
 
@@ -23,44 +23,49 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-from fuzzyarm.apps.native.binaries import Binary, read_binary
-
 ROOT = Path(__file__).resolve().parent.parent
 HERE = "here"
 GLIBC = (2, 31)
 """The newest glibc that a wheel may ask for: that of Ubuntu 20.04 and Debian 11."""
-MACOS = (11, 0)
 
 
 class Platform(NamedTuple):
-    """What a wheel for a platform has to be: the format, and what its module may load.
+    """What a wheel for a platform has to be, as regular expressions.
 
     Attributes
     ----------
-    format, machine : str
-        As :class:`fuzzyarm.apps.native.binaries.Binary` has them.
+    head : bytes
+        How its module begins: format and machine.
     tag : str
-        Of the name of the wheel, a regular expression.
+        Of the name of the wheel.
+    named : bytes
+        How a library is named in the module.
     libraries : str
-        Those that the platform has, a regular expression.
+        Those that the platform has.
     """
 
-    format: str
-    machine: str
+    head: bytes
     tag: str
+    named: bytes
     libraries: str
 
 
-LINUX = r"lib(c|m|pthread|dl|rt)\.so\.\d|ld-linux.*\.so\.\d"
-MAC = r"/usr/lib/libSystem\.B\.dylib"
-UCRT = r"(?i)python3\.dll|kernel32\.dll|api-ms-win-crt-[a-z0-9-]+\.dll|ucrtbase\.dll"
+ELF, MACH, PE = rb"\x7fELF\x02\x01.{12}", rb"\xcf\xfa\xed\xfe", rb"MZ.{58,1024}?PE\0\0"
+LINUX = rb"\0([\w.+-]+\.so\.\d+)(?=\0)", r"lib(c|m|pthread|dl|rt)\.so\.\d|ld-linux.*\.so\.\d"
+MAC = rb"(/[\w/.]+\.dylib)\0", r"/usr/lib/libSystem\.B\.dylib"
+DLL = (
+    rb"([\w-]+\.dll)\0",
+    r"(?i)python3\.dll|kernel32\.dll|api-ms-win-crt-[a-z0-9-]+\.dll|ucrtbase\.dll",
+)
 PLATFORMS = {
-    "x86_64-linux": Platform("ELF", "x86_64", r"manylinux_2_\d+_x86_64", LINUX),
-    "aarch64-linux": Platform("ELF", "aarch64", r"manylinux_2_\d+_aarch64", LINUX),
-    "x86_64-macos": Platform("Mach-O", "x86_64", r"macosx_11_0_x86_64", MAC),
-    "aarch64-macos": Platform("Mach-O", "aarch64", r"macosx_11_0_arm64", MAC),
-    "x86_64-windows": Platform("PE", "x86_64", "win_amd64", UCRT),
+    "x86_64-linux": Platform(ELF + rb"\x3e\0", r"manylinux_2_\d+_x86_64", *LINUX),
+    "aarch64-linux": Platform(ELF + rb"\xb7\0", r"manylinux_2_\d+_aarch64", *LINUX),
+    "x86_64-macos": Platform(MACH + rb"\x07\0\0\x01", r"macosx_11_0_x86_64", *MAC),
+    "aarch64-macos": Platform(MACH + rb"\x0c\0\0\x01", r"macosx_11_0_arm64", *MAC),
+    "x86_64-windows": Platform(PE + rb"\x64\x86", "win_amd64", *DLL),
 }
+SIGNATURE = b"\xfa\xde\x0c\xc0"
+"""The beginning of a signature: macOS on arm64 runs nothing that is not signed, if only by itself."""
 
 
 def build(name: str, out: Path, source: Path = ROOT) -> Path:
@@ -101,15 +106,14 @@ def faults(wheel: Path, name: str) -> list[str]:
     """
     wanted = PLATFORMS[name]
     *_, python, abi, tag = wheel.stem.split("-")
-    with zipfile.ZipFile(wheel) as opened, tempfile.TemporaryDirectory() as room:
+    with zipfile.ZipFile(wheel) as opened:
         modules = [each for each in opened.namelist() if "/_kernels." in each]
         (fields,) = (each for each in opened.namelist() if each.endswith(".dist-info/WHEEL"))
         written = opened.read(fields).decode()
         if len(modules) != 1:
             return [f"it has {len(modules)} modules with machine code"]
-        binary = read_binary(Path(opened.extract(modules[0], room)))
         data = opened.read(modules[0])
-    suffix = ".pyd" if wanted.format == "PE" else ".abi3.so"
+    suffix = ".pyd" if name.endswith("windows") else ".abi3.so"
     return [
         *([] if (python, abi) == ("cp311", "abi3") else [f"its tags are {python}-{abi}"]),
         *([] if re.fullmatch(wanted.tag, tag) else [f"its platform is {tag}"]),
@@ -121,24 +125,23 @@ def faults(wheel: Path, name: str) -> list[str]:
         *([] if "Root-Is-Purelib: false" in written else ["it says that it has no machine code"]),
         *([] if modules[0] == f"fuzzyarm/_kernels{suffix}" else [f"its module is {modules[0]}"]),
         *([] if b"PyInit__kernels" in data else ["Python would not find the module's beginning"]),
-        *_faults_of(binary, wanted),
+        *_faults_of(data, tag, wanted),
     ]
 
 
-def _faults_of(binary: Binary, wanted: Platform) -> list[str]:
+def _faults_of(data: bytes, tag: str, wanted: Platform) -> list[str]:
     """Return what is wrong with a module."""
-    is_foreign = [each for each in binary.needs if not re.fullmatch(wanted.libraries, each)]
-    newest = {"ELF": GLIBC, "Mach-O": MACOS}.get(binary.format, ())
-    kind = (binary.format, binary.machine)
+    needs = sorted({name.decode() for name in re.findall(wanted.named, data)})
+    foreign = [name for name in needs if not re.fullmatch(wanted.libraries, name)]
+    glibc = re.fullmatch(r"manylinux_(\d+)_(\d+)_.*", tag)
     return [
-        *([] if kind == (wanted.format, wanted.machine) else [f"it is {' for '.join(kind)}"]),
-        *(f"it needs {each}" for each in is_foreign),
-        *([] if binary.oldest <= newest else [f"it needs version {binary.oldest} of the system"]),
-        # macOS on arm64 runs nothing that is not signed, if only by itself.
-        *(["it is not signed"] if wanted.tag.endswith("arm64") and not binary.signed else []),
+        *([] if re.match(wanted.head, data, re.DOTALL) else ["its module is for another machine"]),
+        *(f"it needs {name}" for name in foreign),
+        *(["it needs a newer glibc"] if glibc and (int(glibc[1]), int(glibc[2])) > GLIBC else []),
+        *(["it is not signed"] if tag.endswith("arm64") and SIGNATURE not in data else []),
         *(
             ["it does not load python3.dll"]
-            if wanted.format == "PE" and "python3.dll" not in binary.needs
+            if tag.startswith("win") and "python3.dll" not in needs
             else []
         ),
     ]
