@@ -46,7 +46,7 @@ class KernelBuildHook(BuildHookInterface):
         # The environment of the build may stand on the path of this process only.
         path = os.pathsep.join([str(source), *filter(None, sys.path)])
         words = [sys.executable, "-m", "fuzzyarm.apps.native.build", str(folder)]
-        other = os.environ.get(PLATFORM)
+        other = os.environ.get(PLATFORM, "")
         done = subprocess.run(
             [*words, "--platform", other] if other else words,
             env={**os.environ, "PYTHONPATH": path, "FUZZYARM_NATIVE": "0"},
@@ -62,7 +62,7 @@ class KernelBuildHook(BuildHookInterface):
         # Beside the module lies the digest of its C.
         (module,) = (path for path in folder.glob("_kernels.*") if path.suffix != ".digest")
         build_data["pure_python"] = False
-        build_data["tag"] = f"cp311-abi3-{_tag_of(module, other or '')}"
+        build_data["tag"] = f"cp311-abi3-{_tag_of(module, other)}"
         if version != "editable":
             build_data["force_include"][str(module)] = f"fuzzyarm/{module.name}"
 

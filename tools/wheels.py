@@ -65,7 +65,7 @@ PLATFORMS = {
     "x86_64-windows": Platform(PE + rb"\x64\x86", "win_amd64", *DLL),
 }
 SIGNATURE = b"\xfa\xde\x0c\xc0"
-"""The beginning of a signature: macOS on arm64 runs nothing that is not signed, if only by itself."""
+"""How a signature begins: macOS on arm64 runs nothing that is not signed, if only by itself."""
 
 
 def build(name: str, out: Path, source: Path = ROOT) -> Path:

@@ -1,7 +1,9 @@
 """The part of NumPy that a page needs, in plain Python, for a Python that has none.
 
-Pyodide's own package has no NumPy, and no registry that an installation reaches has a wheel of it.
-What the playground asks of it is little: some hundred functions over arrays that are small, for
+It stays because Pyodide's npm package has no NumPy: the wheel that its lock file names lies on
+Pyodide's own server alone, which neither npm nor pip asks, and a playground works without a
+network. Without arrays it would have no loops, tables, surfaces and proofs, which are most of it.
+What the playground asks of NumPy is little: some hundred functions over small arrays, for
 what is large goes through kernels, which are WebAssembly (:mod:`fuzzyarm.apps.native`) and read
 these arrays as they read NumPy's. :func:`install` puts this package where ``import numpy`` finds
 it; where there is a NumPy it does nothing. A name that is not here is missed with a sentence that
