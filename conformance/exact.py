@@ -141,12 +141,7 @@ def strength(case: Case, condition: Case, inputs: Mapping[str, Fraction]) -> Int
     """Return the lower and the upper degree of a condition, operands from left to right."""
     ((word, parts),) = condition.items()
     if word == "is":
-        variable = case["inputs"][parts[0]]
-        x = inputs[parts[0]]
-        if case["settings"].get("outside", "clamp") == "clamp":
-            low, high = variable["range"]
-            x = min(max(x, low), high)
-        return both(variable["terms"][parts[1]], x)
+        return both(case["inputs"][parts[0]]["terms"][parts[1]], inputs[parts[0]])
     if word in {"not", "very"}:
         low, high = strength(case, parts, inputs)
         return (1 - high, 1 - low) if word == "not" else (low**2, high**2)
@@ -447,8 +442,11 @@ def number(case: Case, output: str, inputs: Mapping[str, Fraction]) -> Fraction 
     inputs : mapping of str to Fraction
         The value of each input.
     """
-    concluded = conclusions(case, output, inputs)
     settings = case["settings"]
+    if settings.get("outside", "clamp") == "clamp":
+        ranges = {name: case["inputs"][name]["range"] for name in inputs}
+        inputs = {name: min(max(x, ranges[name][0]), ranges[name][1]) for name, x in inputs.items()}
+    concluded = conclusions(case, output, inputs)
     method = settings["defuzzifier"]["method"]
     try:
         if not concluded:

@@ -116,12 +116,9 @@ def held(case: Case, tree: Case, point: Mapping[str, Decimal], side: str) -> Dec
     parts = tree[word]
     if word == "is":
         name, label = parts
-        variable = case["inputs"][name]
-        x = point[name]
-        if case["settings"].get("outside", "clamp") == "clamp":
-            x = sorted((variable["range"][0], x, variable["range"][1]))[1]
-        term = variable["terms"][label]
-        return membership(term["lower"] if side == "lower" and "lower" in term else term, x)
+        term = case["inputs"][name]["terms"][label]
+        lower = side == "lower" and "lower" in term
+        return membership(term["lower"] if lower else term, point[name])
     if word == "not":
         return ONE - held(case, parts, point, "upper" if side == "lower" else "lower")
     if word == "very":
@@ -483,6 +480,8 @@ def number(case: Case, output: str, point: Mapping[str, Decimal]) -> Decimal | N
     """
     default = case["settings"].get("no rule", "nothing")
     nothing = None if default == "nothing" else D(default)
+    if case["settings"].get("outside", "clamp") == "clamp":
+        point = {n: sorted((*case["inputs"][n]["range"], x))[1] for n, x in point.items()}
     if all(s == 0 for _, s in fired(case, output, point, "upper")):
         return nothing
     method = case["settings"]["defuzzifier"]["method"]

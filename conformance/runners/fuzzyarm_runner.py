@@ -50,10 +50,9 @@ def shape(term: dict[str, Any]) -> str:
     kind, p = term["shape"], term["parameters"]
     if kind == "linear":
         return "linear " + " + ".join(f"{c} * {quoted(v)}" if v else f"{c}" for v, c in p.items())
-    if kind == "points":
-        return "points " + " ".join(f"({x}, {y})" for x, y in p)
+    numbers = (f"({x}, {y})" for x, y in p) if kind == "points" else map(str, p)
     height = f" height {term['height']}" if "height" in term else ""
-    return f"{SHAPES.get(kind, kind)} {' '.join(map(str, p))}{height}"
+    return f"{SHAPES.get(kind, kind)} {' '.join(numbers)}{height}"
 
 
 def term_line(variable: str, label: str, term: dict[str, Any]) -> str:

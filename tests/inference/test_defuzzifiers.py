@@ -233,6 +233,11 @@ def test_bisector_halves_the_area() -> None:
 def test_sampled_bisector() -> None:
     # Samples 0, 1, … 10; running sums 0 1 2 3 3 3 3.5 4 4.5 4.5: half of 4.5 at 3.
     assert both(base(RULES, BOXES, "bisector", resolution=11), a=1.0, b=0.5) == 3.0
+    # Four samples of ½: half of 2 is reached at the second, and no gap follows.
+    flat = Shape("points", (0, 0, 1, 0.5, 2, 0.5, 4, 0.5, 5, 0))
+    hill = base([rule("a high", "u hill")], terms(hill=flat),
+                "bisector", resolution=11, names=["a"])  # fmt: skip
+    assert both(hill, a=1.0) == 2.0
     middles = base(RULES, BOXES, "bisector", resolution=10, sampling="midpoints")
     # Middles 0.5, 1.5, …: boxes over 1.5, 2.5 and 6.5, 7.5; half is reached at 2.5 and
     # stays up to 5.5, all equally near.

@@ -99,19 +99,22 @@ whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
 
 @kernel
 def chosen_among(
-    k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int
+    k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int, next_to: int
 ) -> tuple[float, float]:
-    """Return something above 0 where a height is, and the position that is asked for."""
+    """Return something above 0 where a height is, and the position that is asked for.
+
+    Samples stand next to each other (1): there is no gap between two. Values do not (0).
+    """
     way = way_of(k, f)
     if way == HALF:
-        return half_of(positions, heights, count)
+        return half_of(positions, heights, count, next_to)
     if way == NEAREST_HALF:
         return nearest_half_of(positions, heights, count)
     return greatest_of(k, f, heap, positions, heights, count)
 
 
 @kernel
-def half_of(positions: Any, heights: Any, count: int) -> tuple[float, float]:
+def half_of(positions: Any, heights: Any, count: int, next_to: int) -> tuple[float, float]:
     """Return the total, and where the running sum of heights reaches half of it."""
     total = 0.0
     for i in range(count):
@@ -120,7 +123,7 @@ def half_of(positions: Any, heights: Any, count: int) -> tuple[float, float]:
         return 0.0, 0.0
     # A running sum that is half of the total but for rounding is half of it: where heights of zero
     # follow, all positions from there to the next height divide the area equally, and the middle
-    # between the first and the last of them is taken.
+    # between the first and the last of them is taken. Where none follow there is no gap.
     low, high = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
     running = 0.0
     first = -1
@@ -129,7 +132,8 @@ def half_of(positions: Any, heights: Any, count: int) -> tuple[float, float]:
         if first < 0 and running >= low:
             first = i
         if running >= high:
-            return total, 0.5 * (positions[first] + positions[i])
+            last = i - next_to if i == first + 1 else i
+            return total, 0.5 * (positions[first] + positions[last])
     return total, positions[count - 1]
 
 
@@ -223,7 +227,7 @@ def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tup
     if way_of(k, f) <= NEAREST_HALF:  # a sample counts by its share of the integral
         for i in range(samples):
             aggregate[i] *= f[numbers + samples + i]
-    return chosen_among(k, f, heap, f[numbers : numbers + samples], aggregate, samples)
+    return chosen_among(k, f, heap, f[numbers : numbers + samples], aggregate, samples, 1)
 
 
 # ── joined samples ───────────────────────────────────────────────────────────────────
@@ -563,7 +567,7 @@ def position_of_values(block: Any) -> None:
             if strength > 0.0:
                 value = found_value(block, k, f, heap, consequent, strength, point)
                 count = insert_value(values, heights, count, value, strength)
-        total[point], moment[point] = chosen_among(k, f, heap, values, heights, count)
+        total[point], moment[point] = chosen_among(k, f, heap, values, heights, count, 0)
 
 
 @kernel
@@ -576,7 +580,7 @@ def choice_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[
         row = (k[HEIGHTS] + 2 * group) * k[WIDTH] + point
         if room[row] > 0.0:
             count = insert_value(values, heights, count, room[row + k[WIDTH]], room[row])
-    return chosen_among(k, f, heap, values, heights, count)
+    return chosen_among(k, f, heap, values, heights, count, 0)
 
 
 @kernel
