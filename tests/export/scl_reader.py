@@ -135,7 +135,7 @@ class Reader:
             elif following == "(" and text not in KEYWORDS and sort in {"word", "block"}:
                 end, given = self.arguments(tokens, i + 1)
                 if sort == "block":
-                    own = self.blocks[text].names("VAR_IN_OUT", "VAR_INPUT")
+                    own = self.blocks[text].names("VAR_INPUT", "VAR_IN_OUT")
                 elif text in {"MIN", "MAX"}:
                     own = ["IN1", "IN2"]
                 else:

@@ -33,6 +33,8 @@ from fuzzyarm.exchange.export.steps import Steps, StepVariable
 from fuzzyarm.exchange.export.typed_program import (
     COUNT,
     INDEX,
+    NOTHING,
+    PLACE,
     TRUTH,
     Function,
     Member,
@@ -41,7 +43,6 @@ from fuzzyarm.exchange.export.typed_program import (
     SelfTest,
     Stepped,
 )
-from fuzzyarm.exchange.export.walk_modules import c_walk
 from fuzzyarm.symbolic.identifiers import ARDUINO_MACROS, C_FUNCTIONS, Names
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import c_language
@@ -54,7 +55,14 @@ SWITCH = "FUZZYARM_SELF_TEST"
 LIBRARY = "library"
 """A form beside ``.h`` and ``.c``: three files, whose constants stay in flash."""
 
-_TYPES = {**C_TYPES, COUNT: "unsigned long", INDEX: "unsigned", TRUTH: "bool"}
+_TYPES = {
+    **C_TYPES,
+    COUNT: "unsigned long",
+    INDEX: "unsigned",
+    TRUTH: "bool",
+    PLACE: "int",
+    NOTHING: "void",
+}
 _MARKS = {COUNT: "UL", INDEX: "u"}
 _LONG = {**_TYPES, INDEX: "unsigned long"}, {**_MARKS, INDEX: "UL"}
 """Types and marks of a file with an array of more elements than 16 bits count."""
@@ -96,7 +104,9 @@ def _array(printer: Printer, name: str, kind: Kind, values: Sequence[float], col
 
 
 def _cast(text: str, before: Kind, after: Kind) -> str:
-    return text if before is after else f"({_TYPES[after]}){text}"
+    # An index may have any type of whole numbers, and a short one is wide by itself.
+    plain = before is after or (before, after) in {(PLACE, INDEX), (np.int16, PLACE)}
+    return text if plain else f"({_TYPES[after]}){text}"
 
 
 _TARGET = Target(
@@ -110,7 +120,8 @@ _TARGET = Target(
     hidden="static ", unused="(void){};",
     function=("{public}{type} {name}({parameters})\n{{", "}\n"), remark="/* {} */",
     repeat="for ({type} {index} = 0u; {index} < {count}; {index}++) {{",
-    walk=c_walk, room=("double {name}[{count}];", "{}"),
+    room="double {name}[{count}];", written="{}*",
+    count="for ({type} {index} = {start}; {index} {sign} {end}; {index} {way}= {step}) {{",
     whole_tuple="const double *const {name} = {value};",
 )  # fmt: skip
 

@@ -71,9 +71,9 @@ _REMARKS = {
 """What members are for, by their role."""
 
 
-def controller_program(steps: Steps, *, pointers: bool = False) -> Program:
+def controller_program(steps: Steps, *, pointers: bool = False, endless: bool = True) -> Program:
     """Return a controller as a program, without its test."""
-    return _Lowering(steps, Program(pointers=pointers)).lowered()
+    return _Lowering(steps, Program(pointers=pointers, endless=endless)).lowered()
 
 
 @dataclass

@@ -13,8 +13,7 @@ templates) here; of Rust both take 82 lines. Its reserved words are in
 ``tests/export/test_own_tests.py`` and ``test_hostile_names.py`` runs the self-test of every file
 and of every odd name. A language whose expressions only calculate takes `flattened` of
 :mod:`.structured_text` first; :mod:`.c` shows what a language may add: structs by axis, pointers to
-parts of arrays, files with headers. Defuzzifiers that walk over tables are printed from the
-kernel's source by a target of their own (:mod:`.walk_modules`), or refused.
+parts of arrays, files with headers.
 """
 
 from __future__ import annotations
@@ -34,8 +33,7 @@ from fuzzyarm.exchange.export.modules import LETTERS, Module
 from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.printer import Printer, Target
 from fuzzyarm.exchange.export.routine import number_lines
-from fuzzyarm.exchange.export.typed_program import COUNT, INDEX, TRUTH
-from fuzzyarm.exchange.export.walk_modules import javascript_walk, python_walk, rust_walk
+from fuzzyarm.exchange.export.typed_program import COUNT, INDEX, NOTHING, PLACE, TRUTH
 from fuzzyarm.symbolic import operations
 from fuzzyarm.symbolic.operations import Operation
 from fuzzyarm.symbolic.printing import JAVASCRIPT as JAVASCRIPT_EXPRESSIONS
@@ -166,7 +164,8 @@ PYTHON = Target(
     member="self.{}", private="_{}", late="{name}=False", quotient="{} // {}",
     function=("def {name}({parameters}):", ""), when="if {}:", otherwise="else:", loop="while {}:",
     repeat="for {index} in range({count}):", end="", remark="# {}",
-    walk=python_walk, room=('{name} = memoryview(array("d", bytes(8 * {count})))', "{}"),
+    room='{name} = array("d", bytes(8 * {count}))', left="return{}", stop="break", run="{}",
+    count="for {index} in range({start}, {end}, {signed}):",
     flawed_floats=True, helpers=("checked",),
     checked=('{0} = _checked({0}, "{0}")', _PYTHON_CHECK),
 )  # fmt: skip
@@ -278,7 +277,8 @@ JAVASCRIPT = Target(
     member="this.{}", public="export ", late="{name} = false", quotient="Math.trunc({} / {})",
     function=("{public}function {name}({parameters}) {{", "}\n"),
     repeat="for (let {index} = 0; {index} < {count}; {index}++) {{",
-    walk=javascript_walk, room=("const {name} = new Float64Array({count});", "{}"),
+    room="const {name} = new Float64Array({count});",
+    count="for (let {index} = {start}; {index} {sign} {end}; {index} {way}= {step}) {{",
     helpers=("checked", *(name for name, _ in _JAVASCRIPT_HELPERS.values())),
     checked=('checked({0}, "{0}");', """const checked = (value, name) => {
   if (typeof value === "number") return;
@@ -344,9 +344,10 @@ export class Controller {
 
 # ── Rust ─────────────────────────────────────────────────────────────────────────────
 
-_RUST_TYPES = {
+_RUST_TYPES: dict[Kind, str] = {
     np.float32: "f32", np.float64: "f64", np.int8: "i8", np.int16: "i16", np.int32: "i32",
-    np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool",
+    np.int64: "i64", INDEX: "usize", COUNT: "u32", TRUTH: "bool", PLACE: "i32",
+    NOTHING: "()",
 }  # fmt: skip
 _RUST_OPERATORS = {"where": "if {0} {{ {1} }} else {{ {2} }}", "remainder": "({0} % {1})"}
 _RUST_METHODS = {"pow": "powf", "log": "ln", "rint": "round_ties_even"}
@@ -389,10 +390,10 @@ RUST = Target(
     truths=("false", "true"), again="let mut {name}: {type} = {value};",
     whole_tuple="let {name} = {value};", several="({})", part="{}.{}", member="self.{}",
     public="pub ", returned="{}", parameter="{name}: {type}", late="{name}: {type}",
-    array_argument="&[{}]", argument="&{}",
+    array_argument="&[{}]", argument="&{}", cast_binds=8,
     function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),
     when="if {} {{", loop="while {} {{", repeat="for {index} in 0..{count} {{",
-    walk=rust_walk, room=("let mut {name} = [0.0f64; {count}];", "&mut {}"),
+    room="let mut {name} = [0.0f64; {count}];", lent="&mut {}", written="&mut [{}]",
     helpers=("least", "greatest", "absolute"),
 )  # fmt: skip
 

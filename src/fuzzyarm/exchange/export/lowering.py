@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.exchange.export.kernel_lowering import walk_lines
 from fuzzyarm.exchange.export.listing import Loop, Walked, element, function_body
 from fuzzyarm.exchange.export.numbers import Kind, rounded
 from fuzzyarm.exchange.export.program import Call
@@ -30,7 +31,6 @@ from fuzzyarm.exchange.export.typed_program import (
     SelfTest,
     Variable,
     View,
-    Walk,
     Whole,
     at,
     cast,
@@ -45,9 +45,11 @@ SINGLE_TEST = 1e-4
 """What a port with floats of 32 bits may be off by in a self-test, of the largest result."""
 
 
-def routines_program(routines: Sequence[Routine], *, pointers: bool = False) -> Program:
+def routines_program(
+    routines: Sequence[Routine], *, pointers: bool = False, endless: bool = True
+) -> Program:
     """Return a program with a function for each routine, and their tests."""
-    program = Program(pointers=pointers)
+    program = Program(pointers=pointers, endless=endless)
     for number, routine in enumerate(routines):
         key = f"routine {number}"
         program.functions[key] = routine_function(routine, routine.output.name, program)
@@ -112,7 +114,7 @@ class _Rules:
         for loop in listing.body:
             if isinstance(loop, Walked):
                 parts = tuple(replace(part, self.instead) for part in loop.parts)
-                body.append(Walk(loop.walk.total, loop.walk.value, parts, loop.walk))
+                body += walk_lines(loop.walk, parts, self.program)
                 continue
             if isinstance(loop, Loop):
                 counters[loop.sums.index] = Variable(loop.sums.index, INDEX)

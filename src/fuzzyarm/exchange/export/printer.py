@@ -13,36 +13,40 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fuzzyarm.exchange.export.numbers import ExportError, Kind
-from fuzzyarm.exchange.export.sets import TABLE_HINT
+from fuzzyarm.exchange.export.numbers import Kind
 from fuzzyarm.exchange.export.typed_program import (
     INDEX,
+    PLACE,
     TRUTH,
     Called,
     Cast,
+    Count,
     Element,
     Function,
+    Handed,
+    Leave,
     Line,
     Member,
     Program,
     Quotient,
     Repeat,
     Return,
+    Room,
+    Run,
     Search,
     SelfTest,
     Stepped,
+    Stop,
     Store,
     Truth,
     Variable,
     View,
-    Walk,
     When,
     While,
     Whole,
     at,
     every_node,
 )
-from fuzzyarm.exchange.export.walk import DefuzzifierWalk
 from fuzzyarm.symbolic.identifiers import Names
 from fuzzyarm.symbolic.nodes import Constant, Node, Symbol, apply, constant, symbol
 from fuzzyarm.symbolic.op import where
@@ -101,10 +105,15 @@ class Target:
         The statement that names a parameter that is not read, where a compiler asks for it.
     refused : re.Pattern, optional
         Names that are macros where the file is included.
-    walk : callable or None
-        From a printer and a walk to the name of its function.
-    room : tuple of str
-        The statement that makes the room of a walk, and how it is handed over.
+    room, lent, written : str
+        The statement that makes an array of floats; how it is handed over; the type of a parameter
+        that is one.
+    count : str
+        The head of a loop over whole numbers; empty where a loop with a condition is all there is.
+    left, stop : str
+        The statements that return from anywhere, and that leave a loop.
+    run : str
+        The statement that calls a procedure.
     flawed_floats : bool
         Whether a port of the language may compute in floats of 32 bits.
     checked : tuple of str
@@ -151,8 +160,13 @@ class Target:
     whole_tuple: str = "const {name} = {value};"
     helpers: tuple[str, ...] = ()
     flawed_floats: bool = False
-    walk: Callable[[Printer, DefuzzifierWalk], str] | None = None
-    room: tuple[str, str] = ("", "{}")
+    room: str = ""
+    lent: str = "{}"
+    written: str = ""
+    count: str = ""
+    left: str = "return{};"
+    stop: str = "break;"
+    run: str = "{};"
     checked: tuple[str, str] = ("", "")
 
 
@@ -192,10 +206,6 @@ class Printer:
         for key, array in self.program.arrays.items():
             self.arrays[key] = self.constant(array.stem, array.kind, array.values, array.columns)
         self.name_state()
-        # All names of the file are known before those of local variables.
-        for line in (line for function in functions.values() for line in function.body):
-            if isinstance(line, Walk) and target.walk is not None:
-                self.known[line.walk] = target.walk(self, line.walk)
         for key, function in functions.items():
             self.functions.append("\n".join(self.function_printer(function).text(self.called[key])))
 
@@ -341,9 +351,11 @@ class FunctionPrinter:
         for key, variable in self.function.parameters.items():
             kind = target.types.get(variable.kind, "")
             template = target.array_argument if variable.of_array else ""
+            template = target.written if variable.size else template
             kind = template.format(kind) if template else kind
-            late = target.late if variable.kind is TRUTH else target.parameter
-            texts.append(late.format(name=self.rename[key], type=kind))
+            late = variable.kind is TRUTH and not self.function.of_kernel
+            form = target.late if late else target.parameter
+            texts.append(form.format(name=self.rename[key], type=kind))
         return texts
 
     def text(self, name: str) -> list[str]:
@@ -439,24 +451,39 @@ class FunctionPrinter:
         parts = (self.target.part.format(drives, i) for i in range(len(line.targets)))
         return [head, *map(self._set, line.targets, parts, [""] * len(line.targets))]
 
-    def _walk(self, line: Walk) -> list[str]:
-        target = self.target
-        if target.walk is None:
-            raise ExportError(
-                f"the defuzzifier of '{line.walk.output}' is not exported to {self.language.name}",
-                hint=TABLE_HINT,
-            )
-        function = self.printer.known[line.walk]
-        room, pair = self.names.new("room"), self.names.new("pair")
-        passed = target.room[1].format(room)
-        lines = [target.room[0].format(name=room, count=line.walk.room)]
-        for number, part in enumerate(line.parts):
-            element = target.element.format(room, number)
-            value = self.language.expression(part)
-            lines.append(self.language.assign.format(name=element, value=value))
-        lines.append(target.whole_tuple.format(name=pair, value=f"{function}({passed})"))
-        pairs = enumerate((line.total, line.value))
-        return [*lines, *(self._set(key, target.part.format(pair, i), "") for i, key in pairs)]
+    def _counted(self, line: Count) -> list[str]:
+        """Run statements with a whole number that is counted up or down."""
+        if not self.target.count:
+            following = symbol(line.variable) + Whole(line.step)
+            ends = symbol(line.variable), line.end
+            short = apply("less", *(ends if line.step > 0 else ends[::-1]))
+            self.times_set[line.variable] += 1
+            return [
+                *self._assigned(Assign(line.variable, line.start)),
+                *self._looped(While(short, (*line.body, Assign(line.variable, following)))),
+            ]  # fmt: skip
+        start, end = map(self.language.expression, (line.start, line.end))
+        opening = self.target.count.format(
+            index=self.rename[line.variable], start=start, end=end, step=abs(line.step),
+            sign="<" if line.step > 0 else ">", way="+" if line.step > 0 else "-",
+            last=self.language.expression(_last_of(line)), signed=line.step,
+            type=self.target.types.get(PLACE, ""),
+        )  # fmt: skip
+        self.declared.add(line.variable)
+        return [opening, *self._inner(line.body), *self._end(self.target.end_repeat)]
+
+    def _stopped(self, _line: Stop) -> list[str]:
+        return [self.target.stop]
+
+    def _made(self, line: Room) -> list[str]:
+        return [self.target.room.format(name=self.rename[line.name], count=line.size)]
+
+    def _run(self, line: Run) -> list[str]:
+        return [self.target.run.format(self._called(Called(line.function, line.arguments), 0))]
+
+    def _left(self, line: Leave) -> list[str]:
+        value = "" if line.value is None else f" {self.language.expression(line.value)}"
+        return [self.target.left.format(value)]
 
     def _end(self, end: str | None = None) -> list[str]:
         end = self.target.end if end is None else end
@@ -522,6 +549,10 @@ class FunctionPrinter:
         arguments = ", ".join([*passed, self.language.expression(node.value)])
         return f"{self.printer.called[node.function]}({arguments})"
 
+    def _handed(self, node: Handed, _binds: int) -> str:
+        name = self.rename[node.array]
+        return name if node.array in self.function.parameters else self.target.lent.format(name)
+
     def _quotient(self, node: Quotient, binds: int) -> str:
         parts = (self.language.expression(part, 7) for part in (node.dividend, node.divisor))
         text = self.target.quotient.format(*parts)
@@ -535,12 +566,21 @@ class FunctionPrinter:
     _LINES: ClassVar[Mapping[type, str]] = {
         Assign: "_assigned", Choose: "_branches", When: "_branches", Return: "_returned",
         Store: "_stored", Repeat: "_repeated", While: "_looped", Stepped: "_stepped",
-        View: "_viewed", Walk: "_walk",
+        View: "_viewed", Count: "_counted", Stop: "_stopped", Room: "_made", Run: "_run",
+        Leave: "_left",
     }  # fmt: skip
-    _LEAVES: ClassVar[Mapping[type, Callable[[FunctionPrinter, Any, int], str]]] = {
+    _LEAVES: ClassVar[Mapping[type, Callable[[Any, Any, int], str]]] = {
         Whole: _whole, Truth: _truth, Element: _element, Called: _called, Search: _search,
-        Quotient: _quotient, Cast: _cast,
+        Quotient: _quotient, Cast: _cast, Handed: _handed,
     }  # fmt: skip
+
+
+def _last_of(line: Count) -> Node:
+    """Return the last number of a loop that goes up or down by one, or the next after it."""
+    step = 1 if line.step > 0 else -1
+    if isinstance(line.end, Whole):
+        return Whole(line.end.value - step)
+    return line.end - Whole(1) if step > 0 else line.end + Whole(1)
 
 
 def _set_in(body: Sequence[Line]) -> list[str]:
@@ -555,11 +595,11 @@ def _set_in(body: Sequence[Line]) -> list[str]:
             names += branches
         elif isinstance(line, When):
             names += [*_set_in(line.then), *_set_in(line.otherwise)]
-        elif isinstance(line, Walk):
-            names += [line.total, line.value]
+        elif isinstance(line, Room):
+            names.append(line.name)
         elif isinstance(line, Stepped):
             names += line.targets
-        elif isinstance(line, Repeat | While):
-            names += [line.variable] if isinstance(line, Repeat) else []
+        elif isinstance(line, Repeat | While | Count):
+            names += [] if isinstance(line, While) else [line.variable]
             names += _set_in(line.body)
     return names

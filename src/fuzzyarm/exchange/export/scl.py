@@ -184,7 +184,7 @@ class _SclUnit:
             written = _written_inputs(unit)
             parameters = [
                 written.get(port, _local(port))
-                for title in ("VAR_IN_OUT", "VAR_INPUT")
+                for title in ("VAR_INPUT", "VAR_IN_OUT")
                 for port in unit.ports(title)
             ]
             name = f'"{name}"'

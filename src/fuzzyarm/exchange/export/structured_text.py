@@ -13,13 +13,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fuzzyarm.exchange.export.controller_lowering import controller_program
 from fuzzyarm.exchange.export.controllers import ControllerProgram
-from fuzzyarm.exchange.export.listing import WALKED
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
 from fuzzyarm.exchange.export.printer import FunctionPrinter, Printer, Target
@@ -28,30 +27,35 @@ from fuzzyarm.exchange.export.rulebase import DirectRoutine
 from fuzzyarm.exchange.export.typed_program import (
     COUNT,
     INDEX,
+    NOTHING,
+    PLACE,
     TRUTH,
     Array,
     Called,
     Cast,
+    Count,
     Element,
     Function,
+    Leave,
     Line,
     Member,
     Program,
     Quotient,
     Repeat,
     Return,
+    Room,
+    Run,
     Search,
+    Stop,
     Store,
     Truth,
     Variable,
-    Walk,
     When,
     While,
     at,
     cast,
     every_node,
 )
-from fuzzyarm.exchange.export.walk_st import walk_in_st
 from fuzzyarm.symbolic.identifiers import Names, identifier
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, apply, constant, postorder, symbol
 from fuzzyarm.symbolic.operations import Operation
@@ -137,12 +141,14 @@ class _Flattening:
             return When(self._value(line.condition), then, otherwise, getattr(line, "remark", ""))
         if isinstance(line, Store):
             return Store(line.array, self._value(line.position), self._value(line.value))
-        if isinstance(line, Walk):
-            return line._replace(parts=tuple(map(self._value, line.parts)))
-        assert isinstance(line, Repeat | While)
+        if isinstance(line, Run | Leave | Stop | Room):  # of kernels, where nothing chooses
+            return line
+        assert isinstance(line, Repeat | While | Count)
         return line._replace(body=tuple(self.lines(line.body)))
 
     def _set(self, name: str, value: Node, remark: str) -> list[Line]:
+        if self.function.of_kernel:
+            return [Assign(name, value, remark)]
         value = self._inner(value)
         # A value that is cast is found first: a choice is not an expression.
         if isinstance(value, Cast) and _chooses(value.value):
@@ -248,7 +254,7 @@ def _with_numbers(line: Line) -> list[Line]:
     return [line]
 
 
-_TYPES = {**ST_TYPES, INDEX: "DINT", COUNT: "DINT", TRUTH: "BOOL"}
+_TYPES = {**ST_TYPES, INDEX: "DINT", COUNT: "DINT", TRUTH: "BOOL", PLACE: "DINT", NOTHING: "BOOL"}
 
 
 def _operation(_printer: Printer, operation: Operation, _kind: Kind) -> str:
@@ -283,14 +289,15 @@ TARGET = Target(
     cast=_cast, truths=("FALSE", "TRUE"), types=_TYPES, again="{name} := {value};", member="{}",
     function=("", ""), when="IF {} THEN", otherwise="ELSE", end="END_IF;",
     repeat="FOR {index} := 0 TO {count} - 1 DO", end_repeat="END_FOR;", loop="WHILE {} DO",
-    end_loop="END_WHILE;", remark="(* {} *)",
+    end_loop="END_WHILE;", remark="(* {} *)", stop="EXIT;",
+    count="FOR {index} := {start} TO {last} BY {signed} DO",
 )  # fmt: skip
 
 
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
     """Return a file with a function block for every routine, and the names of the blocks."""
     with printable_only():
-        program = routines_program(routines)
+        program = routines_program(routines, endless=False)
         blocks = [key for key, function in program.functions.items() if function.public]
         words = {
             key: _routine_words(routine) for key, routine in zip(blocks, routines, strict=True)
@@ -320,7 +327,7 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
         words = {
             f"routine {name}": _routine_words(routine) for name, routine in steps.routines.items()
         }
-        file = _File(controller_program(steps), prefix, words)
+        file = _File(controller_program(steps, endless=False), prefix, words)
         period = steps.model.period
         use = [f"call it every {period:g} s; gains are inputs, with their values"]
         if steps.needs_last:
@@ -356,15 +363,46 @@ class _File(Printer):
     """The units of a file: functions, and blocks for what has constants of its own."""
 
     def __init__(self, program: Program, prefix: str, words: Mapping[str, list[str]]) -> None:
-        self.program, self.target, self.words = program, TARGET, words
+        self.program, self.target, self.words, self.stem = program, TARGET, words, prefix
         self.names, self.members, self.arrays = Names("st"), {}, {}
         self.controller = self.names.new(prefix) if program.step is not None else prefix
         self.called = {}
         functions = {key: f for key, f in program.functions.items() if not _takes_array(f)}
         for key in sorted(functions, key=lambda key: key not in words):
             self.called[key] = self.names.new(f"{prefix}_{identifier(functions[key].stem)}")
-        self.blocks = {key for key, f in functions.items() if key in words or _has_arrays(f)}
+        self.blocks = {
+            key for key, f in functions.items()
+            if key in words or (_has_arrays(f) and not f.of_kernel)
+        }  # fmt: skip
+        self.lent: dict[str, dict[str, int]] = {}  # of functions: constants that they are handed
+        self.array_types: dict[tuple[str, int], str] = {}
+        for key, function in functions.items():
+            self.lent[key] = self._lent_to(function)
         self.ports: dict[str, tuple[list[str], str]] = {}  # of blocks: inputs and output
+
+    def _lent_to(self, function: Function) -> dict[str, int]:
+        """Return the constants that a function and those that it calls read, and their sizes."""
+        lent: dict[str, int] = {}
+        for node in every_node(function.body):
+            if isinstance(node, Element) and function.of_kernel:
+                if node.array in self.program.arrays:
+                    lent[node.array] = len(self.program.arrays[node.array].values)
+            elif isinstance(node, Called):
+                lent |= self.lent.get(node.function, {})
+        for line in _every_run(function.body):
+            lent |= self.lent.get(line.function, {})
+        return lent
+
+    def array_type(self, kind: Kind, size: int) -> str:
+        """Return the name of a type of arrays.
+
+        One without a name is the same as no other, and what a function takes by reference has to
+        have the same.
+        """
+        key = _TYPES[kind], size
+        if key not in self.array_types:
+            self.array_types[key] = self.names.new(f"{self.stem}_{size}_{_TYPES[kind]}")
+        return self.array_types[key]
 
     def text(self, words: Sequence[str] = ()) -> str:
         """Return the file; `words` are those of the controller."""
@@ -375,11 +413,23 @@ class _File(Printer):
         ]
         if self.program.step is not None:
             units.append(_Unit(self, "", self.program.step, words).unit())
-        return "\n".join(units)
+        types = [
+            f"TYPE\n    {name} : ARRAY [0..{size - 1}] OF {kind};\nEND_TYPE\n"
+            for (kind, size), name in self.array_types.items()
+        ]
+        return "\n".join([*types, *units])
+
+
+def _every_run(body: Sequence[Line]) -> Iterator[Run]:
+    for line in body:
+        if isinstance(line, Run):
+            yield line
+        elif isinstance(line, tuple):
+            yield from _every_run([part for part in line if isinstance(part, tuple)])
 
 
 def _takes_array(function: Function) -> bool:
-    return any(variable.of_array for variable in function.parameters.values())
+    return any(each.of_array and not each.size for each in function.parameters.values())
 
 
 def _has_arrays(function: Function) -> bool:
@@ -396,26 +446,33 @@ class _Unit(FunctionPrinter):
         self.is_step = not key
         self.is_block = self.is_step or key in file.blocks
         self.name = file.called.get(key, file.controller)
-        titles = ("VAR_INPUT", "VAR_OUTPUT", "VAR CONSTANT", "VAR RETAIN", "VAR")
+        titles = ("VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR CONSTANT", "VAR RETAIN", "VAR")
         self.sections: dict[str, list[str]] = {title: [] for title in titles}
         self.state_arrays: dict[str, str] = {}
         self.instances: dict[str, str] = {}
-        self.before: list[str] = []
         super().__init__(file, flattened(function, file.program, file.blocks.__contains__))
         self.arrays = self.state_arrays
+        if function.of_kernel:
+            self.sections["VAR_IN_OUT"] += [
+                f"    {self._new_array(array)} : {file.array_type(kind, size)};"
+                for array, (kind, size) in self._arrays_of_kernel(key).items()
+            ]
         for node in every_node(self.function.body):
-            if isinstance(node, Element) and node.array not in self.arrays:
-                array = file.program.arrays[node.array]
-                self._array("VAR CONSTANT", node.array, array)
+            if isinstance(node, Element) and node.array in file.program.arrays.keys() - self.arrays:
+                self._array("VAR CONSTANT", node.array, file.program.arrays[node.array])
 
     def unit(self) -> str:
-        """Return the unit, after the functions of its walks."""
+        """Return the unit."""
         body = self.lines(self.function.body)
+        if self.function.returned is NOTHING:
+            body = [f"{self.name} := TRUE;", *body]
+        if body[-1] == "RETURN;":
+            body = body[:-1]
         sort = "FUNCTION_BLOCK" if self.is_block else "FUNCTION"
         returned = "" if self.is_block else f" : {_TYPES[self.function.returned]}"
         sections = [(title, lines) for title, lines in self.sections.items() if lines]
         return "\n".join([
-            *self.before, *(comment(self.words, "(*", " *", " *)") if self.words else ()),
+            *(comment(self.words, "(*", " *", " *)") if self.words else ()),
             f"{sort} {self.name}{returned}",
             *(line for title, lines in sections for line in (title, *lines, "END_VAR")),
             "", *body, f"END_{sort}", "",
@@ -428,7 +485,8 @@ class _Unit(FunctionPrinter):
         function = self.function
         self.names = Names("st", {self.name})
         for key, variable in function.parameters.items():
-            self._declare_one("VAR_INPUT", key, variable.stem, variable.kind)
+            if not variable.of_array:
+                self._declare_one("VAR_INPUT", key, variable.stem, variable.kind)
         if self.is_step:
             self._declare_state()
         elif self.is_block:
@@ -479,8 +537,6 @@ class _Unit(FunctionPrinter):
     def _line(self, line: Line) -> list[str]:
         if isinstance(line, Call):
             return [self._called_block(line)]
-        if isinstance(line, Walk):
-            return self._walked(line)
         if isinstance(line, Assign) and line.value is symbol(f"held {line.name}"):
             return []  # an output keeps its value by itself
         return super()._line(line)
@@ -502,26 +558,61 @@ class _Unit(FunctionPrinter):
         passed = ", ".join(f"{x} := {value}" for x, value in zip(inputs, values, strict=True))
         return f"{self.instances[key]}({passed});"
 
-    def _walked(self, line: Walk) -> list[str]:
-        """Return the call of the functions of a walk; its tables are variables of the block."""
-        stem = f"{self.name}_{identifier(line.walk.output)}_{WALKED}"
-        text = walk_in_st(line.walk, self.file.names, stem)
-        self.before += [*text.types, *text.functions]
-        arrays = {}
-        # Not constants: a function takes by reference what may be written to.
-        for array, literals in {**text.tables, "room": []}.items():
-            name = arrays[array] = self.names.new(f"{line.walk.output}_{array}")
-            body = "\n".join(number_lines(literals, indent="        ")) if literals else ""
-            start = f" := [\n{body}\n    ]" if body else ""
-            self.sections["VAR"].append(f"    {name} : {text.type_names[array]}{start};")
-        flag = self.names.new("done")
-        self.sections["VAR"].append(f"    {flag} : BOOL;")
-        lines = [
-            f"{arrays['room']}[{index}] := {self.language.expression(part)};"
-            for index, part in enumerate(line.parts)
-        ]
-        total, value = self.rename[line.total], self.rename[line.value]
-        return [*lines, text.call.format(**arrays, total=total, value=value, done=flag)]
+    # ── arrays that are handed on ────────────────────────────────────────────────────
+
+    def _new_array(self, key: str) -> str:
+        array = self.file.program.arrays.get(key)
+        name = self.arrays[key] = self.rename[key] = self.names.new(array.stem if array else key)
+        return name
+
+    def _arrays_of_kernel(self, key: str) -> dict[str, tuple[Kind, int]]:
+        """Return what a function takes by reference: the room, then constants."""
+        parameters, arrays = self.function.parameters, self.file.program.arrays
+        room = {name: (each.kind, each.size) for name, each in parameters.items() if each.of_array}
+        return room | {
+            name: (arrays[name].kind, size) for name, size in self.file.lent[key].items()
+        }
+
+    def _made(self, line: Room) -> list[str]:
+        """Declare the room of a walk, and the constants that its functions are handed."""
+        self.sections["VAR"].append(
+            f"    {self._new_array(line.name)} : {self.file.array_type(np.float64, line.size)};"
+        )
+        return []
+
+    def _lent(self, key: str) -> str:
+        """Return an array that is handed to a function; of a block it is a variable."""
+        if key not in self.arrays:
+            array = self.file.program.arrays[key]
+            kind = self.file.array_type(array.kind, len(array.values))
+            # Not a constant: a function takes by reference what may be written to.
+            lines = number_lines(
+                [st_number(x, array.kind) for x in array.values], indent="        "
+            )
+            body = "\n".join(lines)
+            text = f"    {self._new_array(key)} : {kind} := [\n{body}\n    ];"
+            self.sections["VAR"].append(text)
+        return self.arrays[key]
+
+    def _called(self, node: Called, _binds: int) -> str:
+        passed = [*map(self.language.expression, node.arguments),
+                  *map(self._lent, self.file.lent.get(node.function, ()))]  # fmt: skip
+        return f"{self.file.called[node.function]}({', '.join(passed)})"
+
+    def _run(self, line: Run) -> list[str]:
+        if "done" not in self.rename:
+            self._declare_one("VAR", "done", "done", TRUTH)
+        return [f"{self.rename['done']} := {super()._run(line)[0]}"]
+
+    def _left(self, line: Leave) -> list[str]:
+        value = [] if line.value is None else [
+            f"{self.name} := {self.language.expression(line.value)};"
+        ]  # fmt: skip
+        return [*value, "RETURN;"]
+
+    _LEAVES: ClassVar[Mapping[type, Callable[[Any, Any, int], str]]] = {
+        **FunctionPrinter._LEAVES, Called: _called,
+    }  # fmt: skip
 
 
 def _start(member: Member) -> str:

@@ -23,7 +23,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.exchange.export.numbers import Kind
-from fuzzyarm.exchange.export.walk import DefuzzifierWalk
 from fuzzyarm.symbolic.nodes import Node, apply, symbol
 from fuzzyarm.symbolic.printing import Assign
 
@@ -32,6 +31,12 @@ REAL, WHOLE, TRUTH = np.float64, np.int32, bool
 
 INDEX, COUNT = np.uintp, np.uint32
 """Kinds of what is never negative: numbers of elements, and how often something happened."""
+
+PLACE = np.intp
+"""The kind of whole numbers in kernels, which count elements and may be negative on their way."""
+
+NOTHING = type(None)
+"""The kind of what a procedure returns."""
 
 
 # ── expressions ──────────────────────────────────────────────────────────────────────
@@ -66,6 +71,13 @@ class Called(Node):
 
     function: str
     arguments: tuple[Node, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Handed(Node):
+    """An array that is handed to a function, which may write into it."""
+
+    array: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,13 +179,38 @@ class While(NamedTuple):
     body: tuple[Line, ...]
 
 
-class Walk(NamedTuple):
-    """Set two variables to what a defuzzifier of the kernel makes of the parts."""
+class Count(NamedTuple):
+    """Run statements with a whole number that goes in steps from `start` to before `end`."""
 
-    total: str
-    value: str
-    parts: tuple[Node, ...]
-    walk: DefuzzifierWalk
+    variable: str
+    start: Node
+    end: Node
+    step: int
+    body: tuple[Line, ...]
+
+
+class Stop(NamedTuple):
+    """Leave the innermost loop."""
+
+
+class Room(NamedTuple):
+    """Make an array of floats that functions write into."""
+
+    name: str
+    size: int
+
+
+class Run(NamedTuple):
+    """Call a procedure, by its key."""
+
+    function: str
+    arguments: tuple[Node, ...]
+
+
+class Leave(NamedTuple):
+    """Return from a function, from anywhere in it; from a procedure without a value."""
+
+    value: Node | None = None
 
 
 class Return(NamedTuple):
@@ -198,11 +235,15 @@ Line = Any
 
 
 class Variable(NamedTuple):
-    """The stem of a name, and the kind: of it, or of the elements of an array handed over."""
+    """The stem of a name, and the kind: of it, or of the elements of an array handed over.
+
+    An array of known size is one that is written into.
+    """
 
     stem: str
     kind: Kind = REAL
     of_array: bool = False
+    size: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,6 +323,8 @@ class Function:
         Stem of the name of its result, where that is a variable.
     may_be_silent : bool
         Whether it is a rule base, which returns NaN where no rule fires.
+    of_kernel : bool
+        Whether it comes from a kernel: its last statement is `Leave`, or none.
     """
 
     stem: str
@@ -294,6 +337,7 @@ class Function:
     remark: str = ""
     result: str = ""
     may_be_silent: bool = False
+    of_kernel: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,6 +388,8 @@ class Program:
     pointers : bool
         Whether it is for a language that has pointers: parts of arrays are handed over, and a step
         finds the end of a set point in its state.
+    endless : bool
+        Whether it is for a language that has infinite numbers.
     """
 
     arrays: dict[str, Array] = field(default_factory=dict)
@@ -355,6 +401,7 @@ class Program:
     inputs: list[dict[str, Any]] = field(default_factory=list)
     outputs: list[dict[str, Any]] = field(default_factory=list)
     pointers: bool = False
+    endless: bool = True
 
     def array(self, stem: str, kind: Kind, values: Sequence[float], columns: int = 0) -> str:
         """Return the key of an array of constants; equal ones are one."""

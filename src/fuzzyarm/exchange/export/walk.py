@@ -96,14 +96,6 @@ class Listed:
         return 0
 
 
-class WrittenFunction:
-    """A function of the target language that was not translated but written."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.parameters: list[str] = []
-
-
 @dataclass(frozen=True, eq=False)
 class DefuzzifierWalk:
     """What a defuzzifier makes of the strengths of an output: two numbers.

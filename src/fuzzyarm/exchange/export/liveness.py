@@ -1,0 +1,127 @@
+"""Variables of a function that was lowered from Python: which of them are read, and where.
+
+Python's names live as long as a function; those of other languages as long as a block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from fuzzyarm.exchange.export.typed_program import (
+    PLACE,
+    REAL,
+    TRUTH,
+    Called,
+    Count,
+    Element,
+    Handed,
+    Line,
+    Run,
+    Store,
+    Truth,
+    Variable,
+    When,
+    While,
+    Whole,
+    every_node,
+)  # fmt: skip
+from fuzzyarm.symbolic.nodes import Symbol, constant
+from fuzzyarm.symbolic.printing import Assign
+
+__all__ = ["declared_first", "read_in", "set_in", "without_unread"]
+
+
+def _inner(line: Line) -> list[tuple[Line, ...]]:
+    """Return the blocks of a compound statement."""
+    if isinstance(line, When):
+        return [line.then, line.otherwise]
+    return [line.body] if isinstance(line, Count | While) else []
+
+
+def _every(body: Sequence[Line]) -> Iterator[Line]:
+    for line in body:
+        yield line
+        for block in _inner(line):
+            yield from _every(block)
+
+
+def _own(line: Line) -> list[Any]:
+    """Return what a statement reads itself, without its blocks."""
+    if isinstance(line, When | While):
+        return [line.condition]
+    if isinstance(line, Count):
+        return [line.start, line.end]
+    return list(line[1:]) if isinstance(line, Assign) else list(line)
+
+
+def _names(nodes: Sequence[Any]) -> set[str]:
+    names = set()
+    for node in every_node(nodes):
+        if isinstance(node, Symbol):
+            names.add(node.name)
+        elif isinstance(node, Element | Handed):
+            names.add(node.array)
+    return names
+
+
+def read_in(body: Sequence[Line]) -> set[str]:
+    """Return the variables and arrays that statements read or write into."""
+    found = set[str]()
+    for line in _every(body):
+        found |= _names(_own(line))
+        if isinstance(line, Store):
+            found.add(line.array)
+    return found
+
+
+def set_in(body: Sequence[Line]) -> set[str]:
+    """Return the variables that statements set."""
+    return {line.name for line in _every(body) if isinstance(line, Assign)}
+
+
+def without_unread(body: list[Line]) -> list[Line]:
+    """Return statements without variables that nothing reads."""
+    kept = _only(body, read_in(body))
+    if len(list(_every(kept))) == len(list(_every(body))):
+        return kept
+    return without_unread(kept)
+
+
+def _only(body: Sequence[Line], read: set[str]) -> list[Line]:
+    lines: list[Line] = []
+    for line in body:
+        if isinstance(line, When):
+            then, otherwise = (tuple(_only(part, read)) for part in (line.then, line.otherwise))
+            kept = When(line.condition, then, otherwise)
+            lines += [kept] if kept.then or kept.otherwise else []
+        elif isinstance(line, Count | While):
+            lines.append(line._replace(body=tuple(_only(line.body, read))))
+        elif not isinstance(line, Assign) or line.name in read:
+            lines.append(line)
+        elif isinstance(line.value, Called):  # for what it does beside
+            lines.append(Run(line.value.function, line.value.arguments))
+    return lines
+
+
+def declared_first(
+    body: Sequence[Line], parameters: set[str], variables: Mapping[str, Variable]
+) -> list[Line]:
+    """Return assignments of zero to variables that are read outside of the block that sets them."""
+    outside: dict[str, None] = {}
+
+    def visit(block: Sequence[Line], known: set[str]) -> None:
+        known = set(known)
+        for line in block:
+            for name in _names(_own(line)):
+                if name in variables and name not in known:
+                    outside.setdefault(name)
+            if isinstance(line, Assign):
+                known.add(line.name)
+            inner = known | ({line.variable} if isinstance(line, Count) else set())
+            for part in _inner(line):
+                visit(part, inner)
+
+    visit(body, parameters)
+    zero = {PLACE: Whole(0), REAL: constant(0.0), TRUTH: Truth(False)}
+    return [Assign(name, zero[variables[name].kind]) for name in outside]
