@@ -12,11 +12,17 @@ from budget import part
 from needs import need
 from st_programs import Program
 
-from fuzzyarm import load
+from fuzzyarm import load, load_controller
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.exchange.compiled import Making, program_of, source_of
-from fuzzyarm.exchange.export import ExportError, export_files, routines_of
+from fuzzyarm.exchange.export import (
+    ControllerProgram,
+    ExportError,
+    export_controller,
+    export_files,
+    routines_of,
+)
 from fuzzyarm.language import load_rulebase, parse
 from fuzzyarm.symbolic.identifiers import identifier
 from fuzzyarm.table import Axis, LookupTable, read_table
@@ -233,3 +239,23 @@ def test_what_a_compiler_refuses_the_interpreter_refuses():
     with pytest.raises(AssertionError, match="has no name"):
         Program(array.format("ARRAY [0..1] OF REAL"))
     Program(f"TYPE\n    two : ARRAY [0..1] OF REAL;\nEND_TYPE\n{array.format('two')}")
+
+
+def test_the_block_of_a_controller_tells_a_period_that_it_skips(tmp_path):
+    (tmp_path / "two.frb").write_text(
+        "controller two\nperiod 10 ms\naxis a, b\n  error = error of position\n"
+        "  drive voltage = error * 2\n"
+    )
+    program = ControllerProgram(load_controller(tmp_path / "two.frb"), "float64")
+    (file,) = export_controller(program, tmp_path / "two.st").files
+    block = Program(file[1]).instance("two")
+    nan = float("nan")
+    for a, b, drives, error in (
+        (0.25, 0.5, (0.5, 1.0), False), (nan, 1.0, (0.5, 2.0), True),
+        (1.0, nan, (2.0, 2.0), True), (0.0, 0.0, (0.0, 0.0), False),
+    ):  # fmt: skip
+        zeros = {"measured_a_position": 0.0, "measured_b_position": 0.0}
+        block.run(reference_a_position=a, reference_b_position=b, **zeros)
+        found = block.outputs()
+        assert (found["a_voltage"], found["b_voltage"]) == drives
+        assert found["error"] is error

@@ -57,7 +57,10 @@ from fuzzyarm.symbolic.nodes import Node, apply, constant, replace, symbol, symb
 from fuzzyarm.symbolic.op import where
 from fuzzyarm.symbolic.printing import Assign, variables
 
-__all__ = ["controller_program"]
+__all__ = ["ALL_NUMBERS", "controller_program"]
+
+ALL_NUMBERS = "all are numbers"
+"""Remark of the condition under which an axis does its period."""
 
 ENDS, LEFT = "set point ends", "periods left"
 """The argument that tells the last period of a set point, and the member that counts them."""
@@ -224,7 +227,7 @@ class _Lowering:
             for name, value in guard.sent.items()
         )
         condition = self._plain(guard.condition)
-        yield When(condition, tuple(inner), otherwise, "all are numbers")
+        yield When(condition, tuple(inner), otherwise, ALL_NUMBERS)
         for name in guard.drives:
             if name in self.held:
                 yield Assign(name, symbol(self.held[name]))

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.exchange.export.controller_lowering import controller_program
+from fuzzyarm.exchange.export.controller_lowering import ALL_NUMBERS, controller_program
 from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
@@ -428,6 +428,20 @@ def _every_run(body: Sequence[Line]) -> Iterator[Run]:
             yield from _every_run([part for part in line if isinstance(part, tuple)])
 
 
+ERROR = "error of the block"
+
+
+def _with_error(step: Function) -> Function:
+    """Return the step with an output that is true in a period which an axis skips."""
+    body: list[Line] = [
+        line._replace(otherwise=(*line.otherwise, Assign(ERROR, Truth(True))))
+        if isinstance(line, When) and line.remark == ALL_NUMBERS
+        else line
+        for line in step.body
+    ]
+    return replace(step, body=[Assign(ERROR, Truth(False)), *body]) if body != step.body else step
+
+
 def _takes_array(function: Function) -> bool:
     return any(each.of_array and not each.size for each in function.parameters.values())
 
@@ -450,7 +464,8 @@ class _Unit(FunctionPrinter):
         self.sections: dict[str, list[str]] = {title: [] for title in titles}
         self.state_arrays: dict[str, str] = {}
         self.instances: dict[str, str] = {}
-        super().__init__(file, flattened(function, file.program, file.blocks.__contains__))
+        plain_function = flattened(function, file.program, file.blocks.__contains__)
+        super().__init__(file, _with_error(plain_function) if self.is_step else plain_function)
         self.arrays = self.state_arrays
         if function.of_kernel:
             self.sections["VAR_IN_OUT"] += [
@@ -523,6 +538,9 @@ class _Unit(FunctionPrinter):
             start = _start(held) if held is not None and held.start else ""
             self._declare_one("VAR_OUTPUT", key, variable.stem, variable.kind, start)
             self.rename[f"held {key}"] = self.rename[key]
+        if ERROR in self.times_set:
+            remark = "an axis skipped this period: it read what is not a number"
+            self._declare_one("VAR_OUTPUT", ERROR, "error", TRUTH, remark=remark)
         for key, member in program.state.items():
             retained = member.role in {"table", "visits"}
             title = "VAR_INPUT" if member.role == "gain" else "VAR RETAIN" if retained else "VAR"
