@@ -7,6 +7,7 @@
     python tools/make_pictures.py motor      # one of them
     python tools/make_pictures.py controllers # block diagrams alone
     python tools/make_pictures.py authoring  # editor and commands alone
+    python tools/make_pictures.py small      # no picture again: all that there are, in 255 colours
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
 `tests/show/test_pictures.py` draws those that take no run of a plant again and compares them.
@@ -34,6 +35,7 @@ from fuzzyarm import explain, load, shipped
 from fuzzyarm.apps.cli import main
 from fuzzyarm.apps.show.figures import draw_runs, inference_figure, rulebase_figure
 from fuzzyarm.apps.show.figures.animation import animate
+from fuzzyarm.base.files import write_atomically
 from fuzzyarm.control.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import load_rulebase
@@ -97,14 +99,19 @@ def draw_structures(wanted: list[str]) -> None:
             continue
         path = PICTURES / f"structure-{name}.png"
         do(["simulate", *words.split(), "--plot", str(path)])
-        shrunk(path, 92 / 130).quantize(64).save(path, optimize=True)  # 92 dots per inch
+        shrink(path, 92 / 130, 64)  # 92 dots per inch
 
 
-def shrunk(path: Path, factor: float) -> Image.Image:
-    """Return a picture of a file, smaller by a factor."""
+def shrink(path: Path, factor: float = 1.0, colours: int = 255) -> None:
+    """Write a picture smaller by a factor and with a palette, unless it grows by that."""
     picture = Image.open(path).convert("RGB")
     width, height = (round(factor * side) for side in picture.size)
-    return picture.resize((width, height), Image.Resampling.LANCZOS)
+    if factor < 1.0:
+        picture = picture.resize((width, height), Image.Resampling.LANCZOS)
+    buffer = io.BytesIO()
+    picture.quantize(colours, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
+    if factor < 1.0 or buffer.tell() < 0.9 * path.stat().st_size:
+        write_atomically(path, buffer.getvalue())
 
 
 def draw_map() -> None:
@@ -323,7 +330,7 @@ def draw_controllers() -> None:
     for name, words in CONTROLLERS.items():
         path = PICTURES / f"controller-{name}.png"
         do(["plot", str(shipped(f"{name}.frb")), *words, "-o", str(path)])
-        shrunk(path, 100 / 150).quantize(128).save(path, optimize=True)  # 100 dots per inch
+        shrink(path, 100 / 150, 128)  # 100 dots per inch
 
 
 if __name__ == "__main__":
@@ -337,6 +344,9 @@ if __name__ == "__main__":
         draw_phase()
         draw_sector()
         draw_region()
+    if words == ["small"]:
+        for picture in sorted(PICTURES.glob("*.png")):
+            shrink(picture)
     if words == ["controllers"]:
         draw_controllers()
     if not words or words == ["authoring"]:

@@ -17,6 +17,7 @@ from fuzzyarm.base.errors import FuzzyarmError, UsageError, WordError
 from fuzzyarm.base.folders import READABLE, TABLES
 from fuzzyarm.base.keywords import demand_path, demand_text
 from fuzzyarm.base.names import typed
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shipped_files import missing_file_hint
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.language import Parsed, parse, read_text
@@ -445,11 +446,13 @@ class Review(NamedTuple):
     def summary(self) -> str:
         """How many findings there are of each severity, as ``1 error, 2 warnings``."""
         counts = Counter(diagnostic.severity for diagnostic in self.diagnostics)
-        words = []
-        for severity in (Severity.ERROR, Severity.WARNING, Severity.INFO):
-            plural = "s" if counts[severity] != 1 and severity is not Severity.INFO else ""
-            if counts[severity]:
-                words.append(f"{counts[severity]} {severity}{plural}")
+        words = [
+            f"{counts[severity]} info"
+            if severity is Severity.INFO
+            else counted(counts[severity], severity)
+            for severity in (Severity.ERROR, Severity.WARNING, Severity.INFO)
+            if counts[severity]
+        ]
         return ", ".join(words) or "no findings"
 
 

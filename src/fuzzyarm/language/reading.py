@@ -15,6 +15,7 @@ from fuzzyarm.base.diagnostic import (
     Span,
 )
 from fuzzyarm.base.keywords import demand_text
+from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.protected import note_source
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.language.document import (
@@ -61,7 +62,7 @@ class Parsed(NamedTuple):
     def __repr__(self) -> str:
         what = repr(self.partial if self.whole is None else self.whole)
         count = len(self.diagnostics)
-        return one_line(self, f"{what}, {count} finding{'' if count == 1 else 's'}")
+        return one_line(self, f"{what}, {counted(count, 'finding')}")
 
     @property
     def rulebase(self) -> RuleBase | None:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import printable, quote, typed
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.exchange.files import check_text
 from fuzzyarm.language import format_text
 from fuzzyarm.language.edit import apply_edits, fixes, graded
@@ -158,9 +158,9 @@ def starting_text(
     output = output or read_wish(start.output)
     most = len(start.inputs)
     if len(inputs) > most:
-        counted = f"{most} input{'' if most == 1 else 's'}"
         raise NewFileError(
-            f"a starting file of kind {kind} has at most {counted}, not {len(inputs)}",
+            f"a starting file of kind {kind} has at most {counted(most, 'input')},"
+            f" not {len(inputs)}",
             hint="add further inputs in the file, with `rules … when …`",
         )
     _demand_sound([*inputs, output])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.apps.show.drawing import Cell, HeatGrid, Scale, number_words, scale_of
 from fuzzyarm.apps.show.terms import TermPlots
 from fuzzyarm.base.diagnostic import Span
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.language.edit.hover import rule_sentence
 from fuzzyarm.language.model.rulebase import (
     And,
@@ -58,7 +58,7 @@ def heading_view(rulebase: RuleBase) -> Text:
         text.append(f"  {rulebase.description}", "not bold")
     counts = (len(rulebase.inputs), len(rulebase.outputs), len(rulebase.rules))
     words = zip(counts, ("input", "output", "rule"), strict=True)
-    sizes = ", ".join(f"{count} {word}{'s' if count != 1 else ''}" for count, word in words)
+    sizes = ", ".join(counted(count, word) for count, word in words)
     text.append(f"\n{sizes}", "dim")
     return text
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from fuzzyarm.base.diagnostic import Span
 from fuzzyarm.base.names import printable
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.language.check.coverage import gaps_of
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.edit.completion import term_detail
@@ -169,7 +169,7 @@ def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
                 parts.append(_term_markdown(variable, occurrence.name))
         uses = sum(not o.is_definition for o in references(reading, occurrence))
         if parts:
-            parts.append(f"used {uses} time{'s' if uses != 1 else ''}")
+            parts.append(f"used {counted(uses, 'time')}")
         return "\n\n".join(parts)
     name = plain(occurrence.name)
     if occurrence.kind is NameKind.BLOCK:
@@ -200,7 +200,7 @@ def _of_line(reading: Reading, occurrence: Occurrence) -> str:
     if occurrence.kind in (NameKind.PORT, NameKind.STATE, NameKind.PARAMETER):
         return f"{occurrence.kind} {code(occurrence.name)} of the plant"
     uses = sum(not use.is_definition for use in occurrences)
-    return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])
+    return "\n\n".join([*map(code, lines), f"used {counted(uses, 'time')}"])
 
 
 def _term_markdown(variable: Variable, name: str) -> str:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint, shortened
-from fuzzyarm.base.numbers import number_text
+from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.base.value_kinds import RULE_BASE, wrong_kind
 from fuzzyarm.language.model.questions import Questions, new_or_begun, of_builder
@@ -694,7 +694,7 @@ def outline(rulebase: RuleBase) -> str:
         shortened(", ".join(variable.name for variable in variables)) or "nothing"
         for variables in (rulebase.inputs, rulebase.outputs)
     ]
-    words = f"{names[0]} → {names[1]}, {count} rule{'' if count == 1 else 's'}"
+    words = f"{names[0]} → {names[1]}, {counted(count, 'rule')}"
     return f"{shortened(rulebase.name)}: {words}"
 
 
