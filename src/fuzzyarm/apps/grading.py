@@ -121,23 +121,7 @@ class Grade:
 
 
 def read_assignment(folder: str | os.PathLike[str]) -> Assignment:
-    """Return the assignment in a folder.
-
-    Parameters
-    ----------
-    folder : path-like
-        With ``hidden.frb`` and ``submissions``; ``model.frb``, if there is one, has to pass.
-
-    Returns
-    -------
-    Assignment
-        What is demanded, and who handed in.
-
-    Raises
-    ------
-    GradingError
-        If a part is missing, a line is neither ``expect`` nor ``prove``, or the answer fails.
-    """
+    """Return the assignment in a folder."""
     path = Path(folder)
     if not path.is_dir():
         raise GradingError(f"{folder} is not a folder")
@@ -191,20 +175,7 @@ def _demand_passing(model: Path, assignment: Assignment) -> None:
 
 
 def grade(assignment: Assignment, tell: Callable[[str], object] = lambda name: None) -> list[Grade]:
-    """Return a row for each submission.
-
-    Parameters
-    ----------
-    assignment : Assignment
-        What is demanded, of whom.
-    tell : callable, optional
-        Called with the name of each submission before it is graded.
-
-    Returns
-    -------
-    list of Grade
-        In the order of the names.
-    """
+    """Return a row for each submission."""
     grades = []
     for path in assignment.submissions:
         tell(path.name)

@@ -17,13 +17,7 @@ _HOMES: dict[str, str] = {}
 
 
 def register(homes: Mapping[str, str]) -> None:
-    """Register functions by their modules.
-
-    Parameters
-    ----------
-    homes : mapping of str to str
-        From the name of a function to its module, imported on the first call.
-    """
+    """Register functions by their modules."""
     _HOMES.update(homes)
 
 

@@ -13,27 +13,7 @@ def in_columns(
     indent: str = "",
     least: Sequence[int] = (),
 ) -> list[str]:
-    """Return one line for each row, without trailing blanks.
-
-    Parameters
-    ----------
-    rows : sequence of sequence of str
-        The cells; rows may differ in length.
-    sides : str
-        ``<`` or ``>`` for each column: its alignment. The last one holds for all further columns;
-        ``.`` is ``<`` without widening the column, for a last one.
-    gap : str
-        Between two columns.
-    indent : str
-        Text before each line.
-    least : sequence of int
-        Minimum widths of the columns; the last one holds for all further columns.
-
-    Examples
-    --------
-    >>> in_columns([("gain", "value"), ("G_e", "17.25")], "<>")
-    ['gain  value', 'G_e   17.25']
-    """
+    """Return one line for each row, without trailing blanks."""
     count = max(map(len, rows), default=0)
     sides += sides[-1] * (count - len(sides))
     floors = [*least, *[least[-1] if least else 0] * (count - len(least))]

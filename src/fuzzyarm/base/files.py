@@ -136,15 +136,7 @@ class FileInUseError(FuzzyarmError, OSError):
 
 
 def locked(path: str | Path) -> BinaryIO:
-    """Open a file for appending under an exclusive lock, held until it is closed.
-
-    Raises
-    ------
-    FileInUseError
-        If it is locked already.
-    OSError
-        If it cannot be written.
-    """
+    """Open a file for appending under an exclusive lock, held until it is closed."""
     while True:
         file = open(path, "ab")  # noqa: SIM115
         try:

@@ -41,14 +41,7 @@ class _Pattern(NamedTuple):
 
 
 def own_files(folder: str) -> Iterator[str]:
-    """Yield the files in a folder and in those below it, each level in order.
-
-    Parameters
-    ----------
-    folder : str
-        Accepted under any name. Below it hidden files and folders are skipped, as are packages,
-        Python environments and everything excluded by a ``.gitignore`` there or above.
-    """
+    """Yield the files in a folder and in those below it, each level in order."""
     yield from _below(folder, _patterns_above(folder))
 
 

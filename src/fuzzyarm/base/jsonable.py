@@ -32,13 +32,7 @@ def jsonable(data: Any) -> Any:
 
 
 def script_json(data: object) -> str:
-    """Return JSON that is safe inside an HTML script: nothing in it ends a script or a line.
-
-    Parameters
-    ----------
-    data : object
-        JSON-compatible data.
-    """
+    """Return JSON that is safe inside an HTML script: nothing in it ends a script or a line."""
     import json
 
     text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)

@@ -58,19 +58,7 @@ def demand_keywords(
     kind: Kind,
     positional: tuple[str, ...] = (),
 ) -> None:
-    """Raise ArgumentError for an unknown keyword.
-
-    Parameters
-    ----------
-    call : str
-        Name of the function.
-    keywords : mapping
-        The keywords of the call.
-    kind : type or callable
-        A `TypedDict` with the names, a data class, or the function itself.
-    positional : tuple of str, optional
-        Names of the positional arguments.
-    """
+    """Raise ArgumentError for an unknown keyword."""
     accepted = (*positional, *kind.__annotations__)
     for name in keywords:
         if name not in kind.__annotations__:
@@ -89,16 +77,7 @@ def demand_arguments(
     positional: tuple[str, ...] = (),
     judged: tuple[str, ...] = (),
 ) -> None:
-    """Raise ArgumentError for an unknown keyword or a value of the wrong type.
-
-    Parameters
-    ----------
-    call, keywords, kind, positional
-        See :func:`demand_keywords`. Values are checked against annotations; the content of mappings
-        and lists is left to their readers.
-    judged : tuple of str, optional
-        Keywords checked elsewhere.
-    """
+    """Raise ArgumentError for an unknown keyword or a value of the wrong type."""
     demand_keywords(call, keywords, kind, positional)
     expected = _annotations(kind)
     for name, value in keywords.items():

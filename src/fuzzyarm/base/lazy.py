@@ -32,17 +32,6 @@ def lazily(
     A name is looked up once and then kept in the package, as SPEC 1 of Scientific Python
     recommends. A name whose extra is missing raises AttributeError, because help, completion and
     ``hasattr`` go through all names; importing its module names the extra.
-
-    Parameters
-    ----------
-    package : str
-        Its name.
-    homes : mapping of str to sequence of str
-        From a module of the package to its public names. A public module is among its own names.
-    others : sequence of str
-        Further public names, already in the package.
-    modules : sequence of str
-        Public modules of the package.
     """
     homes_of = {name: name for name in modules}
     homes_of |= {name: home for home, names in homes.items() for name in names}

@@ -384,13 +384,7 @@ class Panel:
     name: str = ""
 
     def of(self, kind: type[_Kind]) -> list[_Kind]:
-        """Return the parts of one kind.
-
-        Parameters
-        ----------
-        kind : type
-            ``Line``, ``Dots``, …
-        """
+        """Return the parts of one kind."""
         return [part for part in self.parts if isinstance(part, kind)]
 
 
@@ -440,33 +434,13 @@ def series(index: int) -> tuple[str, str]:
 
 
 def rectangle(left: float, bottom: float, width: float, height: float, tone: str) -> Area:
-    """Return a filled rectangle.
-
-    Parameters
-    ----------
-    left, bottom : float
-        Lower left corner.
-    width, height : float
-        Size.
-    tone : str
-        Colour.
-    """
+    """Return a filled rectangle."""
     right, top = left + width, bottom + height
     return Area((left, right, right, left), (bottom, bottom, top, top), tone)
 
 
 def frame(left: float, bottom: float, width: float, height: float, tone: str = "metal") -> Line:
-    """Return the outline of a rectangle.
-
-    Parameters
-    ----------
-    left, bottom : float
-        Lower left corner.
-    width, height : float
-        Size.
-    tone : str
-        Colour.
-    """
+    """Return the outline of a rectangle."""
     area = rectangle(left, bottom, width, height, tone)
     return Line((*area.x, left), (*area.y, bottom), tone)
 
@@ -476,15 +450,7 @@ ROOM = 0.05
 
 
 def ends_with_room(values: Numbers, *, logarithmic: bool = False) -> tuple[float, float]:
-    """Return the ends of an axis a little beyond the values, so that marks are not cut off.
-
-    Parameters
-    ----------
-    values : sequence of float
-        NaN where there is none.
-    logarithmic : bool, optional
-        Whether the axis is logarithmic; then the values are positive.
-    """
+    """Return the ends of an axis a little beyond the values, so that marks are not cut off."""
     finite = [value for value in _flat(values) if math.isfinite(value)]
     low, high = min(finite, default=0.0), max(finite, default=1.0)
     if logarithmic and 0.0 < low < high:

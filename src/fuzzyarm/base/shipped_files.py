@@ -101,12 +101,6 @@ _KINDS = {"rulebase": "rule base", "controller": "controller", "output": "table"
 
 
 def what_it_is(text: str) -> tuple[str, str]:
-    """Return kind and description of a file.
-
-    Parameters
-    ----------
-    text : str
-        Text of a ``.frb`` or ``.lut`` file. Both are empty without a description.
-    """
+    """Return kind and description of a file."""
     match = _HEAD.search(text)
     return (_KINDS[match[1]], match[2]) if match else ("", "")

@@ -177,24 +177,7 @@ def compiled(
 def source_of(
     model: RuleBase | LookupTable, path: str | Path, how: Making, progress: Tell | None = None
 ) -> tuple[Exported, tuple[CompileReport, ...]]:
-    """Return a rule base or a table as source text, not yet written, and its tables.
-
-    Parameters
-    ----------
-    model : RuleBase or LookupTable
-        Of a rule base every output is compiled, or inferred where `infers` says so.
-    path : str or Path
-        Its suffix is the language, one of `fuzzyarm.exchange.export.EXPORTS`.
-    how : Making
-        The wishes.
-    progress : callable, optional
-        Called with the current step, in words.
-
-    Raises
-    ------
-    FuzzyarmError
-        If something cannot be exported so.
-    """
+    """Return a rule base or a table as source text, not yet written, and its tables."""
     from fuzzyarm.exchange.export import ExportError, export_files
     from fuzzyarm.exchange.export.sets import TABLE_HINT
 
@@ -280,15 +263,7 @@ def program_of(
 def controller_program(
     controller: ControllerText, how: Making, default: str, progress: Tell | None = None
 ) -> tuple[ControllerProgram, tuple[CompileReport, ...]]:
-    """Return a controller ready to be exported, and the tables that it looks up.
-
-    Parameters
-    ----------
-    controller, how, progress
-        As for :func:`program_of`.
-    default : str
-        The precision where none is asked for.
-    """
+    """Return a controller ready to be exported, and the tables that it looks up."""
     from fuzzyarm.exchange.export import ControllerProgram, with_tables
 
     reports: list[CompileReport] = []

@@ -488,21 +488,7 @@ def check_parsed(
     on_step: Callable[[], None] = lambda: None,
     on: PlantOf | None = None,
 ) -> Review:
-    """Check a text that has been parsed already; see :func:`check_text`.
-
-    Parameters
-    ----------
-    parsed : Parsed
-        The text as it was read.
-    text, path : str
-        The text and its name.
-    failed : list of Diagnostic, optional
-        The findings of :func:`judge`, if it has run already.
-    on_step : callable
-        Called now and then; an exception from it ends the check.
-    on : PlantOf, optional
-        The plant of a controller.
-    """
+    """Check a text that has been parsed already; see :func:`check_text`."""
     diagnostics, doubts = list(parsed.diagnostics), list[Diagnostic]()
     # Doubts about a controller beside a rule base are judged with those of the rules, below.
     if parsed.controller is not None:

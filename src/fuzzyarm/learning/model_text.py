@@ -78,15 +78,7 @@ def round_to(value: float, decimals: int) -> float:
 
 
 def outer_range(low: float, high: float, digits: int = 2) -> tuple[float, float]:
-    """Return a range with short numbers that holds another one.
-
-    Parameters
-    ----------
-    low, high : float
-        The lowest and the highest value.
-    digits : int
-        Digits of the width to which the ends are rounded outwards.
-    """
+    """Return a range with short numbers that holds another one."""
     if not high > low:
         half = max(1.0, 0.1 * abs(low))
         low, high = low - half, high + half
@@ -314,17 +306,6 @@ def commented(
 
     Rules from samples need not cover every combination of terms, for instance; an ``allow`` tells
     the checks that this is intended.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The rule base.
-    head : sequence of str
-        Lines before it, without ``#``.
-    by_term : mapping of (str, str) to str
-        Comments after the lines of terms, by the names of variable and term.
-    by_rule : sequence of str
-        Comments after the rules, in order; cells of a grid have none.
     """
     document = parse_document(write(rulebase))
     first, *others = document.statements

@@ -244,21 +244,7 @@ class Trainee:
         performance: str = "",
         conventions: str = "plain",
     ) -> dict[str, str]:
-        """Return the provenance of a learned table.
-
-        Parameters
-        ----------
-        along : str
-            Task of the training.
-        passes : int or str
-            How often.
-        start : str
-            Initial table; empty for that of the text.
-        performance : str, optional
-            The table that judged, where it is not that of the text.
-        conventions : str, optional
-            How was counted.
-        """
+        """Return the provenance of a learned table."""
         files = {use.name: " ".join(use.files) for use in self.text.model.uses}
         judge = files[self.learner.judge].removeprefix("performance-").removesuffix(".lut")
         return {

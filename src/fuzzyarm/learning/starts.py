@@ -220,16 +220,7 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
 
 
 def merged(premises: Premises, similarity: float = 0.7) -> Premises:
-    """Return premises with very similar gaussians of an input merged.
-
-    Parameters
-    ----------
-    premises : Premises
-        With gaussian terms; others stay as they are.
-    similarity : float
-        Jaccard similarity of two sets, by area, from which they are merged, most similar pair
-        first. Rules that become equal are merged, too.
-    """
+    """Return premises with very similar gaussians of an input merged."""
     while True:
         pair = _most_alike(premises)
         if pair is None or pair[0] < similarity:

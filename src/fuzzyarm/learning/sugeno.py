@@ -405,25 +405,7 @@ def optimised(
     evaluations: int = 60,
     on_step: Callable[[float], None] = lambda _cost: None,
 ) -> tuple[Premises, bool]:
-    """Return the premises with the numbers that leave least of the outputs.
-
-    Parameters
-    ----------
-    premises, inputs, outputs, shrinkage
-        As for :func:`consequents`.
-    evaluations : int
-        Largest number of evaluations of the model.
-    on_step : callable
-        Called with the root mean square of the residual, in deviations of the output, after
-        each evaluation.
-
-    Returns
-    -------
-    premises : Premises
-        The best that were seen.
-    finished : bool
-        False where a KeyboardInterrupt ended the search early.
-    """
+    """Return the premises with the numbers that leave least of the outputs."""
     if not len(premises.numbers):
         return premises, True
     from scipy.optimize import least_squares

@@ -197,18 +197,7 @@ class RequestField:
         return max(options, key=len, default=self.name)
 
     def read(self, value: Any) -> Any:
-        """Convert a value to the type of the field.
-
-        Parameters
-        ----------
-        value : object
-            A value of Python or JSON, or the text of a form.
-
-        Raises
-        ------
-        RequestError
-            If the value is invalid.
-        """
+        """Convert a value to the type of the field."""
         if value is None and self.is_optional:
             return None
         if self.count is None:

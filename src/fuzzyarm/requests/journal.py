@@ -66,22 +66,7 @@ class WorkJournal:
         self._file: BinaryIO | None = None  # locked: one writer at a time
 
     def begin(self, total: int | None = None, *, may_replace: bool = True) -> None:
-        """Write the head, replacing any old file.
-
-        Parameters
-        ----------
-        total : int, optional
-            Lines of the complete file; a complete one may be overwritten.
-        may_replace : bool, optional
-            Whether an unrelated file may be overwritten.
-
-        Raises
-        ------
-        JournalError
-            If the file has a part of the same work, or must not be replaced.
-        FileInUseError
-            If it is locked.
-        """
+        """Write the head, replacing any old file."""
         self._demand_replaceable(total, may_replace=may_replace)
         demand_writable(self.path)
         file = self._held()

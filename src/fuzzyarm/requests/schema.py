@@ -33,13 +33,6 @@ def form_fields(kind: type[Request], *names: str) -> list[dict[str, Any]]:
     Each has its ``name``, its ``title``, the ``option`` of the command (empty for a positional
     argument), the ``placeholder`` of a value, the ``group`` of the help page, and whether the
     option is ``repeated`` or has a ``negatable`` form.
-
-    Parameters
-    ----------
-    kind : type
-        Class of the request.
-    *names : str
-        Names of fields in JSON; all by default.
     """
     fields = {field.json_name: field for field in fields_of(kind)}
     return [_form_field(fields[name]) for name in names or fields]

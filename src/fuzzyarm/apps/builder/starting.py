@@ -97,18 +97,7 @@ _WISH = re.compile(
 
 
 def read_wish(text: str) -> Wish:
-    """Return the variable that a line ``NAME LOW..HIGH TERM…`` asks for.
-
-    Parameters
-    ----------
-    text : str
-        For instance ``e -6..6 NB NM ZE PM PB``; a name with blanks in single quotes.
-
-    Raises
-    ------
-    NewFileError
-        If it is not of that form.
-    """
+    """Return the variable that a line ``NAME LOW..HIGH TERM…`` asks for."""
     match = _WISH.match(text)
     if match is None:
         raise NewFileError(f"'{text}' is not of the form NAME LOW..HIGH TERM…")
@@ -129,24 +118,7 @@ def starting_text(
     *,
     sugeno: bool = False,
 ) -> str:
-    """Return a rule base with comments, in canonical form, on one or two inputs.
-
-    Parameters
-    ----------
-    name : str
-        Of the rule base.
-    kind : str
-        What it is for, one of `STARTS`; or `BLANK`, a heading without anything below it.
-    inputs, output : Wish, optional
-        The variables; those of the kind by default.
-    sugeno : bool
-        Whether rules conclude values, of which the average is taken (Sugeno), not sets (Mamdani).
-
-    Raises
-    ------
-    NewFileError
-        If the variables cannot stand in such a file.
-    """
+    """Return a rule base with comments, in canonical form, on one or two inputs."""
     if kind == BLANK:
         if inputs or output:
             raise NewFileError(

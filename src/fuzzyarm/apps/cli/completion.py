@@ -14,15 +14,7 @@ _FILES = {"FILE", "OUT", "FIG", "DATA", "MODEL", "IN", "A", "B", "PLANT", "CONTR
 
 
 def completion_script(shell: str, commands: Iterable[tuple[Command, str]]) -> str:
-    """Return the script that a shell completes with.
-
-    Parameters
-    ----------
-    shell : str
-        One of `SHELLS`.
-    commands : iterable of (Command, str)
-        The records of all commands with their lines on the help page.
-    """
+    """Return the script that a shell completes with."""
     import shtab
 
     script: str = shtab.complete(_whole_parser(commands), shell=shell)

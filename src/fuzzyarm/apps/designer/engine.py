@@ -122,30 +122,7 @@ def _tree(node: Node) -> Any:
 def numbers_of(
     rulebase: RuleBase, functions: Functions | None = None, *, loose: str = ""
 ) -> dict[str, Any]:
-    """Return the numbers of a rule base for an ``Engine``, fit for JSON.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model.
-    functions : Functions, optional
-        Who numbers the functions; for further curves.
-    loose : str
-        A variable whose terms are to be changed in place; see
-        :func:`fuzzyarm.inference.layout.lay_out`.
-
-    Returns
-    -------
-    dict
-        ``whole`` and ``floats`` in base64 (32-bit and 64-bit numbers, little-endian),
-        ``programs``, ``rows``, ``samples``, ``rules``, ``weights`` (where those of the first rule
-        stand), ``intervals`` (outputs whose centroid has two ends), ``functions`` and ``marks``.
-
-    Raises
-    ------
-    NotCoveredError
-        If the kernel does not evaluate it.
-    """
+    """Return the numbers of a rule base for an ``Engine``, fit for JSON."""
     functions = functions or Functions()
     evaluation_plan = plan(rulebase)
     layout = lay_out(evaluation_plan, addresses=functions, loose=loose)
@@ -183,18 +160,7 @@ def _base64(letter: str, numbers: Sequence[float]) -> str:
 
 
 def engine_source(library: KindNames | None = None) -> str:
-    """Return the engine as text: constants, kinds, the kernel and the class ``Engine``.
-
-    Parameters
-    ----------
-    library : KindNames, optional
-        The kinds that it is to have; by default all that are known.
-
-    Returns
-    -------
-    str
-        For the top level of an ES module; nothing is exported.
-    """
+    """Return the engine as text: constants, kinds, the kernel and the class ``Engine``."""
     has = library or every_kind()
     parts = [
         _constants(),

@@ -141,24 +141,7 @@ def export(session: Session, request: ExportWork, job: WindowJob) -> None:
 def files_of(
     session: Session, suffix: str, options: FormValues, progress: Callable[[str], None]
 ) -> tuple[list[Offered], list[str], bool]:
-    """Return the files of an export, its report, and whether that has the errors of new tables.
-
-    Parameters
-    ----------
-    session : Session
-        The text.
-    suffix : str
-        One of `kinds_of`.
-    options : dict
-        See `making_on_page`; ``what`` of a picture is ``all``, ``terms`` or ``surface``.
-    progress : callable
-        Called with a word on what is going on; what it raises ends it.
-
-    Raises
-    ------
-    FuzzyarmError
-        If it cannot be exported so.
-    """
+    """Return the files of an export, its report, and whether that has the errors of new tables."""
     if suffix not in kinds_of(session):
         raise ExportRefusedError(f"{Path(session.path).name} is not exported as {suffix}")
     model = model_of(session)

@@ -81,22 +81,7 @@ class RequestForm(Generic[AnyRequest]):
         return cast(list[FormField], fields)
 
     def request(self, values: FormValues, folder: Path, **others: Any) -> AnyRequest:
-        """Return the request that a page has filled in.
-
-        Parameters
-        ----------
-        values : mapping
-            By field; what the form does not have is left out, an empty value says nothing.
-        folder : Path
-            Where files of signals must stand.
-        **others
-            Values of fields that the page does not fill in.
-
-        Raises
-        ------
-        FieldError
-            If a field does not take its value.
-        """
+        """Return the request that a page has filled in."""
         fields = {name: values[name] for name in (*self.first, *self.more) if name in values}
         for name in SIGNALS:
             if name in fields:

@@ -174,15 +174,7 @@ class WindowJob:
         self.check()  # it may have been stopped while a slow window was waited for
 
     def heard(self, kind: type[Word], wait: float = 0.0) -> list[Word]:
-        """Return what the page has said since the last look, the oldest first.
-
-        Parameters
-        ----------
-        kind : type
-            The record of a word, one of `fuzzyarm.apps.designer.requests.WORDS`.
-        wait : float, optional
-            How long to wait for a message, s.
-        """
+        """Return what the page has said since the last look, the oldest first."""
         words: list[Word] = []
         # It waits for the first word only.
         while (message := self._messages.take(0.0 if words else wait)) is not None:

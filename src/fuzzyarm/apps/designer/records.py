@@ -55,24 +55,7 @@ def json_name(field: str) -> str:
 
 
 def read_record(kind: type[Record], data: Any, where: str = "") -> Record:
-    """Return data of JSON as a record.
-
-    Parameters
-    ----------
-    kind : type
-        A dataclass whose annotations are text, numbers, booleans, literals, tuples, mappings by
-        text, other records, and unions of these.
-    data : object
-        As `json.loads` returns it. Fields that the record does not have are left out; null stands
-        for the default, where the annotation does not have None.
-    where : str, optional
-        Of which field it is the value.
-
-    Raises
-    ------
-    MessageError
-        If a field is missing or has another type, or a number is not finite.
-    """
+    """Return data of JSON as a record."""
     if not isinstance(data, Mapping):
         raise MessageError("must be an object", where)
     values = {}

@@ -177,28 +177,7 @@ def serve(
     plants: Sequence[str] = (),
     farewell: Callable[[list[str]], None] | None = None,
 ) -> None:
-    """Serve a folder or a file until it is interrupted.
-
-    Parameters
-    ----------
-    path : Path
-        The folder or the file.
-    port : int or None
-        Where; 0 for any that is free, None for the folder's own or, where that is taken, any.
-    announce : callable
-        Takes the address with its token, when it can be opened.
-    plants : sequence of str, optional
-        What a page may run beside the shipped plants; Python files are executed.
-    farewell : callable, optional
-        Takes the names of the files with unsaved changes, if there are any when it ends.
-
-    Raises
-    ------
-    ServerPortError
-        If the port is taken.
-    PlantError
-        If a plant cannot be made.
-    """
+    """Serve a folder or a file until it is interrupted."""
     import uvicorn
 
     workspace = Workspace(path)

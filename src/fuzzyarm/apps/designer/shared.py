@@ -201,15 +201,7 @@ class SharedText:
             self.push(self.version, [{"clientID": who, "changes": difference(self.text, text)}])
 
     def resume(self, text: str, known: Sequence[str]) -> None:
-        """Take the text of the window that wrote here before the server was started again.
-
-        Parameters
-        ----------
-        text : str
-            What it has.
-        known : sequence of str
-            What it knows to be saved, and what it has wanted saved since.
-        """
+        """Take the text of the window that wrote here before the server was started again."""
         if text == known[0]:  # it has nothing of its own
             text = self.text if self.is_typed else self.saved
         elif self.is_typed and text != self.text:
@@ -297,11 +289,6 @@ class SharedText:
         """End a conflict; what differs from the file then is written by the next save.
 
         A file that cannot be read has nothing to be taken: it is written over at once.
-
-        Parameters
-        ----------
-        keep : {"mine", "theirs", "both"}
-            The text here, the other one, or the lines of both, where these are known.
         """
         conflict = self.conflict
         if conflict is None:

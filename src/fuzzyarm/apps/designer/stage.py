@@ -66,23 +66,7 @@ def step_of(plant: str, port: str) -> str:
 
 
 def followable(name: str, plant: Plant, port: str) -> dict[str, Any]:
-    """Return what a page offers a plant to follow: its trajectories, or a reference of a port.
-
-    Parameters
-    ----------
-    name : str
-        Of the plant in the designer.
-    plant : Plant
-        Any.
-    port : str
-        What a reference would be of.
-
-    Returns
-    -------
-    dict
-        ``trajectories`` by name; ``shown``, the one that takes the least time to look at;
-        ``carries``, whether there is a load; ``reference``, empty where there are trajectories.
-    """
+    """Return what a page offers a plant to follow: its trajectories, or a reference of a port."""
     trajectories = list(plant.trajectories)
     return {
         "trajectories": trajectories,
@@ -115,19 +99,7 @@ TIP_FORCE = 60.0
 
 
 def loads_of(plant: Plant, scene: PlantScene, interface: Interface, x: float, y: float) -> Loads:
-    """Return what a pull adds to the inputs of a plant.
-
-    Parameters
-    ----------
-    plant : Plant
-        What the hand pulls.
-    scene : PlantScene
-        What the hand sees.
-    interface : Interface
-        Of the plant.
-    x, y : float
-        The pull, to the right and up; 1 is as strong as it gets: half of the range of an input.
-    """
+    """Return what a pull adds to the inputs of a plant."""
     if not (math.isfinite(x) and math.isfinite(y)):
         return {}
     x, y = (min(1.0, max(-1.0, coordinate)) for coordinate in (x, y))

@@ -191,20 +191,7 @@ def _worst(fidelity: Fidelity, table: LookupTable, rulebase: RuleBase) -> dict[s
 def error_map(
     table: LookupTable, rulebase: RuleBase, mode: str, axes: SurfaceAxes
 ) -> dict[str, Any]:
-    """Return table − rules over two inputs, the others held.
-
-    Parameters
-    ----------
-    table : LookupTable
-        A table of the rule base.
-    rulebase : RuleBase
-        The truth.
-    mode : str
-        How the table is looked up.
-    axes : SurfaceAxes
-        The inputs across and up (the first two by default), and the values of the others (the
-        middle by default).
-    """
+    """Return table − rules over two inputs, the others held."""
     names = list(table.names)
     x = axes.x or names[-1]
     y = axes.y or (names[-2] if len(names) > 1 else x)

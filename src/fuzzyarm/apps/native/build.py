@@ -182,25 +182,7 @@ def _own_system() -> str:
 
 
 def build(folder: Path, compiler: Compiler | None = None) -> Path:
-    """Build the module into a folder.
-
-    Parameters
-    ----------
-    folder : path
-        Where it is written; nothing half.
-    compiler : Compiler, optional
-        By default :func:`find_compiler`.
-
-    Returns
-    -------
-    path
-        The file.
-
-    Raises
-    ------
-    BuildError
-        If there is no compiler, or it fails.
-    """
+    """Build the module into a folder."""
     compiler = compiler or find_compiler()
     result = folder / f"_kernels{SUFFIXES[compiler.system]}"
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:

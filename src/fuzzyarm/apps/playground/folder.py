@@ -94,32 +94,7 @@ def write_playground(
     kernels: Callable[[], bytes | None] = lambda: None,
     memory: Callable[[Mapping[str, bytes]], bytes] = _no_memory,
 ) -> Playground:
-    """Write the folder; what is in it of another one is replaced, other files stay.
-
-    Parameters
-    ----------
-    folder : Path
-        Is made if it is not there.
-    files : sequence of Path, optional
-        ``.frb`` and ``.lut`` files that a visitor finds; by default `BEGIN_WITH`.
-    pyodide : Path, optional
-        A folder with Pyodide; by default npm fetches it.
-    kernels : callable, optional
-        Makes them, as `wasm_kernels` does; without, loops run as plain Python.
-    memory : callable, optional
-        Makes it, as :func:`fuzzyarm.apps.playground.memory.python_memory` does; without, each visit
-        starts Python anew.
-
-    Raises
-    ------
-    PlaygroundError
-        If a file is not one that the page opens, the folder cannot be written, or its Python could
-        not load fuzzyarm.
-    PyodideError
-        If there is no Pyodide.
-    RuleBaseError
-        If a file is not a text.
-    """
+    """Write the folder; what is in it of another one is replaced, other files stay."""
     texts = _texts(files)
     if folder.exists() and not folder.is_dir():
         raise PlaygroundError(f"{folder} is not a folder")

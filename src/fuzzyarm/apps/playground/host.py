@@ -146,28 +146,7 @@ def begin(
     files: Mapping[str, str], send: Callable[[str], None], downloads: Downloads | None = None,
     folder: Path = FOLDER, *, can_load_more: bool = False,
 ) -> tuple[Callable[[str], None], Callable[[str, str | None], None]]:  # fmt: skip
-    """Answer a page.
-
-    Parameters
-    ----------
-    files : mapping of str to str
-        What the page brings along: texts by name. A name that no file can have is left out.
-    send : callable
-        Takes what is said to the page.
-    downloads : Downloads, optional
-        Where exported files go; by default into addresses of the browser.
-    folder : Path, optional
-        Where the files are written.
-    can_load_more : bool
-        Whether what the page will want is loaded while it is idle.
-
-    Returns
-    -------
-    hear : callable
-        Takes what the page says.
-    store : callable
-        Takes the name of a file and what another tab has stored of it, or None.
-    """
+    """Answer a page."""
     # A folder without kernels was said to its writer; a visitor can do nothing about it.
     warnings.filterwarnings("ignore", "no machine code was built", RuntimeWarning)
     folder.mkdir(parents=True, exist_ok=True)

@@ -41,19 +41,7 @@ class PyodideError(FuzzyarmError, OSError):
 
 @contextmanager
 def pyodide_folder(named: Path | None) -> Iterator[Path]:
-    """Give a folder with Pyodide's files for as long as it is needed.
-
-    Parameters
-    ----------
-    named : Path or None
-        A folder that has them: of a release, or ``node_modules/pyodide``; by default npm fetches
-        them.
-
-    Raises
-    ------
-    PyodideError
-        If they are not all there, or are too old; or if there is no npm, or it fails.
-    """
+    """Give a folder with Pyodide's files for as long as it is needed."""
     if named is not None:
         _demand_files(named)
         yield named

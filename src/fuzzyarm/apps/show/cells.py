@@ -18,18 +18,7 @@ __all__ = ["table_panel"]
 def table_panel(
     table: LookupTable, at: Mapping[str, float], axes: tuple[str, str] = ("", "")
 ) -> Panel:
-    """Return a table as cells, the first row on top, or as a line over its only input.
-
-    Parameters
-    ----------
-    table : LookupTable
-        With more than two inputs the page nearest to `at` (or the middle one) is drawn, and
-        the title says which of how many it is.
-    at : mapping of str to float
-        A point to mark.
-    axes : tuple of str
-        The inputs that go down and across; by default the last two.
-    """
+    """Return a table as cells, the first row on top, or as a line over its only input."""
     low, high = table.reach
     target = Axis(table.output, "", low, high, about=table.description)
     name, down = (

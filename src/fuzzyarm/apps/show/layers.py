@@ -103,15 +103,7 @@ def pin(index: int, count: int) -> float:
 
 
 def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> LayeredGraph:
-    """Find layers and rows of blocks, and the ways of the wires between them.
-
-    Parameters
-    ----------
-    blocks : sequence of Pins
-        In the order of the text, which decides where nothing else does.
-    links : sequence of Link
-        Without circles.
-    """
+    """Find layers and rows of blocks, and the ways of the wires between them."""
     layers = _layers(blocks, links)
     net = _Net(blocks, links, layers)
     rows = net.arranged()

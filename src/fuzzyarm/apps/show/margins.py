@@ -21,15 +21,7 @@ NEAREST = 3.0
 
 
 def margins_chart(found: Sequence[DriveMargins], title: str) -> Chart:
-    """Return a row for each drive: gain and phase over the frequency, and the curve of L.
-
-    Parameters
-    ----------
-    found : sequence of DriveMargins
-        Of one loop.
-    title : str
-        Above the chart.
-    """
+    """Return a row for each drive: gain and phase over the frequency, and the curve of L."""
     rows = [_row(each, named=len(found) > 1) for each in found]
     return Chart(rows, (11.4, 0.8 + 3.2 * len(rows)), title, heading=True)
 

@@ -16,17 +16,7 @@ __all__ = ["region_chart"]
 
 
 def region_chart(text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None) -> Chart:
-    """Return the planes of a proved region.
-
-    Parameters
-    ----------
-    text : ControllerText
-        The controller.
-    verdict : LoopVerdict
-        One that is proved, of a plant with two states or more.
-    plant : Plant, optional
-        In place of the one that the claim names.
-    """
+    """Return the planes of a proved region."""
     from fuzzyarm.proof.loop.pictures import region_planes
 
     panels = [_panel(plane) for plane in region_planes(text, verdict, plant)]

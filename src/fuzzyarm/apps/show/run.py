@@ -21,13 +21,6 @@ def run_chart(runs: Sequence[Run], title: str = "") -> Chart:
 
     Each column has the output with its reference, the error, and the drives of its axis with
     their limits, over time.
-
-    Parameters
-    ----------
-    runs : sequence of Run
-        At least one; on one plant.
-    title : str, optional
-        Above the chart; by default the plant and what it follows.
     """
     first = runs[0]
     drives = [_drives_of(runs, axis) for axis in first.axes]

@@ -19,13 +19,7 @@ COLUMNS, ROWS = 160, 120
 
 
 def map_chart(found: StartMap) -> Chart:
-    """Return a map of starts over the first two states of its window, and over the next two.
-
-    Parameters
-    ----------
-    found : StartMap
-        The map.
-    """
+    """Return a map of starts over the first two states of its window, and over the next two."""
     names = list(found.window)
     pairs = [(0, 1), (2, 3)] if len(names) > 3 else [(0, min(1, len(names) - 1))]
     panels = [_panel(found, pair, COLUMNS, ROWS) for pair in pairs]
@@ -35,15 +29,7 @@ def map_chart(found: StartMap) -> Chart:
 
 
 def map_panel(found: StartMap, columns: int = COLUMNS, rows: int = ROWS) -> Panel:
-    """Return a map of starts over the first two states of its window.
-
-    Parameters
-    ----------
-    found : StartMap
-        The map.
-    columns, rows : int, optional
-        Of cells.
-    """
+    """Return a map of starts over the first two states of its window."""
     return _panel(found, (0, min(1, len(found.window) - 1)), columns, rows)
 
 

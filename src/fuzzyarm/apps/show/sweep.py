@@ -37,15 +37,6 @@ def sweep_chart(many: Many, over: Sequence[Range], metric: str = "rms") -> Chart
 
     Where more was swept, the worst of the rest is drawn: the largest magnitude, and divergence
     where any of the runs diverged.
-
-    Parameters
-    ----------
-    many : Many
-        Runs on a grid; points without one are gaps.
-    over : sequence of Range
-        One for a curve; two for a map, across and up.
-    metric : str, optional
-        See :class:`fuzzyarm.control.loop.metrics.Metrics`.
     """
     values, diverged = worst(many, over, metric)
     skipped = ~_have_run(many, over)

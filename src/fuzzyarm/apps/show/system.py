@@ -14,19 +14,7 @@ __all__ = ["system_diagram"]
 
 
 def system_diagram(rulebase: RuleBase) -> Diagram:
-    """Return the block diagram of a rule base.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        It may be unfinished.
-
-    Returns
-    -------
-    Diagram
-        Inputs to the left, one block of rules for each output, outputs to the right. An output that
-        later rules read is wired to these.
-    """
+    """Return the block diagram of a rule base."""
     rules = {output.name: _rules_of(rulebase, output) for output in rulebase.outputs}
     read = {output.name: _variables_read(rulebase, output, rules) for output in rulebase.outputs}
     blocks = [_variable_block("input", each) for each in rulebase.inputs]

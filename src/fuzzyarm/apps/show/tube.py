@@ -19,17 +19,7 @@ RUNS = 40
 
 
 def tube_chart(way: Tube, title: str, claim: LoopClaim | None = None) -> Chart:
-    """Return the outputs of a plant over time: the tube, and runs from corners and from within.
-
-    Parameters
-    ----------
-    way : Tube
-        One that holds all starts.
-    title : str
-        Above the chart.
-    claim : LoopClaim, optional
-        What is claimed, drawn as a border.
-    """
+    """Return the outputs of a plant over time: the tube, and runs from corners and from within."""
     from fuzzyarm.proof.claim.text import claimed_port
     from fuzzyarm.proof.loop.runs import sampled_runs
 

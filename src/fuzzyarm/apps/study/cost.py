@@ -176,20 +176,6 @@ def count_operations(
 
     Conversion of control to torque by the motors belongs to the arm and does not count; nor do
     moves of numbers and whole-number work, of which indices are made.
-
-    Parameters
-    ----------
-    controller : Controller
-        A sum of compiled laws; it runs interpreted here.
-    trajectory : Trajectory, optional
-        A short one by default.
-    payload : bool, optional
-        See :func:`fuzzyarm.control.loop.run.simulate`.
-
-    Raises
-    ------
-    CostError
-        If it is plain Python.
     """
     _tally.clear()
     counting = _Counting(controller)
@@ -317,19 +303,7 @@ def measure_time(
     conventions: Conventions = PLAIN,
     rounds: int = ROUNDS,
 ) -> float:
-    """Measure what a control step adds to the loop, s; `RESOLUTION` stands for less.
-
-    Parameters
-    ----------
-    controller : Controller
-        Any.
-    trajectory : Trajectory, optional
-        A short one by default.
-    conventions : Conventions, optional
-        See :func:`fuzzyarm.control.loop.run.simulate`.
-    rounds : int, optional
-        Runs with it and without it. The fastest of either counts: what is slower was disturbed.
-    """
+    """Measure what a control step adds to the loop, s; `RESOLUTION` stands for less."""
     move = timed_motion(controller, trajectory or timed_move(), conventions, Options())
     nothing = CompiledController(Law("nothing", law_kernel, "no torque", ()))
     steps = int(move.iterations.sum())

@@ -23,15 +23,7 @@ WINDOWS_ARROWS = {"H": "up", "P": "down", "M": "right", "K": "left"}
 
 
 def apply_key(scene: WatchScene, key: str) -> bool:
-    """Change the crisp inputs or the axes of a scene; return whether it has changed.
-
-    Parameters
-    ----------
-    scene : WatchScene
-        What is drawn.
-    key : str
-        A letter, or ``left``, ``right``, ``up``, ``down``, with ``shift-`` before it or not.
-    """
+    """Change the crisp inputs or the axes of a scene; return whether it has changed."""
     arrow = key.removeprefix("shift-")
     across = arrow in ("left", "right")
     if across or arrow in ("up", "down"):

@@ -112,27 +112,7 @@ def board_folder(
     place: str,
     others: Mapping[str, Callable[[], ControllerProgram]] = MappingProxyType({}),
 ) -> BoardFolder:
-    """Return the folder of routines or of a controller, measured where that can be done.
-
-    Parameters
-    ----------
-    exported : sequence of Routine, or ControllerProgram
-        What is computed there; in single precision for a board without more.
-    stem : str
-        The name of the library; begins every identifier.
-    board : Board
-        Where it runs.
-    place : str
-        ``arduino`` or ``platformio``.
-    others : mapping of str to callable
-        Of a controller: options of the command, and the program that they make. They are measured
-        where the program does not keep its period, for the hint.
-
-    Raises
-    ------
-    ExportError
-        If the board does not hold it, or does not keep its period.
-    """
+    """Return the folder of routines or of a controller, measured where that can be done."""
     if isinstance(exported, ControllerProgram):
         part = _controller_part(exported, stem, board)
     else:

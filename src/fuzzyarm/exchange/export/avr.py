@@ -102,24 +102,7 @@ def has_simulator() -> bool:
 
 
 def measure(board: Board, files: Mapping[str, str], stem: str, call: MeasuredStep) -> Measured:
-    """Build a library for a board and count what it takes.
-
-    Parameters
-    ----------
-    board : Board
-        An AVR.
-    files : mapping of str to str
-        The library, its test as well, by the names of the files.
-    stem : str
-        Of these names.
-    call : MeasuredStep
-        The step.
-
-    Raises
-    ------
-    ExportError
-        If avr-gcc fails.
-    """
+    """Build a library for a board and count what it takes."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as name:
         folder = Path(name)
         for file, text in files.items():
@@ -418,21 +401,7 @@ def demand_pace(
     board: Board,
     others: Mapping[str, Callable[[], Pace | None]],
 ) -> None:
-    """Raise `ExportError` where a turn takes over 90 % of the period, with what fits.
-
-    Parameters
-    ----------
-    pace : Pace or None
-        What a turn takes; None passes.
-    period : float
-        In s.
-    name : str
-        Of the program.
-    board : Board
-        Where it runs.
-    others : mapping of str to callable
-        Options of the command, and what a turn takes with them.
-    """
+    """Raise `ExportError` where a turn takes over 90 % of the period, with what fits."""
     if pace is None or pace.whole <= SHARE * period:
         return
     reading = f" and {_short(pace.pins)} to read its pins" if pace.pins else ""

@@ -540,19 +540,7 @@ class TestSequence:
 
 
 def routines_c(routines: Sequence[Routine], prefix: str, stem: str, form: str) -> CText:
-    """Return rule bases and tables in C.
-
-    Parameters
-    ----------
-    routines : sequence of Routine
-        A function each.
-    prefix : str
-        Begins every name that the files define.
-    stem : str
-        Of the names of the files.
-    form : str
-        ``.h``, ``.c`` or ``library``.
-    """
+    """Return rule bases and tables in C."""
     printer = CPrinter(routines_program(routines, pointers=True), prefix, form)
 
     def head(text: _Text) -> list[str]:

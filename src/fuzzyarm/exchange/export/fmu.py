@@ -114,25 +114,7 @@ class Unit:
 def controller_fmu(
     program: ControllerProgram, prefix: str, version: int = 2, platforms: Sequence[Platform] = ()
 ) -> bytes:
-    """Return a controller as a co-simulation unit, built with the C compiler that is there.
-
-    Parameters
-    ----------
-    program : ControllerProgram
-        In double precision.
-    prefix : str
-        The model identifier.
-    version : int
-        Of FMI, 2 or 3.
-    platforms : sequence of Platform
-        Which libraries it holds, built by the ``ziglang`` wheel; by default that of the machine
-        at hand, built by its own compiler.
-
-    Raises
-    ------
-    ExportError
-        If there is no C compiler, or it fails.
-    """
+    """Return a controller as a co-simulation unit, built with the C compiler that is there."""
     _require_double(program.precision == "float64")
     steps, model = program.steps, program.text.model
     made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
@@ -166,20 +148,7 @@ def controller_fmu(
 def routines_fmu(
     routines: Sequence[Routine], prefix: str, version: int = 2, platforms: Sequence[Platform] = ()
 ) -> bytes:
-    """Return functions of a rule base or of tables as a co-simulation unit.
-
-    Parameters
-    ----------
-    routines : sequence of Routine
-        In double precision, one for each output.
-    prefix, version, platforms
-        As for :func:`controller_fmu`.
-
-    Raises
-    ------
-    ExportError
-        As :func:`controller_fmu`.
-    """
+    """Return functions of a rule base or of tables as a co-simulation unit."""
     _require_double(all(routine.kind is np.float64 for routine in routines))
     made = routines_c(routines, prefix, prefix, ".h")
     functions = made.printer.program.functions.items()

@@ -347,23 +347,7 @@ class RoutineOptions(NamedTuple):
 def steps_of(
     text: ControllerText, precision: str = "float64", options: RoutineOptions | None = None
 ) -> Steps:
-    """Return a controller as steps.
-
-    Parameters
-    ----------
-    text : ControllerText
-        Without mistakes and partners.
-    precision : str
-        ``float64``; ``mixed``: signals and gains in single, arithmetic in double precision;
-        ``float32``.
-    options : RoutineOptions, optional
-        Of its tables.
-
-    Raises
-    ------
-    ExportError
-        If it has a partner, or something in it cannot be exported.
-    """
+    """Return a controller as steps."""
     model = text.model
     if model.partners:
         partner = model.partners[0]

@@ -308,20 +308,7 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list
 
 
 def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
-    """Return the text of a controller as a function block, and the name of the block.
-
-    Parameters
-    ----------
-    program : ControllerProgram
-        The controller.
-    prefix : str
-        The name of the block; it begins the names of those that it calls.
-
-    Raises
-    ------
-    ExportError
-        If the language lacks something that the controller needs.
-    """
+    """Return the text of a controller as a function block, and the name of the block."""
     with printable_only():
         steps = program.steps
         words = {

@@ -196,23 +196,7 @@ def measure(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Return a written text with its numbers compared, if its writer warns of anything.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        What was written.
-    exported : Exported
-        From :func:`fuzzyarm.exchange.formats.write`.
-    suffix, producer, lossy, strict
-        As for :func:`fuzzyarm.exchange.formats.write`.
-
-    Returns
-    -------
-    Exported
-        With the greatest difference of each output within the ranges of the inputs: a warning up
-        to 1 % of its range, beyond that an error and no text, unless `lossy`.
-    """
+    """Return a written text with its numbers compared, if its writer warns of anything."""
     if exported.text is None or all(
         d.severity is not Severity.WARNING for d in exported.diagnostics
     ):

@@ -31,13 +31,6 @@ def written(
     """Return a rule base in the format of `suffix`; what a loss means for numbers is measured.
 
     Where the format is refused, the findings have the numbers that `lossy` would write.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Any.
-    suffix, producer, lossy, strict
-        As for :func:`fuzzyarm.exchange.formats.write`.
     """
     model = model_of(rulebase)
     exported = write(model, suffix, producer=producer, lossy=lossy, strict=strict)
@@ -60,22 +53,7 @@ def converted(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Return a rule base that was read as the text of another file.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        What was read.
-    source : str
-        The file it was read from; its name is that of a rule base without one.
-    target : str
-        The suffix of the format to write.
-    own_text : str
-        The text that was read, where it is of the language: from ``.frb`` to ``.frb`` it is
-        formatted and keeps its comments; elsewhere they are counted.
-    producer, lossy, strict
-        As for :func:`fuzzyarm.exchange.formats.write`.
-    """
+    """Return a rule base that was read as the text of another file."""
     is_own = Path(source).suffix.lower() == ".frb"
     if is_own and target == ".frb":
         return Exported(format_text(own_text, source))
@@ -106,24 +84,7 @@ def findings_of(imported: Imported, exported: Exported | None, source: str) -> l
 
 
 def text_in(rulebase: AnyRuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
-    """Return `rulebase` in the format that the suffix of `path` names.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        What to write.
-    path : path-like
-        Its suffix is the format.
-    lossy : bool
-        Whether to go on where numbers would change.
-
-    Raises
-    ------
-    FormatError
-        If the suffix is not that of a format of rule bases.
-    RuleBaseError
-        If the format cannot express the rule base, with every finding.
-    """
+    """Return `rulebase` in the format that the suffix of `path` names."""
     exported = written(rulebase, suffix_of(path), lossy=lossy)
     if exported.text is None:
         raise RuleBaseError(exported.diagnostics)

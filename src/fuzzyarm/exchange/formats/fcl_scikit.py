@@ -65,13 +65,6 @@ def universe(low: float, high: float, step: float | None) -> list[float]:
     """Return the points of a range; the upper end is not one of them.
 
     Without a step it is a power of ten that makes some thousand of them.
-
-    Parameters
-    ----------
-    low, high : float
-        The range; `low` below `high`.
-    step : float or None
-        A positive distance.
     """
     if not step:
         step = 10.0 ** round(math.log10((1.0 + (high - low)) / 1000.0))

@@ -50,13 +50,7 @@ class Connection(NamedTuple):
 
 
 def read_connection(text: str) -> Connection | None:
-    """Return the connection in ``a/out -> b/in``; None where the text is not one.
-
-    Parameters
-    ----------
-    text : str
-        Names of rule bases and of variables may have spaces in them.
-    """
+    """Return the connection in ``a/out -> b/in``; None where the text is not one."""
     source, arrow, target = text.partition("->")
     ends = [tuple(part.strip() for part in end.partition("/")[::2]) for end in (source, target)]
     if not arrow or not all(name for end in ends for name in end):

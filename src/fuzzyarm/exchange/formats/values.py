@@ -62,19 +62,7 @@ def _drawn(formula: Formula, draft: VariableDraft) -> Shape | None:
 def values_as_sets(
     draft: VariableDraft, implication: str | None, at: TextPiece, findings: Findings
 ) -> None:
-    """Put sets instead of an output's values, as fuzzylite has them; report the others.
-
-    Parameters
-    ----------
-    draft : VariableDraft
-        An output that is integrated, with its range and its samples.
-    implication : str or None
-        What cuts a constant above 1.
-    at : TextPiece
-        The defuzzifier.
-    findings : Findings
-        What cannot be carried.
-    """
+    """Put sets instead of an output's values, as fuzzylite has them; report the others."""
     for index, term in enumerate(draft.terms):
         if term.shape.kind not in VALUES:
             continue

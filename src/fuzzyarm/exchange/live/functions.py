@@ -85,23 +85,7 @@ def output_of_values(
     defuzzifier: Defuzzifier | None = None,
     no_rule: float = 0.0,
 ) -> Output:
-    """Return an output that averages values, each rule for itself; its range is theirs.
-
-    Parameters
-    ----------
-    name : str
-        Of the output.
-    terms : tuple of Term
-        Its values.
-    inputs : iterable of Input
-        Over whose ranges they move.
-    findings : Findings
-        Where the range is said.
-    defuzzifier : Defuzzifier, optional
-        ``weighted-average`` by default.
-    no_rule : float, optional
-        Where no rule fires.
-    """
+    """Return an output that averages values, each rule for itself; its range is theirs."""
     ends = {variable.name: (variable.low, variable.high) for variable in inputs}
     low, high = range_of_values((term.shape for term in terms), ends) or (0.0, 1.0)
     message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"

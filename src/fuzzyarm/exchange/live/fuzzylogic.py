@@ -50,22 +50,7 @@ def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, f
 def from_fuzzylogic(
     rule: Any, name: str = "rule", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base that a rule of fuzzylogic is.
-
-    Parameters
-    ----------
-    rule : fuzzylogic.classes.Rule
-        One rule, or the sum of several.
-    name : str
-        What the rule base is called.
-    lossy, strict : bool
-        As for :func:`fuzzyarm.exchange.formats.read`.
-
-    Returns
-    -------
-    Imported
-        The rule base where there is no error, and every finding, without positions.
-    """
+    """Return the rule base that a rule of fuzzylogic is."""
     findings = Findings(lossy=lossy, strict=strict)
     rulebase = _rulebase(rule, name, findings)
     return findings.imported(rulebase, "fuzzylogic")

@@ -147,26 +147,7 @@ def read_object(
     lossy: bool = False,
     strict: bool = False,
 ) -> Imported:
-    """Return the rule base that a live object of another library is.
-
-    Parameters
-    ----------
-    system : object
-        A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
-        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
-        pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
-    name : str
-        What the rule base is called.
-    points : bool
-        Of scikit-fuzzy: whether terms stay straight lines between the points of their universe.
-    lossy, strict : bool
-        As for :func:`fuzzyarm.exchange.formats.read`.
-
-    Raises
-    ------
-    ArgumentError
-        If it is none of these.
-    """
+    """Return the rule base that a live object of another library is."""
     library = library_of(system)
     if library is None:
         raise ArgumentError(
@@ -193,17 +174,7 @@ _SECONDS = 15.0
 def measured(
     system: object, rulebase: RuleBase, deadline: float = math.inf
 ) -> list[tuple[dict[str, float], dict[str, float] | None]]:
-    """Return points and what a live object computes there itself, None where it raises.
-
-    Parameters
-    ----------
-    system : object
-        A system of one of the :data:`LIBRARIES`.
-    rulebase : RuleBase
-        What it was read as.
-    deadline : float
-        On the monotonic clock: no further point is taken after it.
-    """
+    """Return points and what a live object computes there itself, None where it raises."""
     if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
         return []
     library = library_of(system)

@@ -81,23 +81,7 @@ def _middle(value: Any) -> float:
 def from_pyit2fls(
     system: Any, name: str = "system", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base that a system of pyit2fls is.
-
-    Parameters
-    ----------
-    system : pyit2fls.IT2Mamdani, IT2TSK, IT2FLS, T1Mamdani or T1TSK
-        With its rules. An ``IT2FLS`` must have been evaluated in a script that is gathered, or
-        its minimum, maximum, centroid and ``EIASC`` are assumed.
-    name : str
-        What the rule base is called.
-    lossy, strict : bool
-        As for :func:`fuzzyarm.exchange.formats.read`.
-
-    Returns
-    -------
-    Imported
-        The rule base where there is no error, and every finding, without positions.
-    """
+    """Return the rule base that a system of pyit2fls is."""
     findings = Findings(lossy=lossy, strict=strict)
     rulebase = _Reader(system, findings).rulebase(name)
     return findings.imported(rulebase, "pyit2fls")

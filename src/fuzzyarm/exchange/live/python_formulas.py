@@ -20,22 +20,7 @@ _FUNCTIONS = frozenset({"abs", "min", "max", "log10"})
 
 
 def text_shape(text: str, names: list[str], factor: float = 1.0) -> Shape:
-    """Return a linear consequent where an expression is one, else a formula.
-
-    Parameters
-    ----------
-    text : str
-        An expression of Python.
-    names : list of str
-        The inputs, in the order of a linear consequent.
-    factor : float
-        What the whole is multiplied by.
-
-    Raises
-    ------
-    SyntaxError, ValueError, FormulaError
-        If it is not arithmetic of the inputs.
-    """
+    """Return a linear consequent where an expression is one, else a formula."""
     if "{" in text:
         raise ValueError("templates are not supported")
     return _shape(ast.parse(text.strip(), mode="eval").body, names, factor)
@@ -50,20 +35,6 @@ def function_shape(
 
     Its own text is read where it is arithmetic of the inputs; whatever is returned has the values
     of the function at points all over the ranges.
-
-    Parameters
-    ----------
-    function : callable
-        Of a number for each name, in their order.
-    names : list of str
-        The inputs.
-    ranges : sequence of (float, float), optional
-        Where the inputs move; -100 to 100 where nothing is known.
-
-    Raises
-    ------
-    SyntaxError, ValueError, FormulaError, OSError
-        If it is not arithmetic of the inputs, or its text is not at hand.
     """
     points = _points(function, ranges or [(-100.0, 100.0)] * len(names))
     linear = _linear_at_points(function, points, len(names))

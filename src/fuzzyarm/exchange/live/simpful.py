@@ -62,22 +62,7 @@ def simpful_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, fl
 def from_simpful(
     system: Any, name: str = "system", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base that a fuzzy system of simpful is, as ``inference()`` runs it.
-
-    Parameters
-    ----------
-    system : simpful.FuzzySystem
-        Complete: every variable, every rule.
-    name : str
-        What the rule base is called.
-    lossy, strict : bool
-        As for :func:`fuzzyarm.exchange.formats.read`.
-
-    Returns
-    -------
-    Imported
-        The rule base where there is no error, and every finding, without positions.
-    """
+    """Return the rule base that a fuzzy system of simpful is, as ``inference()`` runs it."""
     findings = Findings(lossy=lossy, strict=strict)
     reader = _Reader(system, findings)
     rulebase = reader.rulebase(name)

@@ -344,24 +344,7 @@ def _gains(
 def gain_ranges(
     model: ControllerModel, blocks: Iterable[Tuning], *, with_file_ranges: bool
 ) -> dict[str, GainTuning]:
-    """Return the range of each gain; lines of a rule base override the range after the gain.
-
-    Parameters
-    ----------
-    model : ControllerModel
-        Model with the gains.
-    blocks : iterable of Tuning
-        The ``tune`` blocks of rule bases, or lines passed in.
-    with_file_ranges : bool
-        Whether ``tune`` after a gain counts.
-
-    Raises
-    ------
-    GainError
-        If a gain is unknown.
-    TuneError
-        If two lines tune the same gain differently.
-    """
+    """Return the range of each gain; lines of a rule base override the range after the gain."""
     tunings: dict[str, GainTuning] = {}
     for block in blocks:
         for tuning in block.gains:

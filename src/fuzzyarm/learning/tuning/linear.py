@@ -64,22 +64,7 @@ SPAN = 50.0
 def opponent(
     text: ControllerText, plant: Plant, tuning: Tuning | None = None
 ) -> tuple[ControllerText, Tuning]:
-    """Return the linear controller that a fuzzy one has to beat, and its ``tune`` lines.
-
-    Parameters
-    ----------
-    text : ControllerText
-        The fuzzy one.
-    plant : Plant
-        Where it runs.
-    tuning : Tuning, optional
-        Replaces the ``tune`` lines of the file.
-
-    Raises
-    ------
-    If the controller has no rule base that a plane could replace.
-        If the controller has no rule base that a plane could stand for.
-    """
+    """Return the linear controller that a fuzzy one has to beat, and its ``tune`` lines."""
     try:
         return straightened(text, tuning)
     except TuneError:

@@ -48,24 +48,6 @@ def animate(
     """Write the animation of a run, whole or not at all.
 
     It plays as long as the run, but no shorter than 4 s and no longer than 8 s.
-
-    Parameters
-    ----------
-    run : Run
-        With samples.
-    plant : Plant
-        On which it ran. One without ``draw(scene)`` has curves alone.
-    path : path-like
-        ``.gif``, ``.html`` (one file, with buttons) or ``.mp4`` (with ffmpeg).
-    frames : int, optional
-        How many pictures.
-    watch : callable, optional
-        Called with 1 for each picture; for progress bars.
-
-    Raises
-    ------
-    AnimationError
-        If the suffix is another, there is nothing to show, or there is no ffmpeg.
     """
     name = os.fspath(path)
     require_animation(name)

@@ -84,22 +84,7 @@ def shortened(text: str, size: float, room: float) -> str:
 def spread(
     positions: Sequence[float], widths: Sequence[float], low: float, high: float
 ) -> list[float] | None:
-    """Return middles of labels in a row, as near as can be to where they are wanted.
-
-    Parameters
-    ----------
-    positions : sequence of float
-        Increasing.
-    widths : sequence of float
-        Of the labels, with the room around them.
-    low, high : float
-        The ends of the row.
-
-    Returns
-    -------
-    list of float or None
-        With the least sum of squared displacements; None where they do not fit.
-    """
+    """Return middles of labels in a row, as near as can be to where they are wanted."""
     if not positions:
         return []
     if sum(widths) > high - low:
@@ -140,19 +125,7 @@ def columns_that_fit(texts: Sequence[str], size: float, room: float) -> int:
 
 
 def thin_ticks(axis: Any, texts: Sequence[str], room: float, size: float) -> None:
-    """Name the places 0, 1, … of an axis, every second or third where not all names fit.
-
-    Parameters
-    ----------
-    axis : Axis
-        Of x or y.
-    texts : sequence of str
-        A name for each place.
-    room : float
-        The length of the axis.
-    size : float
-        Of the letters, in points.
-    """
+    """Name the places 0, 1, … of an axis, every second or third where not all names fit."""
     if axis.axis_name == "x":
         room_per_label = max(text_width(text, size) for text in texts) + 2.0 * GAP
     else:

@@ -91,22 +91,7 @@ def animate_learning(
     *,
     watch: Callable[[int], None] | None = None,
 ) -> None:
-    """Write a film of the tables while they grow, whole or not at all.
-
-    Parameters
-    ----------
-    training : LearningHistory
-        With the snapshots that are to be seen; of very many some are left out.
-    path : path-like
-        ``.gif``, ``.html`` or ``.mp4``.
-    watch : callable, optional
-        Called with 1 for each picture.
-
-    Raises
-    ------
-    AnimationError
-        If the suffix is another, or there is no ffmpeg.
-    """
+    """Write a film of the tables while they grow, whole or not at all."""
     figure, show = _stage(training)
     last = len(training.snapshots) - 1
     frames = np.unique(np.linspace(0, last, min(MOST_FRAMES, last + 1)).round().astype(int))

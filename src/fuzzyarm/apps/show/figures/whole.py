@@ -23,26 +23,7 @@ def model_figure(
     output: str | None = None,
     at: Mapping[str, float] | None = None,
 ) -> Figure:
-    """Return the figure of a rule base, a table or a controller.
-
-    Parameters
-    ----------
-    model : RuleBase, LookupTable or ControllerText
-        A table gives its cells.
-    what : str
-        Of a rule base: ``diagram``, ``terms``, ``surface``, or ``all`` of the last two. Points at
-        which its ``prove`` lines fail are marked. Of a controller: ``diagram``, or ``all`` with
-        what it looks up.
-    output : str, optional
-        The surface of this output only.
-    at : mapping of str to float, optional
-        Inputs that are held fixed or marked.
-
-    Raises
-    ------
-    TableError
-        If there is no such output.
-    """
+    """Return the figure of a rule base, a table or a controller."""
     from fuzzyarm.apps.show.figures import (
         controller_figure,
         diagram_figure,
