@@ -23,14 +23,8 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.reading import decoded
 
 __all__ = [
-    "Assignment",
-    "Grade",
-    "GradingError",
-    "HiddenLine",
-    "Result",
-    "grade",
-    "read_assignment",
-]
+    "Assignment", "Grade", "GradingError", "HiddenLine", "Result", "grade", "read_assignment",
+]  # fmt: skip
 
 LARGEST = 200_000
 """Bytes of a submission: a rule base of an exercise has some thousand."""

@@ -28,17 +28,9 @@ if TYPE_CHECKING:
     from fuzzyarm.base.files import write_atomically
 
 __all__ = [
-    "Diagnostic",
-    "Related",
-    "RuleBaseError",
-    "Severity",
-    "Span",
-    "errors",
-    "figure_files",
-    "picture",
-    "render_all",
-    "write_atomically",
-]
+    "Diagnostic", "Related", "RuleBaseError", "Severity", "Span", "errors", "figure_files",
+    "picture", "render_all", "write_atomically",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

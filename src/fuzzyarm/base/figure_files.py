@@ -16,13 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "SUFFIXES",
-    "FigureFileError",
-    "figure_bytes",
-    "plain_powers",
-    "require_figure_suffix",
+    "SUFFIXES", "FigureFileError", "figure_bytes", "plain_powers", "require_figure_suffix",
     "save_figure",
-]
+]  # fmt: skip
 
 SUFFIXES = (".png", ".svg", ".pdf", ".jpg", ".webp")
 

@@ -13,14 +13,9 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import near_hint, shortened
 
 __all__ = [
-    "ArgumentError",
-    "demand_alone",
-    "demand_arguments",
-    "demand_keywords",
-    "demand_path",
-    "demand_text",
-    "wrong_argument",
-]
+    "ArgumentError", "demand_alone", "demand_arguments", "demand_keywords", "demand_path",
+    "demand_text", "wrong_argument",
+]  # fmt: skip
 
 
 class ArgumentError(FuzzyarmError, TypeError):

@@ -23,21 +23,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = [
-    "Area",
-    "Axis",
-    "Band",
-    "Cells",
-    "Chart",
-    "Dots",
-    "Drawing",
-    "Level",
-    "Line",
-    "Mark",
-    "Panel",
-    "Words",
-    "frame",
-    "rectangle",
-]
+    "Area", "Axis", "Band", "Cells", "Chart", "Dots", "Drawing", "Level", "Line", "Mark", "Panel",
+    "Words", "frame", "rectangle",
+]  # fmt: skip
 
 Numbers: TypeAlias = "Sequence[float] | NDArray[np.float64]"
 

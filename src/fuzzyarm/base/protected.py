@@ -10,15 +10,9 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.made import is_made_file
 
 __all__ = [
-    "ForeignFileError",
-    "SourceFileError",
-    "demand_made",
-    "demand_no_source",
-    "is_in_command",
-    "note_result",
-    "note_source",
-    "sources_kept",
-]
+    "ForeignFileError", "SourceFileError", "demand_made", "demand_no_source", "is_in_command",
+    "note_result", "note_source", "sources_kept",
+]  # fmt: skip
 
 _Identity = str | tuple[int, int]
 """A real path, or device and inode for files with several names."""

@@ -30,15 +30,9 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 __all__ = [
-    "Making",
-    "compiled",
-    "controller_program",
-    "infers",
-    "making_of",
-    "program_of",
-    "routines_for",
+    "Making", "compiled", "controller_program", "infers", "making_of", "program_of", "routines_for",
     "source_of",
-]
+]  # fmt: skip
 
 _DEFAULTS = {
     **dict.fromkeys((".st", ".xml", ".scl"), "float32"),  # few PLCs have a double

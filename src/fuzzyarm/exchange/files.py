@@ -36,21 +36,10 @@ if TYPE_CHECKING:
 
 
 __all__ = [
-    "FileWarning",
-    "Judgement",
-    "PlantOf",
-    "Review",
-    "UnknownKindError",
-    "WrongKindError",
-    "check_file",
-    "check_parsed",
-    "check_text",
-    "export_file",
-    "judge",
-    "load",
-    "load_controller",
+    "FileWarning", "Judgement", "PlantOf", "Review", "UnknownKindError", "WrongKindError",
+    "check_file", "check_parsed", "check_text", "export_file", "judge", "load", "load_controller",
     "load_rulebase",
-]
+]  # fmt: skip
 
 
 class FileWarning(UserWarning):

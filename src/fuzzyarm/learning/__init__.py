@@ -33,27 +33,10 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.validation import Validation, ValidationError, validate
 
 __all__ = [
-    "ColumnError",
-    "Columns",
-    "DataError",
-    "Fit",
-    "FitError",
-    "Options",
-    "Samples",
-    "Snapshot",
-    "Validation",
-    "ValidationError",
-    "as_samples",
-    "fit",
-    "frame_samples",
-    "function_samples",
-    "read_samples",
-    "rulebase_samples",
-    "table_samples",
-    "train",
-    "validate",
-    "wang_mendel",
-]
+    "ColumnError", "Columns", "DataError", "Fit", "FitError", "Options", "Samples", "Snapshot",
+    "Validation", "ValidationError", "as_samples", "fit", "frame_samples", "function_samples",
+    "read_samples", "rulebase_samples", "table_samples", "train", "validate", "wang_mendel",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

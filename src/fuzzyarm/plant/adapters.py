@@ -10,9 +10,5 @@ from fuzzyarm.plant.environments import EnvironmentPlant
 from fuzzyarm.plant.fmu import UnitPlant
 
 __all__ = [
-    "ControlPlant",
-    "EnvironmentPlant",
-    "UnitPlant",
-    "is_control_system",
-    "to_control",
-]
+    "ControlPlant", "EnvironmentPlant", "UnitPlant", "is_control_system", "to_control",
+]  # fmt: skip

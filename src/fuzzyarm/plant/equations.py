@@ -34,19 +34,9 @@ from fuzzyarm.symbolic.nodes import Node, as_node, symbol
 from fuzzyarm.symbolic.programs import program_of
 
 __all__ = [
-    "TRACED",
-    "USERS",
-    "Equations",
-    "apart",
-    "begins_by_itself",
-    "compiled_by_numba",
-    "expressions_of",
-    "fill",
-    "has_numba",
-    "is_of_package",
-    "keep_traced",
-    "traced",
-]
+    "TRACED", "USERS", "Equations", "apart", "begins_by_itself", "compiled_by_numba",
+    "expressions_of", "fill", "has_numba", "is_of_package", "keep_traced", "traced",
+]  # fmt: skip
 
 
 USERS = (Exception, SystemExit)

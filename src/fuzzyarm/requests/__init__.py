@@ -29,18 +29,9 @@ if TYPE_CHECKING:
     from fuzzyarm.requests.tune import TuneRequest
 
 __all__ = [
-    "CompareRequest",
-    "CompileRequest",
-    "ExportRequest",
-    "FitRequest",
-    "LearnRequest",
-    "ProveRequest",
-    "Request",
-    "RequestError",
-    "SimulateRequest",
-    "SweepRequest",
-    "TuneRequest",
-]
+    "CompareRequest", "CompileRequest", "ExportRequest", "FitRequest", "LearnRequest",
+    "ProveRequest", "Request", "RequestError", "SimulateRequest", "SweepRequest", "TuneRequest",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

@@ -25,27 +25,11 @@ if TYPE_CHECKING:
     from fuzzyarm.table.text import ParsedTable, parse_lut, write_lut
 
 __all__ = [
-    "MODES",
-    "SUFFIXES",
-    "Axis",
-    "CompileReport",
-    "Fidelity",
-    "LookupTable",
-    "ParsedTable",
-    "PlainTable",
-    "TableDiff",
-    "TableError",
-    "TableFileError",
-    "TableHeader",
-    "compare_tables",
-    "compile_table",
-    "compile_with_report",
-    "measure_fidelity",
-    "parse_lut",
-    "read_table",
-    "write_lut",
-    "write_table",
-]
+    "MODES", "SUFFIXES", "Axis", "CompileReport", "Fidelity", "LookupTable", "ParsedTable",
+    "PlainTable", "TableDiff", "TableError", "TableFileError", "TableHeader", "compare_tables",
+    "compile_table", "compile_with_report", "measure_fidelity", "parse_lut", "read_table",
+    "write_lut", "write_table",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

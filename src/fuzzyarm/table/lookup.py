@@ -22,18 +22,9 @@ from fuzzyarm.symbolic.kernels import has_machine_code, in_threads, kernel, proc
 from fuzzyarm.table.axis import Axis, TableError
 
 __all__ = [
-    "AT_POINT",
-    "OVER_ARRAYS",
-    "LookupArithmetic",
-    "PreparedTable",
-    "blend",
-    "cell_index",
-    "corner_offsets",
-    "look_up_arrays",
-    "looked_up",
-    "pack_grid",
-    "share_of_way",
-]
+    "AT_POINT", "OVER_ARRAYS", "LookupArithmetic", "PreparedTable", "blend", "cell_index",
+    "corner_offsets", "look_up_arrays", "looked_up", "pack_grid", "share_of_way",
+]  # fmt: skip
 
 # --- The definition ---
 #

@@ -49,12 +49,8 @@ from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
 
 __all__ = [
-    "IMPORTS",
-    "LARGEST_IMPORT",
-    "SUFFIXES",
-    "Workspace",
-    "converted_file",
-]
+    "IMPORTS", "LARGEST_IMPORT", "SUFFIXES", "Workspace", "converted_file",
+]  # fmt: skip
 
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""

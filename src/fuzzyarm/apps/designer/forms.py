@@ -28,19 +28,9 @@ from fuzzyarm.requests.schema import form_fields
 from fuzzyarm.requests.tune import TuneRequest
 
 __all__ = [
-    "FIT",
-    "FORMS",
-    "LEARN",
-    "PICTURES",
-    "PROVE",
-    "PROVE_LOOP",
-    "RUN",
-    "SWEEP",
-    "TUNE",
-    "RequestForm",
-    "export_form",
-    "judged",
-]
+    "FIT", "FORMS", "LEARN", "PICTURES", "PROVE", "PROVE_LOOP", "RUN", "SWEEP", "TUNE",
+    "RequestForm", "export_form", "judged",
+]  # fmt: skip
 
 SIGNALS = ("reference", "disturb")
 """Fields whose words may name a file."""

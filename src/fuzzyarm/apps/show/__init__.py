@@ -25,39 +25,13 @@ from fuzzyarm.apps.show.trace import OutputPlot, firing_view, trace_view
 from fuzzyarm.base.lazy import lazily
 
 __all__ = [
-    "Diagram",
-    "DiagramBlock",
-    "DiagramWire",
-    "HeatGrid",
-    "LinePlot",
-    "OutputPlot",
-    "RuleGrid",
-    "Scale",
-    "SurfaceMap",
-    "TermPlots",
-    "block_diagram",
-    "compare_controllers",
-    "compare_rulebases",
-    "controller_diff_view",
-    "controller_view",
-    "find_grids",
-    "firing_view",
-    "learned_view",
-    "make_console",
-    "number_words",
-    "plain_text",
-    "rule_grid",
-    "rulebase_diff_view",
-    "rulebase_view",
-    "rules_view",
-    "scale_of",
-    "shape_words",
-    "table_diff_view",
-    "table_grids",
-    "table_view",
-    "trace_view",
-    "visible_range",
-]
+    "Diagram", "DiagramBlock", "DiagramWire", "HeatGrid", "LinePlot", "OutputPlot", "RuleGrid",
+    "Scale", "SurfaceMap", "TermPlots", "block_diagram", "compare_controllers", "compare_rulebases",
+    "controller_diff_view", "controller_view", "find_grids", "firing_view", "learned_view",
+    "make_console", "number_words", "plain_text", "rule_grid", "rulebase_diff_view",
+    "rulebase_view", "rules_view", "scale_of", "shape_words", "table_diff_view", "table_grids",
+    "table_view", "trace_view", "visible_range",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -23,30 +23,11 @@ if TYPE_CHECKING:
     from fuzzyarm.apps.study.figures import draw_chapter, draw_overview, draw_profiles, save_figure
 
 __all__ = [
-    "Compared",
-    "Ensemble",
-    "Identified",
-    "PublishedRow",
-    "Reproduced",
-    "RowJudgement",
-    "UnknownProblemError",
-    "UnknownRowError",
-    "chaotic",
-    "compare",
-    "compared_names",
-    "cost_of",
-    "draw_chapter",
-    "draw_overview",
-    "draw_profiles",
-    "find_rows",
-    "identify",
-    "judge",
-    "published_rows",
-    "reproduce",
-    "reproduce_row",
-    "save_figure",
-    "variants",
-]
+    "Compared", "Ensemble", "Identified", "PublishedRow", "Reproduced", "RowJudgement",
+    "UnknownProblemError", "UnknownRowError", "chaotic", "compare", "compared_names", "cost_of",
+    "draw_chapter", "draw_overview", "draw_profiles", "find_rows", "identify", "judge",
+    "published_rows", "reproduce", "reproduce_row", "save_figure", "variants",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

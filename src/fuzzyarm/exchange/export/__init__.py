@@ -30,22 +30,10 @@ from fuzzyarm.exchange.export.write import (
 )
 
 __all__ = [
-    "EXPORTS",
-    "ControllerProgram",
-    "DirectRoutine",
-    "ExportError",
-    "Exported",
-    "ExportedController",
-    "FixedTable",
-    "FloatTable",
-    "StepCost",
-    "export_controller",
-    "export_files",
-    "routines_of",
-    "step_cost",
-    "with_tables",
-    "write_export",
-]
+    "EXPORTS", "ControllerProgram", "DirectRoutine", "ExportError", "Exported",
+    "ExportedController", "FixedTable", "FloatTable", "StepCost", "export_controller",
+    "export_files", "routines_of", "step_cost", "with_tables", "write_export",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, __all__)

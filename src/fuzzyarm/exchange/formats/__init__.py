@@ -29,29 +29,10 @@ from fuzzyarm.exchange.formats.registry import (
 from fuzzyarm.exchange.formats.trees import tree
 
 __all__ = [
-    "FOREIGN",
-    "MEANINGS",
-    "PRODUCERS",
-    "READABLE",
-    "SUFFIXES",
-    "Exported",
-    "FormatError",
-    "Imported",
-    "parse",
-    "parse_fcl",
-    "parse_fis",
-    "parse_fll",
-    "parse_fml",
-    "read",
-    "same_model",
-    "suffix_of",
-    "tree",
-    "write",
-    "write_fcl",
-    "write_fis",
-    "write_fll",
-    "write_fml",
-]
+    "FOREIGN", "MEANINGS", "PRODUCERS", "READABLE", "SUFFIXES", "Exported", "FormatError",
+    "Imported", "parse", "parse_fcl", "parse_fis", "parse_fll", "parse_fml", "read", "same_model",
+    "suffix_of", "tree", "write", "write_fcl", "write_fis", "write_fll", "write_fml",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -12,15 +12,9 @@ from fuzzyarm.language.model.shapes import apply_hedge, apply_hedges
 from fuzzyarm.symbolic.kinds import HEDGES
 
 __all__ = [
-    "MORE_HEDGES",
-    "closed",
-    "hedged_degrees",
-    "is_at_points_only",
-    "least_difference",
-    "own_shape",
-    "refusal",
-    "widest_gap",
-]
+    "MORE_HEDGES", "closed", "hedged_degrees", "is_at_points_only", "least_difference", "own_shape",
+    "refusal", "widest_gap",
+]  # fmt: skip
 
 # --- Where the numbers of a shape mean something of their own ---
 

@@ -17,13 +17,8 @@ if TYPE_CHECKING:
     from fuzzyarm.exchange.live.systems import ScriptError, System, from_live, read_script
 
 __all__ = [
-    "ScriptError",
-    "System",
-    "from_live",
-    "from_skfuzzy",
-    "read_script",
-    "to_skfuzzy",
-]
+    "ScriptError", "System", "from_live", "from_skfuzzy", "read_script", "to_skfuzzy",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

@@ -31,12 +31,8 @@ from fuzzyarm.exchange.live.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.language.model.rulebase import RuleBase
 
 __all__ = [
-    "LIBRARIES",
-    "Library",
-    "library_of",
-    "measured",
-    "read_object",
-]
+    "LIBRARIES", "Library", "library_of", "measured", "read_object",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

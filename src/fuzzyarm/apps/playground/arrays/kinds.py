@@ -7,25 +7,9 @@ import struct
 from typing import Any
 
 __all__ = [
-    "DTYPES",
-    "bool_",
-    "dtype",
-    "finfo",
-    "float32",
-    "float64",
-    "floating",
-    "int8",
-    "int16",
-    "int32",
-    "int64",
-    "integer",
-    "issubdtype",
-    "number",
-    "promoted",
-    "uint8",
-    "uint32",
-    "uintp",
-]
+    "DTYPES", "bool_", "dtype", "finfo", "float32", "float64", "floating", "int8", "int16", "int32",
+    "int64", "integer", "issubdtype", "number", "promoted", "uint8", "uint32", "uintp",
+]  # fmt: skip
 
 
 class number:

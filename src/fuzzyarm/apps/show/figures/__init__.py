@@ -23,21 +23,10 @@ from fuzzyarm.base.figure_files import FigureFileError, save_figure
 from fuzzyarm.base.lazy import lazily
 
 __all__ = [
-    "FigureFileError",
-    "controller_figure",
-    "describing_figure",
-    "diagram_figure",
-    "draw_runs",
-    "inference_figure",
-    "memberships_figure",
-    "portrait_figure",
-    "rulebase_figure",
-    "save_figure",
-    "surface_figure",
-    "table_figure",
-    "validation_figure",
-    "variable_figure",
-]
+    "FigureFileError", "controller_figure", "describing_figure", "diagram_figure", "draw_runs",
+    "inference_figure", "memberships_figure", "portrait_figure", "rulebase_figure", "save_figure",
+    "surface_figure", "table_figure", "validation_figure", "variable_figure",
+]  # fmt: skip
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(__name__, {}, __all__)
