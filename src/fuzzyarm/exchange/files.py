@@ -18,7 +18,6 @@ from fuzzyarm.base.folders import READABLE, TABLES
 from fuzzyarm.base.keywords import demand_path, demand_text
 from fuzzyarm.base.names import typed
 from fuzzyarm.base.numbers import counted
-from fuzzyarm.base.shipped_files import missing_file_hint
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
@@ -66,6 +65,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
     """
 
     def __init__(self, path: str) -> None:
+        from fuzzyarm.base.shipped_files import missing_file_hint  # takes pathlib along
         from fuzzyarm.exchange.formats.not_texts import called
 
         endings = ", ".join((*READABLE, *TABLES))

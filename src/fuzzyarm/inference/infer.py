@@ -12,7 +12,7 @@ from fuzzyarm.inference.firing_intervals import Ends, ends
 from fuzzyarm.inference.inputs import check_names
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for
-from fuzzyarm.inference.prepared import known, prepared, remembered
+from fuzzyarm.inference.prepared import at_point, remember_point, remembered
 from fuzzyarm.language.model.rulebase import (
     AnyRuleBase,
     Expectation,
@@ -102,13 +102,14 @@ def infer(
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
     if held is None and outputs is None and not positional:  # the thin path
-        earlier = known.get(id(rulebase))
-        if earlier is not None and earlier.rulebase is rulebase:
-            point = named if inputs is None else inputs
-            if point is named or (type(point) is dict and not named):
-                found = earlier.named(point)
-                if found is not None:
-                    return found
+        point = named if inputs is None else inputs
+        if point is named or (type(point) is dict and not named):
+            try:
+                found = at_point[id(rulebase)](point)
+            except KeyError:
+                found = None
+            if found is not None:
+                return found
     rulebase = model_of(rulebase)
     if positional:
         inputs = (inputs, *positional)  # not by name, which is refused
@@ -129,7 +130,7 @@ def _outputs(
     from fuzzyarm.inference.engine import kept  # takes a while to import
 
     engine = kept(rulebase)
-    prepared(rulebase).named = engine.named_point
+    remember_point(rulebase, engine.named_point)
     return engine.evaluate(inputs, held)
 
 

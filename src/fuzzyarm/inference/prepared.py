@@ -7,6 +7,7 @@ from functools import wraps
 from typing import Any, TypeVar
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.symbolic.kernels import lock
 from fuzzyarm.symbolic.records import emptied_with_kinds
 
 _Part = TypeVar("_Part")
@@ -16,11 +17,6 @@ MOST = 32
 """Rule bases of which everything is remembered."""
 
 
-def _not_yet(_inputs: Any) -> dict[str, float] | None:
-    """Stand for a kernel that was not asked for so far."""
-    return None
-
-
 class Prepared:
     """One rule base, and all that has been made of it.
 
@@ -28,17 +24,10 @@ class Prepared:
     ----------
     rulebase : RuleBase
         The model; holding it keeps its identity unique.
-
-    Attributes
-    ----------
-    named : callable
-        From inputs by name to outputs by name: its kernel at a point; None for what that leaves
-        to others.
     """
 
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
-        self.named: Callable[[Any], dict[str, float] | None] = _not_yet
         self._parts: dict[_Make[Any], Any] = {}
 
     def part(self, make: _Make[_Part]) -> _Part:
@@ -52,7 +41,20 @@ class Prepared:
 known: dict[int, Prepared] = {}
 """The last few, by the identity of the rule base; the oldest first."""
 
-emptied_with_kinds(known.clear)
+at_point: dict[int, Callable[[Any], dict[str, float] | None]] = {}
+"""Kernels at a point, of those in `known` that were asked for one: from inputs by name to outputs
+by name; None for what they leave to others."""
+
+_turn = lock()
+
+
+def _empty() -> None:
+    with _turn:
+        at_point.clear()
+        known.clear()
+
+
+emptied_with_kinds(_empty)
 
 
 def prepared(rulebase: RuleBase) -> Prepared:
@@ -61,10 +63,20 @@ def prepared(rulebase: RuleBase) -> Prepared:
     if earlier is not None and earlier.rulebase is rulebase:
         return earlier
     new = Prepared(rulebase)
-    known[id(rulebase)] = new
-    while len(known) > MOST:
-        known.pop(next(iter(known)), None)
+    with _turn:
+        known[id(rulebase)] = new
+        while len(known) > MOST:
+            oldest = next(iter(known))
+            at_point.pop(oldest, None)  # before another rule base may have this identity
+            known.pop(oldest)
     return new
+
+
+def remember_point(rulebase: RuleBase, named: Callable[[Any], dict[str, float] | None]) -> None:
+    """Let later calls for a rule base find its kernel at a point."""
+    with _turn:
+        if id(rulebase) in known and known[id(rulebase)].rulebase is rulebase:
+            at_point[id(rulebase)] = named
 
 
 def remembered(make: _Make[_Part]) -> _Make[_Part]:

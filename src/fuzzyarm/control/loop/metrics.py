@@ -1,6 +1,6 @@
 """Metrics of a run: accuracy, speed, chatter, effort.
 
-To add a metric: a field of :class:`Metrics` and its formula in ``FORMULAS``.
+To add a metric: a field of :class:`Metrics` and its record in ``METRIC_KINDS``.
 ``docs/reference/metrics.md`` is generated from it, and a test evaluates the formula. It is then
 also a cost of ``tune``.
 """
@@ -8,9 +8,10 @@ also a cost of ``tune``.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from typing import Literal, NamedTuple
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,38 +87,6 @@ class Metrics:
 METRICS = tuple(field.name for field in fields(Metrics))
 """Names of all metrics."""
 
-ERRORS = ("rms", "rms_periods", "rms_path", "max", "final", "overshoot")
-"""Metrics in the unit of the error."""
-
-
-def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
-    """Return the unit of a metric; empty if it has none or the drives have different ones.
-
-    Parameters
-    ----------
-    metric : str
-        A field of :class:`Metrics`.
-    error : str
-        Unit of the error.
-    drives : sequence of str
-        Units of the axis's drives.
-    """
-    own_error = "" if error == "1" else error
-    drive = drives[0] if drives else ""
-    every = drive if len(set(drives)) == 1 else ""
-    units = {
-        "rise": "s",
-        "settling": "s",
-        "ise": f"{own_error}^2 s" if own_error else "s",
-        "iae": f"{own_error} s".strip(),
-        "itae": f"{own_error} s^2".strip(),
-        "effort": every,
-        "variation": f"{every}/s" if every else "",
-        "saturated": "",
-        "chatter": drive,
-    }
-    return own_error if metric in ERRORS else units[metric]
-
 
 class PeriodFigures(NamedTuple):
     """Figures accumulated in every control period, which samples cannot give."""
@@ -158,41 +127,12 @@ def metrics_of(
     counted : PeriodFigures, optional
         Figures from the loop.
     """
-    if not len(errors):
-        none = math.nan
-        return Metrics(none, none, none, None, None, None, none, none, none, none, none, none, none)
-    known = ~np.isnan(errors)
-    magnitude = np.abs(errors[known])
-    elapsed = (time - time[0])[known]
-    ise, iae, itae = (
-        float(np.sum(values) * period) if len(values) else math.nan
-        for values in (np.square(magnitude), magnitude, elapsed * magnitude)
-    )
-    rise, overshoot, settling = _step_response(time, reference, errors)
-    at_limit = np.zeros(len(errors), bool)
-    limited = any(low > -math.inf or high < math.inf for low, high in limits)
-    for column, (low, high) in enumerate(limits):
-        # In single precision a saturated drive may be one last bit inside its limit.
-        if low > -math.inf:
-            at_limit |= drives[:, column] <= low + NEAR * abs(low)
-        if high < math.inf:
-            at_limit |= drives[:, column] >= high - NEAR * abs(high)
-    span = len(errors) * period
-    return Metrics(
-        float(rms(errors)),
-        float(signed_maximum(errors[:, None], maximum)[0]),
-        float(final(errors[:, None])[0]),
-        rise,
-        overshoot,
-        settling,
-        ise,
-        iae,
-        itae,
-        float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
-        float(np.abs(drives[1:] - drives[:-1]).sum() / span) if drives.size else 0.0,
-        float(at_limit.mean()) if limited else 0.0,
-        *counted,
-    )
+    samples = _Samples(time, reference, errors, drives, limits, period, maximum, counted)
+    values: dict[str, Any] = {
+        name: kind.value(samples) if len(errors) else kind.missing
+        for name, kind in METRIC_KINDS.items()
+    }
+    return Metrics(**values)
 
 
 def _step_response(
@@ -227,28 +167,170 @@ def _step_response(
     return rise, overshoot, settling
 
 
-# --- Formulas, for the documentation ---
+# --- Records ---
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """What a metric may read of one axis, at the samples."""
+
+    time: Vector
+    reference: Vector
+    errors: Vector
+    drives: Vector
+    limits: list[tuple[float, float]]
+    period: float
+    maximum: Literal["magnitude", "positive"]
+    counted: PeriodFigures
+
+    @cached_property
+    def magnitudes(self) -> Vector:
+        """Absolute errors that are known."""
+        known: Vector = self.errors[~np.isnan(self.errors)]
+        return np.abs(known)
+
+    @cached_property
+    def elapsed(self) -> Vector:
+        """Times of these since the first sample."""
+        elapsed: Vector = (self.time - self.time[0])[~np.isnan(self.errors)]
+        return elapsed
+
+    def integral(self, values: Vector) -> float:
+        """Return the integral of something over the samples; NaN of none."""
+        return float(np.sum(values) * self.period) if len(values) else math.nan
+
+    @cached_property
+    def step(self) -> tuple[float | None, float | None, float | None]:
+        """Rise time, overshoot and settling time."""
+        return _step_response(self.time, self.reference, self.errors)
+
+    @property
+    def variation(self) -> float:
+        """Movement of all drives per second."""
+        if not self.drives.size:
+            return 0.0
+        moved = np.abs(self.drives[1:] - self.drives[:-1]).sum()
+        return float(moved / (len(self.errors) * self.period))
+
+    @property
+    def saturated(self) -> float:
+        """Share of the samples at which a drive is at a limit."""
+        at_limit = np.zeros(len(self.errors), bool)
+        for column, (low, high) in enumerate(self.limits):
+            # In single precision a saturated drive may be one last bit inside its limit.
+            if low > -math.inf:
+                at_limit |= self.drives[:, column] <= low + NEAR * abs(low)
+            if high < math.inf:
+                at_limit |= self.drives[:, column] >= high - NEAR * abs(high)
+        return float(at_limit.mean())
+
+
+class MetricKind(NamedTuple):
+    """The definition of a metric.
+
+    Attributes
+    ----------
+    unit : str
+        For the page: ``of the error``, ``s``, …
+    formula : str
+        In NumPy, for the page; a test computes it.
+    value : callable
+        From the samples to its value.
+    symbol : str
+        Its unit, with ``{error}``, ``{drive}`` (of the first drive) and ``{every}`` (of all drives)
+        in place of those of the run; empty where one that it has is empty or ``1``.
+    missing : float or None
+        Of a run without samples.
+    """
+
+    unit: str
+    formula: str
+    value: Callable[[_Samples], float | None]
+    symbol: str = "{error}"
+    missing: float | None = math.nan
+
 
 ERROR, SECONDS, DRIVE = "of the error", "s", "of the drives"
 
-FORMULAS: dict[str, tuple[str, str]] = {
-    "rms": (ERROR, "sqrt(mean(e**2))"),
-    "max": (ERROR, "e[argmax(abs(e))]"),
-    "final": (ERROR, "e[-1]"),
-    "rise": (SECONDS, "t[way >= 0.9][0] - t[way >= 0.1][0]"),
-    "overshoot": (ERROR, "max(0, max(way) - 1) * abs(step)"),
-    "settling": (SECONDS, f"t[last(abs(way - 1) > {SETTLED:g}) + 1]"),
-    "ise": (f"{ERROR}, squared, times s", "sum(e**2) * T"),
-    "iae": (f"{ERROR}, times s", "sum(abs(e)) * T"),
-    "itae": (f"{ERROR}, times s²", "sum(t * abs(e)) * T"),
-    "effort": (DRIVE, "sqrt(mean(d**2))"),
-    "variation": (f"{DRIVE}, per s", "sum(abs(diff(d))) / (n * T)"),
-    "saturated": ("a share, 0 to 1", "mean(any((d <= low) | (d >= high)))"),
-    "chatter": ("of the first drive", "sqrt(mean(diff(d1)**2)), d1 in every control period"),
-    "rms_periods": (ERROR, "sqrt(mean(e**2)), e in every control period"),
-    "rms_path": (ERROR, "sqrt(mean(e**2)), e in every control period, from the reference itself"),
-}
-"""Unit and formula of each metric; ``docs/reference/metrics.md`` has their names.
+METRIC_KINDS: dict[str, MetricKind] = {
+    "rms": MetricKind(ERROR, "sqrt(mean(e**2))", lambda s: float(rms(s.errors))),
+    "max": MetricKind(
+        ERROR, "e[argmax(abs(e))]",
+        lambda s: float(signed_maximum(s.errors[:, None], s.maximum)[0]),
+    ),
+    "final": MetricKind(ERROR, "e[-1]", lambda s: float(final(s.errors[:, None])[0])),
+    "rise": MetricKind(
+        SECONDS, "t[way >= 0.9][0] - t[way >= 0.1][0]", lambda s: s.step[0], "s", None
+    ),
+    "overshoot": MetricKind(
+        ERROR, "max(0, max(way) - 1) * abs(step)", lambda s: s.step[1], missing=None
+    ),
+    "settling": MetricKind(
+        SECONDS, f"t[last(abs(way - 1) > {SETTLED:g}) + 1]", lambda s: s.step[2], "s", None
+    ),
+    "ise": MetricKind(
+        f"{ERROR}, squared, times s", "sum(e**2) * T",
+        lambda s: s.integral(np.square(s.magnitudes)), "{error}^2 s",
+    ),
+    "iae": MetricKind(
+        f"{ERROR}, times s", "sum(abs(e)) * T", lambda s: s.integral(s.magnitudes), "{error} s"
+    ),
+    "itae": MetricKind(
+        f"{ERROR}, times s²", "sum(t * abs(e)) * T",
+        lambda s: s.integral(s.elapsed * s.magnitudes), "{error} s^2",
+    ),
+    "effort": MetricKind(
+        DRIVE, "sqrt(mean(d**2))",
+        lambda s: float(np.sqrt(np.mean(s.drives**2))) if s.drives.size else 0.0, "{every}",
+    ),
+    "variation": MetricKind(
+        f"{DRIVE}, per s", "sum(abs(diff(d))) / (n * T)", lambda s: s.variation, "{every}/s"
+    ),
+    "saturated": MetricKind(
+        "a share, 0 to 1", "mean(any((d <= low) | (d >= high)))", lambda s: s.saturated, ""
+    ),
+    "chatter": MetricKind(
+        "of the first drive", "sqrt(mean(diff(d1)**2)), d1 in every control period",
+        lambda s: s.counted.chatter, "{drive}",
+    ),
+    "rms_periods": MetricKind(
+        ERROR, "sqrt(mean(e**2)), e in every control period", lambda s: s.counted.rms_periods
+    ),
+    "rms_path": MetricKind(
+        ERROR, "sqrt(mean(e**2)), e in every control period, from the reference itself",
+        lambda s: s.counted.rms_path,
+    ),
+}  # fmt: skip
+"""Each metric, in the order of :class:`Metrics`; ``docs/reference/metrics.md`` has their names.
 
-``tests/docs/test_metrics_page.py`` computes them.
+``tests/docs/test_metrics_page.py`` computes the formulas.
 """
+
+ERRORS = tuple(name for name, kind in METRIC_KINDS.items() if kind.symbol == "{error}")
+"""Metrics in the unit of the error."""
+
+FORMULAS = {name: (kind.unit, kind.formula) for name, kind in METRIC_KINDS.items()}
+"""Unit and formula of each metric, for its page."""
+
+
+def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
+    """Return the unit of a metric; empty if it has none or the drives have different ones.
+
+    Parameters
+    ----------
+    metric : str
+        A field of :class:`Metrics`.
+    error : str
+        Unit of the error.
+    drives : sequence of str
+        Units of the axis's drives.
+    """
+    drive = drives[0] if drives else ""
+    every = drive if len(set(drives)) == 1 else ""
+    own = "" if error == "1" else error
+    symbol = METRIC_KINDS[metric].symbol
+    if "{every}" in symbol and not every:
+        return ""
+    if "{error}^" in symbol and not own:
+        symbol = "s"
+    return symbol.format(error=own, drive=drive, every=every).strip()

@@ -97,7 +97,7 @@ def _class(printer: Printer, module: Module) -> Iterator[str]:
         name = printer.members[key].rpartition(".")[2]
         kind = printer.target.types.get(member.kind, "")
         if isinstance(member.start, tuple):
-            kind = f"[{kind}; {len(member.start)}]"
+            kind = printer.target.array_type.format(kind, len(member.start))
         remark = ""
         if member.remark:
             remark = printer.target.language.remark.format(plain(member.remark))
@@ -109,7 +109,8 @@ def _class(printer: Printer, module: Module) -> Iterator[str]:
         "fields": fields, "starts": starts,
         "step": [*function.checks(), *function.lines(step.body)],
         "parameters": ", ".join(filter(None, [module.own, *function.parameter_texts()])),
-        "returned": kinds[0] if len(kinds) == 1 else f"({', '.join(kinds)})",
+        "returned": kinds[0] if len(kinds) == 1 else (
+            printer.target.several_type.format(", ".join(kinds), *kinds[:1])),
     }  # fmt: skip
     return _filled(module.controller, blocks)
 

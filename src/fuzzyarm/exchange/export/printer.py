@@ -101,6 +101,9 @@ class Target:
         Names of helpers that `operation` adds.
     public, hidden : str
         In front of functions that others call, and of those that they do not.
+    several, several_type, array_type : str
+        Several results, their type (of all kinds, or of the first), and that of an array of the
+        state.
     unused : str
         The statement that names a parameter that is not read, where a compiler asks for it.
     refused : re.Pattern, optional
@@ -156,6 +159,8 @@ class Target:
     unused: str = ""
     refused: re.Pattern[str] | None = None
     several: str = "[{}]"
+    several_type: str = ""
+    array_type: str = ""
     part: str = "{}[{}]"
     whole_tuple: str = "const {name} = {value};"
     helpers: tuple[str, ...] = ()
