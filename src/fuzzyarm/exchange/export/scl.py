@@ -2,8 +2,8 @@
 
 The text is that of a ``.st`` in another dialect: local names have ``#`` before them and blocks
 stand in quotation marks; a function of several parameters is called with their names; arrays are
-not constants; a function keeps nothing and may not write to its inputs; and there is no program,
-so that the self-test is a block as well.
+not constants; a function keeps nothing; and there is no program, so that the self-test is a block
+as well.
 """
 
 from __future__ import annotations
@@ -75,7 +75,6 @@ class _SclUnit:
     unit: Unit
     units: dict[str, Unit]
     types: dict[str, str] = field(default_factory=dict)  # of the variables
-    inputs: dict[str, str] = field(default_factory=dict)  # that are written to: their parameters
 
     def __post_init__(self) -> None:
         for section in self.unit.sections:
@@ -84,16 +83,12 @@ class _SclUnit:
             }
         if self.unit.sort == "FUNCTION":
             self.types[self.unit.name] = self.unit.returned
-            self.inputs = _written_inputs(self.unit)
 
     def text(self) -> str:
         """Return the block."""
         is_function = self.unit.sort == "FUNCTION"
         sort = "FUNCTION" if is_function else "FUNCTION_BLOCK"
         returned = f" : {_TYPES[self.unit.returned]}" if is_function else ""
-        copies = [
-            f"    #{_local(name)} := #{parameter};" for name, parameter in self.inputs.items()
-        ]
         lines = [
             f'{sort} "{self.unit.name}"{returned}',
             "{ S7_Optimized_Access := 'TRUE' }",
@@ -101,7 +96,6 @@ class _SclUnit:
             *self._head(),
             *self._declared(),
             "BEGIN",
-            *copies,
             *(f"    {line}" if line else "" for line in self._statements().split("\n")),
             f"END_{sort}",
             "",
@@ -121,14 +115,10 @@ class _SclUnit:
             title = titles.get(section.title, section.title)
             for declaration in section.declarations:
                 groups.setdefault(title, []).append(self._declaration(declaration))
-        if self.inputs:
-            groups.setdefault("VAR_TEMP", []).extend(
-                f"    {_local(name)} : {_TYPES[self.types[name]]};" for name in self.inputs
-            )
         return [line for title, lines in groups.items() for line in (f"{title}", *lines, "END_VAR")]
 
     def _declaration(self, declaration: Declaration) -> str:
-        name = self.inputs.get(declaration.name, declaration.name)
+        name = declaration.name
         kind = _TYPES.get(declaration.type, f'"{declaration.type}"')
         if declaration.last is not None:
             kind = f"Array[0..{declaration.last}] of {kind}"
@@ -181,11 +171,8 @@ class _SclUnit:
             parameters: Sequence[str] = _BY_NAME[name]
         elif name in self.units:
             unit = self.units[name]
-            written = _written_inputs(unit)
             parameters = [
-                written.get(port, _local(port))
-                for title in ("VAR_INPUT", "VAR_IN_OUT")
-                for port in unit.ports(title)
+                _local(port) for title in ("VAR_INPUT", "VAR_IN_OUT") for port in unit.ports(title)
             ]
             name = f'"{name}"'
         else:
@@ -200,14 +187,6 @@ class _SclUnit:
         assert sign == ":="
         at = next(i for i, token in enumerate(tokens) if token[1] == ":=")
         return f"{_local(name)} := {self._translated(tokens[at + 1 :]).strip()}"
-
-
-def _written_inputs(unit: Unit) -> dict[str, str]:
-    """Return the inputs of a function that it writes to, and what their parameters are called."""
-    if unit.sort != "FUNCTION":
-        return {}
-    set_there = set(re.findall(r"(\w+) := ", unit.statements))
-    return {name: f"{name}_given" for name in unit.ports("VAR_INPUT") if name in set_there}
 
 
 def _local(name: str) -> str:

@@ -96,17 +96,12 @@ class Translation:
         bound = _used_by(function, dict(bindings))
         key = (function, tuple(types), bound)
         if key not in self._functions:
-            translation = self.new_function(function, types, bound)
+            name = self.name(function.__name__)
+            translation = _Function(self, function, types, bound, name)
             self._functions[key] = translation
             translation.translate()
             self._finished.append(translation)
         return self._functions[key]
-
-    def new_function(
-        self, function: Callable[..., Any], types: Sequence[Type], bindings: Bindings
-    ) -> _Function:
-        """Return a function not yet translated."""
-        return _Function(self, function, types, bindings, self.name(function.__name__))
 
     def name(self, name: str) -> str:
         """Return an unused name for a function."""
