@@ -388,7 +388,8 @@ RUST = Target(
     cast=lambda text, before, after: text if before is after else (
         f"({text} as {_RUST_TYPES[after]})"),
     truths=("false", "true"), again="let mut {name}: {type} = {value};",
-    whole_tuple="let {name} = {value};", several="({})", several_type="({})", array_type="[{}; {}]", part="{}.{}", member="self.{}",
+    whole_tuple="let {name} = {value};", several="({})", several_type="({})",
+    array_type="[{}; {}]", part="{}.{}", member="self.{}",
     public="pub ", returned="{}", parameter="{name}: {type}", late="{name}: {type}",
     array_argument="&[{}]", argument="&{}", cast_binds=8,
     function=("{public}fn {name}({parameters}) -> {type} {{", "}\n"),

@@ -122,7 +122,8 @@ def _start(printer: Printer, module: Module, member: Member) -> str:
     zeros, uniform, copied = module.arrays
     kind = np.dtype(member.kind)
     words = {"count": len(member.start), "letter": LETTERS[kind.name],
-             "bytes": kind.itemsize * len(member.start)}  # fmt: skip
+             "bytes": kind.itemsize * len(member.start),
+             "type": printer.target.types.get(member.kind, "")}  # fmt: skip
     if len(set(member.start)) > 1:
         constant = printer.constant(f"{member.stem}_start", member.kind, member.start)
         return copied.format(name=constant, **words)
