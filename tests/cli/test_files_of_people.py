@@ -165,7 +165,7 @@ def test_o_without_a_sweep_names_the_option_for_samples(folder, capsys):
     assert "--csv FILE writes the samples" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["check", "show", "compile -o x.lut", "prove"])
+@pytest.mark.parametrize("command", ["check", "show", "compile -o x.lut", "prove", "designer"])
 def test_a_mistyped_file_gets_the_nearest_one(folder, capsys, command):
     assert main([*command.split(), "pd6.frb"]) == 1
     assert "did you mean 'pd7.frb'?" in capsys.readouterr().err

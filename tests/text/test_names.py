@@ -40,6 +40,7 @@ def test_the_same_in_other_letters_is_the_only_answer():
         ("hover", "did you mean 'hover.frb'?"),
         ("hover.frbb", "did you mean 'hover.frb'?"),
         ("xyz.frb", ""),
+        ("lost.frb", ""),
         ("servo.frb", "fuzzyarm shipped servo.frb -o .  copies the shipped one"),
         ("servo", "fuzzyarm shipped servo.frb -o .  copies the shipped one"),
         (os.path.join("nowhere", "servo.frb"), ""),
@@ -49,4 +50,5 @@ def test_a_missing_file_is_one_beside_it_or_a_shipped_one(tmp_path, monkeypatch,
     monkeypatch.chdir(tmp_path)
     for name in ("hover.csv", "hover.frb", "rb.frb"):
         (tmp_path / name).touch()
+    (tmp_path / "lost.frb").symlink_to("lost.frb")
     assert missing_file_hint(missing) == hint

@@ -88,7 +88,8 @@ def missing_file_hint(path: str | os.PathLike[str]) -> str:
         files = sorted(os.listdir(folder or "."), key=lambda each: not each.endswith(suffix))
         stems: dict[str, str] = {}
         for each in files:
-            stems.setdefault(os.path.splitext(each)[0], each)
+            if each != name:  # a link that leads nowhere
+                stems.setdefault(os.path.splitext(each)[0], each)
         if found_stem := nearest(stem, stems):
             return did_you_mean(os.path.join(folder, stems[found_stem]))
     return ""

@@ -33,6 +33,7 @@ from fuzzyarm.apps.cli.command import (
     say,
 )
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.shipped_files import missing_file_hint
 
 
 class DesignerError(FuzzyarmError, OSError):
@@ -44,7 +45,8 @@ def _run(arguments: argparse.Namespace) -> int:
     if not path.exists() and (path.suffix or arguments.export is not None):
         raise DesignerError(
             f"there is no file {arguments.file}",
-            hint="`fuzzyarm designer FOLDER` makes new files, in a new folder too",
+            hint=missing_file_hint(path)
+            or "`fuzzyarm designer FOLDER` makes new files, in a new folder too",
         )
     if arguments.export is not None:
         _export(path, arguments)
