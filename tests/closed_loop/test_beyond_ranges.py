@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
 import fuzzyarm
 from fuzzyarm.plant import Plant, Port
+from fuzzyarm.proof.check.numbers import between, ends, exact, magnitude
+from fuzzyarm.proof.check.rules import RuleSurface, RuleSurfaces
+from fuzzyarm.proof.check.slopes import Slope, SlopeNumbers
 from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
-from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.planes import RulePlanes, Zonotope
-from fuzzyarm.proof.loop.rule_pieces import RulePieces
-from fuzzyarm.proof.loop.slopes import Slope, SlopeNumbers
-from fuzzyarm.proof.loop.spans import RationalInterval
 from fuzzyarm.proof.loop.tube import tube
 
 TERMS = "terms e: triangles N Z P\n"
@@ -127,14 +124,16 @@ def test_a_plane_holds_the_values_beyond_a_range():
 
 
 def test_the_checker_cuts_beyond_a_range_too():
-    pieces = RulePieces(rulebase_of(FAR_TEXT), "u")
-    region = {"e": (Fraction(6, 5), Fraction(7, 5))}
-    span = pieces.value(region)
-    assert span.low <= far_value(1.4) + 1e-12
-    assert float(span.high) == pytest.approx(far_value(1.2))
-    slope = pieces.slope(region, "e")
-    assert slope.low == slope.high == -4
-    clamped = RulePieces(rulebase_of(text_of()), "u")
+    surface = RuleSurface(rulebase_of(FAR_TEXT), "u")
+    region = {"e": (exact(1.25), exact(1.375))}
+    low, high = ends(surface.value(region))
+    assert low <= far_value(1.375) + 1e-12
+    assert float(high) == pytest.approx(far_value(1.25), abs=1e-8)
+    assert surface.has_slope(region, "e", exact(-4), exact(-4))
+    value, slopes = surface.over({"e": between(*region["e"])}, ["e"])
+    assert ends(value) == pytest.approx((float(low), float(high)), abs=1e-6)
+    assert slopes["e"] == -4
+    clamped = RuleSurface(rulebase_of(text_of()), "u")
     with pytest.raises(LoopProofError, match="leaves its universe"):
         clamped.value(region)
 
@@ -221,17 +220,18 @@ def test_the_checker_has_no_value_in_a_hole_between_corners():
         "inference u: defuzzifier weighted-average\ninference q: outside error\n"
         "rule if q is N then u is N\nrule if q is P then u is P\n"
     )
-    numbers = SlopeNumbers(PiecesOfRules())
-    whole = RationalInterval(Fraction(-1), Fraction(1, 4))
+    numbers = SlopeNumbers(RuleSurfaces())
+    whole = between(exact(-1), exact(0.25))
     with pytest.raises(LoopProofError, match="there is no value"):
         numbers.rules(rulebase, "u", {"q": Slope(whole, {})})
-    within = RationalInterval(Fraction(-1), Fraction(1, 5))
-    assert numbers.rules(rulebase, "u", {"q": Slope(within, {})}).value.size < 1
+    within = between(exact(-0.9375), exact(0.1875))
+    assert magnitude(numbers.rules(rulebase, "u", {"q": Slope(within, {})}).value) < 1
 
 
 def test_a_sum_without_a_rule_has_no_value_for_the_checker():
     text = text_of(SMALL, "inference e: outside extend").replace("weighted-average", "weighted-sum")
-    pieces = RulePieces(rulebase_of(text), "u")
-    assert pieces.value({"e": (Fraction(0), Fraction(1))}).high >= 1
-    with pytest.raises(LoopProofError, match="may have no value"):
-        pieces.value({"e": (Fraction(1), Fraction(3))})
+    surface = RuleSurface(rulebase_of(text), "u")
+    assert ends(surface.value({"e": (exact(0), exact(1))}))[1] >= 1
+    for low, high in ((1, 3), (-3, -2)):
+        with pytest.raises(LoopProofError, match="may have no value"):
+            surface.value({"e": (exact(low), exact(high))})

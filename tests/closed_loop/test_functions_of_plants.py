@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import fuzzyarm
 from fuzzyarm.plant import Plant, Port
-from fuzzyarm.proof.loop.slopes import Slope, applied
-from fuzzyarm.proof.loop.spans import FUNCTIONS, RationalInterval, SpanError, exactly, function
+from fuzzyarm.proof.check.numbers import (
+    FUNCTIONS,
+    ONE,
+    SpanError,
+    between,
+    ends,
+    exact,
+    function,
+    precisely,
+    radius,
+)
+from fuzzyarm.proof.check.slopes import Slope, applied
 from tests.budget import cases
 
 OWN = {"absolute": abs, **{n: getattr(math, n) for n in FUNCTIONS if n != "absolute"}}
@@ -20,32 +29,34 @@ DOMAINS = {"sqrt": (0.01, 9.0), "log": (0.01, 9.0), "asin": (-0.99, 0.99), "acos
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
+@precisely
 def test_a_function_and_its_slope_hold_those_of_points(name):
     generator = np.random.default_rng(7)
     low, high = DOMAINS.get(name, (-4.0, 4.0))
     for _ in range(cases(20, 200)):
         a, b = sorted(generator.uniform(low, high, 2))
-        x = Slope(RationalInterval(Fraction(a), Fraction(b)), {"x": exactly(1.0)})
+        x = Slope(between(exact(a), exact(b)), {"x": ONE})
         found = applied(name, [x])
         along = found.along["x"]
         for at in np.linspace(a, b, 9)[1:-1].tolist():
             value = OWN[name](at)
             slack = 1e-14 * (1.0 + abs(value))
-            assert float(found.value.low) - slack <= value <= float(found.value.high) + slack
+            assert ends(found.value)[0] - slack <= value <= ends(found.value)[1] + slack
             step = 1e-6
             slope = (OWN[name](at + step) - OWN[name](at - step)) / (2.0 * step)
             slack = 1e-5 * (1.0 + abs(slope))
-            assert float(along.low) - slack <= slope <= float(along.high) + slack
+            assert ends(along)[0] - slack <= slope <= ends(along)[1] + slack
         # Of a point both are narrow.
-        point = applied(name, [Slope(exactly(a), {"x": exactly(1.0)})])
-        assert point.value.high - point.value.low < Fraction(1, 2**120)
-        assert point.along["x"].high - point.along["x"].low < Fraction(1, 2**100)
+        point = applied(name, [Slope(exact(a), {"x": ONE})])
+        assert float(radius(point.value)) <= 2.0**-120
+        assert float(radius(point.along["x"])) <= 2.0**-100
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
+@precisely
 def test_a_function_of_a_point_is_narrow(name):
-    found = function(name, exactly(0.375))
-    assert found.high - found.low < Fraction(1, 2**140)
+    found = function(name, exact(0.375))
+    assert float(radius(found)) <= 2.0**-140
 
 
 @pytest.mark.parametrize(
@@ -55,17 +66,17 @@ def test_a_function_of_a_point_is_narrow(name):
 )  # fmt: skip
 def test_where_a_function_has_no_value_or_bound_nothing_is_said(name, low, high):
     with pytest.raises(SpanError):
-        function(name, RationalInterval(Fraction(low), Fraction(high)))
+        function(name, between(exact(low), exact(high)))
 
 
 @pytest.mark.parametrize("exponent", [2.0, 3.0, -1.0, 0.5, 1.5, -2.5])
 def test_a_power_holds_those_of_points(exponent):
-    x = Slope(RationalInterval(Fraction(1, 2), Fraction(3, 2)), {"x": exactly(1.0)})
-    found = applied("power", [x, Slope(exactly(exponent), {})])
+    x = Slope(between(exact(0.5), exact(1.5)), {"x": ONE})
+    found = applied("power", [x, Slope(exact(exponent), {})])
     for at in np.linspace(0.5, 1.5, 11):
-        assert float(found.value.low) - 1e-12 <= at**exponent <= float(found.value.high) + 1e-12
+        assert ends(found.value)[0] - 1e-12 <= at**exponent <= ends(found.value)[1] + 1e-12
         slope = exponent * at ** (exponent - 1.0)
-        assert float(found.along["x"].low) - 1e-12 <= slope <= float(found.along["x"].high) + 1e-12
+        assert ends(found.along["x"])[0] - 1e-12 <= slope <= ends(found.along["x"])[1] + 1e-12
 
 
 LINE = """

@@ -14,10 +14,10 @@ import fuzzyarm
 from fuzzyarm.control.loop import Options, Sensor, simulate
 from fuzzyarm.plant import find_plant
 from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.check.loop import checked_loop
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import LoopProofError, prove_loop, read_claim
-from fuzzyarm.proof.loop.checked_loop import checked_loop
 from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.runs import sampled_runs
@@ -118,7 +118,7 @@ def test_from_beyond_the_region(servo, claim):
 @pytest.fixture(scope="module")
 def haven(servo):
     claim = read_claim("stable", "motor")
-    certificate = prove_loop(servo, claim).certificate
+    certificate = prove_loop(servo, claim).certificate.region
     maker = FormMaker(problem_of(servo, claim))
     loop = checked_loop(maker.problem, certificate.states, certificate.evidence)
     return Haven(maker, certificate, loop, claim), certificate
@@ -180,16 +180,17 @@ def test_who_arrives_late_has_to_arrive_nearer_to_rest(servo, haven):
 @pytest.mark.slow
 def test_a_region_that_is_damaged_is_no_haven(servo, haven):
     _, certificate = haven
-    maker = FormMaker(problem_of(servo, certificate.claim))
+    claim = read_claim("stable", "motor")
+    maker = FormMaker(problem_of(servo, claim))
     loop = checked_loop(maker.problem, certificate.states, certificate.evidence)
     p = [list(row) for row in certificate.p]
     p[0][0] /= 2
     damaged = replace(certificate, p=tuple(map(tuple, p)))
     with pytest.raises(LoopProofError, match="not proved"):
-        Haven(maker, damaged, loop, certificate.claim)
+        Haven(maker, damaged, loop, claim)
     faster = replace(certificate, rate=min(Fraction(99, 100), 64 * certificate.rate))
     with pytest.raises(LoopProofError, match="not proved"):
-        Haven(maker, faster, loop, certificate.claim)
+        Haven(maker, faster, loop, claim)
 
 
 def test_the_claim_of_stability_is_of_the_same_loop():

@@ -65,6 +65,7 @@ from fuzzyarm.control.loop.course import Options, Sensor  # noqa: E402
 from fuzzyarm.language.model.claims import LoopClaim  # noqa: E402
 from fuzzyarm.plant.own import find_plant  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
+from fuzzyarm.proof.check.certificate import sealed  # noqa: E402
 from fuzzyarm.proof.claim.text import loop_sentence  # noqa: E402
 from fuzzyarm.proof.loop import (  # noqa: E402
     LoopVerdict,
@@ -72,9 +73,8 @@ from fuzzyarm.proof.loop import (  # noqa: E402
     read_claim,
     write_certificate,
 )
-from fuzzyarm.proof.loop.certificate import sealed  # noqa: E402
+from fuzzyarm.proof.loop.boxes import certify_tube  # noqa: E402
 from fuzzyarm.proof.loop.timed import loop_tube  # noqa: E402
-from fuzzyarm.proof.loop.tube_certificate import certify_tube  # noqa: E402
 
 BUDGET = 1.0
 """Seconds for each claim."""
@@ -951,9 +951,9 @@ def demand_region(bench: Bench, verdict: LoopVerdict) -> None:
     certificate = verdict.certificate
     assert certificate is not None
     loop = bench.loop
-    p = np.array([[float(x) for x in row] for row in certificate.p])
-    rest = np.array([verdict.rest[name] for name in certificate.states])
-    own = [memory_key(name, loop) for name in certificate.states]
+    p = np.array([[float(x) for x in row] for row in certificate.region.p])
+    rest = np.array([verdict.rest[name] for name in certificate.region.states])
+    own = [memory_key(name, loop) for name in certificate.region.states]
     parameters = {n: (a, b) for n, a, b in certificate.claim.parameters}
     _, values = bench.starts({}, parameters, 300)
     runs = 300
@@ -964,16 +964,16 @@ def demand_region(bench: Bench, verdict: LoopVerdict) -> None:
     z = factor @ (way * size)
     points = z + rest[:, None]
     names = list(loop.plant.states)
-    states = np.array([points[certificate.states.index(name)] for name in names])
+    states = np.array([points[certificate.region.states.index(name)] for name in names])
     memory: dict[str, np.ndarray] | None = None
-    if len(names) < len(certificate.states):
+    if len(names) < len(certificate.region.states):
         if any(key is None for key in own):
             count("region not sampled")
             return _demand_along(bench, verdict)
         memory = {
             key: points[k]
             for k, key in enumerate(own)
-            if key and certificate.states[k] not in names
+            if key and certificate.region.states[k] not in names
         }
     try:
         course = bench.run(states, values, PERIODS, memory=memory)
@@ -988,12 +988,14 @@ def demand_region(bench: Bench, verdict: LoopVerdict) -> None:
         if k + 1 < PERIODS:
             place |= {
                 name: course.memory[k + 1].get(key)
-                for name, key in zip(certificate.states, own, strict=True)
+                for name, key in zip(certificate.region.states, own, strict=True)
                 if key
             }
         elif memory is not None:
             break
-        away = np.array([place[name] - r for name, r in zip(certificate.states, rest, strict=True)])
+        away = np.array(
+            [place[name] - r for name, r in zip(certificate.region.states, rest, strict=True)]
+        )
         now = np.einsum("ir,ij,jr->r", away, p, away)
         room = 1e-7 + (1e-5 * before if not loop.plant.affine else 1e-7 * before)
         worst = int(np.argmax(now - before))
@@ -1147,11 +1149,13 @@ def demand_certificate(bench: Bench, verdict: LoopVerdict) -> None:
     data = json.loads(Path("c.json").read_text())
     leaves = list(fields_of(data))
     bench.draw.shuffle(leaves)
-    often = [path for path in leaves if path[0] in ("claim", "sensors", "connect", "loop")]
+    often = [
+        path for path in leaves if path[0] in ("claim", "sensors", "connect", "regions", "tubes")
+    ]
     some = [*often[:8], *leaves[:4]]
     if bench.draw.random() < 0.1:  # every field, except for most of the numbers
         count("every field forged")
-        some = [p for p in leaves if p[0] not in ("p", "boxes")] + some
+        some = [p for p in leaves if "p" not in p] + some
     for path in some:
         if path == ("claim", "plant"):  # which we give
             continue

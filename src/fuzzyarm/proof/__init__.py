@@ -1,15 +1,16 @@
 """Proofs: of a rule base at every point, and of a controller in its loop.
 
-Read :mod:`.map.prover` first, then :mod:`.claim.problem` and :mod:`.loop.verification`. Every
+Read :mod:`.map.prover` first, then :mod:`.claim.problem` and :mod:`.check`. Every
 number that enters a verdict is rounded outward.
 
 map
     A rule base or table: bounds, slopes, symmetry, sectors.
+check
+    The checker of certificates, which imports nothing of the search.
 claim
     What is claimed of a loop, in words and as the loop that it is about.
 loop
-    A controller with its plant: regions that no run leaves, tubes, certificates and their
-    checker.
+    A controller with its plant: regions that no run leaves, tubes, and their certificates.
 """
 
 from __future__ import annotations

@@ -7,21 +7,21 @@
 from typing import TYPE_CHECKING
 
 from fuzzyarm.base.lazy import lazily
+from fuzzyarm.proof.check.certificate import (
+    Certificate,
+    CertificateError,
+    read_certificate,
+    write_certificate,
+)
 from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
 from fuzzyarm.proof.claim.text import claim_text, read_claim
+from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.call import prove
-from fuzzyarm.proof.loop.certificate import Certificate, CertificateError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.margins import DriveMargins, Margins, margins
 from fuzzyarm.proof.loop.start_map import MappedBox, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
-from fuzzyarm.proof.loop.tube_certificate import (
-    TubeCertificate,
-    certify_tube,
-    read_certificate,
-    write_certificate,
-)
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
 
 __all__ = [
@@ -36,7 +36,6 @@ __all__ = [
     "Margins",
     "StartMap",
     "Tube",
-    "TubeCertificate",
     "certify_tube",
     "check_certificate",
     "claim_text",

@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.check.certificate import Gains
+from fuzzyarm.proof.check.numbers import FUNCTIONS, SpanError, ends, exact, function, is_point
 from fuzzyarm.proof.claim.problem import LoopProofError
-from fuzzyarm.proof.loop.evidence import Gains
 from fuzzyarm.proof.loop.period import LoopAlgebra
-from fuzzyarm.proof.loop.spans import FUNCTIONS, SpanError, exactly, function
 from fuzzyarm.symbolic.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.table import LookupTable
 
@@ -146,6 +146,11 @@ class SignalBound:
     high: Fraction | None
     words: str
 
+    @property
+    def limit(self) -> Fraction:
+        """How far from 0 it may be at least."""
+        return min(abs(end) for end in (self.low, self.high) if end is not None)
+
 
 Rules = Callable[["AffineAlgebra", RuleBase, Mapping[str, Affine]], list[Affine]]
 """What stands for rule bases."""
@@ -172,7 +177,7 @@ class AffineAlgebra(LoopAlgebra[Affine]):
     blocks, bounds : list
         What has been noted.
     gains, spread : list
-        The same for a certificate, see :class:`fuzzyarm.proof.loop.evidence.Evidence`.
+        The same for a certificate, see :class:`fuzzyarm.proof.check.certificate.Evidence`.
     """
 
     def __init__(
@@ -365,20 +370,20 @@ def _end(value: float) -> Fraction:
 
 def _exactly(operation: str, values: list[Fraction]) -> Fraction:
     """Return an operation of numbers where it is rational."""
-    exact: dict[str, Callable[..., Fraction | bool]] = {
+    rational: dict[str, Callable[..., Fraction | bool]] = {
         "absolute": abs,
         "equal": lambda a, b: a == b,
         "both": lambda a, b: bool(a) and bool(b),
         "either": lambda a, b: bool(a) or bool(b),
         "negation": lambda a: not a,
     }
-    if operation in exact:
-        return Fraction(exact[operation](*values))
+    if operation in rational:
+        return Fraction(rational[operation](*values))
     if operation in FUNCTIONS:
         with suppress(SpanError):
-            value = function(operation, exactly(values[0]))
-            if value.is_point:  # the sine of 0, the root of 4
-                return value.low
+            value = function(operation, exact(values[0]))
+            if is_point(value):  # the sine of 0, the root of 4
+                return ends(value)[0]
     if operation == "sqrt" and values[0] >= 0:
         root = Fraction(math.isqrt(values[0].numerator), math.isqrt(values[0].denominator))
         if root * root == values[0]:

@@ -15,10 +15,10 @@ from fractions import Fraction
 import numpy as np
 
 from fuzzyarm.language.model.rulebase import RuleBase
+from fuzzyarm.proof.check.certificate import Gains
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, AffineAlgebra, Rules, number
 from fuzzyarm.proof.loop.enclosure import Intervals
-from fuzzyarm.proof.loop.evidence import Gains
 from fuzzyarm.proof.loop.form import Assumptions
 from fuzzyarm.proof.loop.outward import around, end_of
 from fuzzyarm.proof.map.bounds import Bounds, UnprovableError

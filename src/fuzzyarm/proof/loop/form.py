@@ -15,11 +15,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 
 from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.check.certificate import Evidence
+from fuzzyarm.proof.check.loop import System
+from fuzzyarm.proof.check.numbers import around, exact
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import ONE, ZERO, Affine, SignalBound
-from fuzzyarm.proof.loop.evidence import Evidence
 
 __all__ = ["Assumptions", "Form", "Matrix", "row_of"]
 
@@ -102,6 +105,25 @@ class Form:
         """How many states."""
         return len(self.names)
 
+    @cached_property
+    def system(self) -> System:
+        """The same for the checker."""
+        move = [
+            [around(exact(x), exact(far)) if far else exact(x)
+             for x, far in zip([*a, *b], radius, strict=True)]
+            for a, b, radius in zip(self.a, self.b, self.radius, strict=True)
+        ]  # fmt: skip
+        return System(
+            size=self.size,
+            move=move,
+            blocks=[list(map(exact, row)) for row in self.blocks],
+            rows=tuple(
+                (list(map(exact, self.row(bound.signal))), exact(bound.limit), bound.words)
+                for bound in self.bounds
+            ),
+            period=self.period,
+        )
+
     def row(self, signal: Affine) -> tuple[Fraction, ...]:
         """Return the weights of z and w in a signal."""
         return row_of(signal, self.names, len(self.blocks))
@@ -113,8 +135,7 @@ class Form:
         """
         rows = []
         for bound in self.bounds:
-            limit = min(abs(end) for end in (bound.low, bound.high) if end is not None)
-            rows += [(row, limit, bound.words) for row in self.rows_of(bound.signal)]
+            rows += [(row, bound.limit, bound.words) for row in self.rows_of(bound.signal)]
         return list(dict.fromkeys(rows))
 
     def rows_of(self, signal: Affine) -> list[tuple[Fraction, ...]]:

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from fuzzyarm.plant.plant import Address, Port
+from fuzzyarm.proof.check.certificate import Evidence
+from fuzzyarm.proof.check.walk import ProgramWalk
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.loop.affine import (
     ONE,
@@ -19,11 +21,9 @@ from fuzzyarm.proof.loop.affine import (
     variable,
 )
 from fuzzyarm.proof.loop.conclusions import Conclusions
-from fuzzyarm.proof.loop.evidence import Evidence
 from fuzzyarm.proof.loop.form import Assumptions, Form, row_of
 from fuzzyarm.proof.loop.outward import exact_bounds
 from fuzzyarm.proof.loop.period import LoopPeriod
-from fuzzyarm.proof.loop.program_walk import ProgramWalk
 from fuzzyarm.proof.loop.resting import rest_in_floats
 from fuzzyarm.proof.loop.sampled_plant import SampledPlant, require_still
 from fuzzyarm.proof.stop import Stop

@@ -20,9 +20,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from fuzzyarm.proof.loop.checker import Matrices, falls
+from fuzzyarm.proof.check.loop import System
+from fuzzyarm.proof.check.numbers import exact
+from fuzzyarm.proof.check.region import falls, quadratic_at
 from fuzzyarm.proof.loop.linear import declining
-from fuzzyarm.proof.loop.verification import quadratic_at
 from fuzzyarm.proof.stop import Stop
 
 __all__ = ["growth"]
@@ -31,20 +32,20 @@ SHARES = (1.0 - 2.0**-20, 0.9, 0.7, 0.5, 0.3, 0.1, 0.03)
 """Of how far the largest eigenvalue is beyond 1, as floats have it: growths that are tried."""
 
 
-def growth(loop: Matrices, stop: Stop | None = None) -> float:
+def growth(loop: System, stop: Stop | None = None) -> float:
     """Return by what some deviation from rest grows in each period at least; 0: not proved to grow.
 
     Parameters
     ----------
-    loop : Matrices
+    loop : System
         Next to rest, as sampled.
     stop : Stop, optional
         When to give up.
     """
     stop = stop or Stop()
-    if any(limit <= 0 for _, limit, _ in loop.rows_within()):  # it is so nowhere around the rest
+    if not all(limit > 0 for _, limit, _ in loop.rows):  # it is so nowhere around the rest
         return 0.0
-    a = np.array([[float(x) for x in row] for row in loop.a])
+    a = np.array([[float(x) for x in row[: loop.size]] for row in loop.move])
     beyond = float(np.abs(np.linalg.eigvals(a)).max()) - 1.0
     for share in SHARES:
         rate = 1.0 + share * beyond
@@ -57,7 +58,7 @@ def growth(loop: Matrices, stop: Stop | None = None) -> float:
 
 
 def _grows(
-    loop: Matrices,
+    loop: System,
     p: Sequence[Sequence[Fraction]],
     multipliers: Sequence[Fraction],
     rate: Fraction,
@@ -70,4 +71,4 @@ def _grows(
 
 def _is_negative_somewhere(p: Sequence[Sequence[Fraction]]) -> bool:
     vectors = np.linalg.eigh(np.array([[float(x) for x in row] for row in p]))[1]
-    return quadratic_at(p, [Fraction(float(x)) for x in vectors[:, 0]]) < 0  # of the least one
+    return bool(quadratic_at(p, [exact(float(x)) for x in vectors[:, 0]]) < 0)  # of the least one

@@ -20,11 +20,12 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.proof.loop.checker import Matrices
+from fuzzyarm.proof.check.loop import System
 from fuzzyarm.proof.loop.form import Form, Matrix
 from fuzzyarm.proof.loop.lmi import Inequality, feasible_point, minimise
 from fuzzyarm.proof.stop import Stop
@@ -129,13 +130,13 @@ def candidate(
 
 
 def declining(
-    loop: Matrices, growth: float, stop: Stop
+    loop: System, growth: float, stop: Stop
 ) -> tuple[Matrix, tuple[Fraction, ...]] | None:
     """Return V, which need not be positive, and τ with V(z⁺) < growth² V(z); None: none was found.
 
     Parameters
     ----------
-    loop : Matrices
+    loop : System
         As sampled.
     growth : float
         Above 1.
@@ -145,7 +146,8 @@ def declining(
     from scipy.linalg import solve_discrete_lyapunov
 
     n, m = loop.size, len(loop.blocks)
-    a, b = _floats(loop.a), _floats(loop.b).reshape(n, m)
+    move = _floats(loop.move)
+    a, b = move[:, :n], move[:, n:]
     c = _floats(loop.blocks).reshape(m, n + m)
     try:
         with warnings.catch_warnings():
@@ -181,7 +183,7 @@ def _in_units(b: Vector, c: Vector, n: int) -> tuple[Vector, Vector, Vector]:
     return b * units, c, units
 
 
-def _floats(matrix: Sequence[Sequence[Fraction]]) -> Vector:
+def _floats(matrix: Sequence[Sequence[Any]]) -> Vector:
     return np.array([[float(x) for x in row] for row in matrix], float)
 
 

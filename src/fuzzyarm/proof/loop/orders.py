@@ -22,16 +22,15 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import find_plant
-from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.check.certificate import write_certificate
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
-from fuzzyarm.proof.loop.certificate import Certificate
+from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.linearised import linearised
 from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins
 from fuzzyarm.proof.loop.start_map import MAP_BUDGET, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
-from fuzzyarm.proof.loop.tube_certificate import certify_tube, write_certificate
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.proof.map import Bounds, Prover, Verdict, prove_all, sector, slopes_at
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
@@ -333,16 +332,15 @@ def certify(
 
     That takes as long as is left of the budget. LoopProofError where there is none.
     """
-    if isinstance(verdict.certificate, Certificate):
+    if verdict.certificate is not None:
         write_certificate(verdict.certificate, path)
         return verdict.certificate.seal
-    if verdict.tube is not None and verdict.tube.arrival:
-        raise LoopProofError("a tube that ends in a region has no certificate")
     claim = verdict.claim
     assert claim is not None
     budget = request.budget or TUBE_BUDGET
     tube = certify_tube(
-        controller, claim, budget=max(budget - verdict.work, LEAST_SHARE * budget),
+        controller, claim, regions=() if verdict.haven is None else (verdict.haven,),
+        budget=max(budget - verdict.work, LEAST_SHARE * budget),
         tell=lambda count, gap: tell(f"certificate of {verdict.statement}", count, gap),
         **setup_of(request, claim),
     )  # fmt: skip

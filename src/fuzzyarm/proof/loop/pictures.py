@@ -15,12 +15,12 @@ from fuzzyarm.control.loop.run import Run
 from fuzzyarm.control.loop.simulation import simulate
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.check.certificate import RegionProof
+from fuzzyarm.proof.check.loop import CheckedLoop
+from fuzzyarm.proof.check.region import has_known_start, start_quadric, verified
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.claim.text import problem_of
-from fuzzyarm.proof.loop.certificate import Certificate
-from fuzzyarm.proof.loop.checked_loop import CheckedLoop
 from fuzzyarm.proof.loop.verdicts import LoopVerdict
-from fuzzyarm.proof.loop.verification import has_known_start, start_quadric, verified
 
 __all__ = ["RegionPlane", "region_planes"]
 
@@ -65,7 +65,7 @@ def region_planes(
 ) -> list[RegionPlane]:
     """Return the planes of a proved region: of the first two states, and of the next two."""
     certificate = verdict.certificate
-    if not isinstance(certificate, Certificate):
+    if certificate is None or not certificate.regions:
         return []
     problem = problem_of(
         text,
@@ -74,7 +74,7 @@ def region_planes(
         sensors=certificate.sensors,
         connect=certificate.connect,
     )
-    against, _, loop = verified(problem, certificate)
+    against, _, loop = verified(problem, certificate.claim, certificate.region)
     if against or loop is None:
         return []
     states = list(problem.states)
@@ -86,18 +86,19 @@ def _plane(
     problem: LoopProblem, loop: CheckedLoop, verdict: LoopVerdict, first: int, second: int
 ) -> RegionPlane:
     certificate = verdict.certificate
-    assert isinstance(certificate, Certificate)
+    assert certificate is not None
+    region = certificate.region
     names = (problem.states[first], problem.states[second])
     rest = np.array([float(loop.rest[name]) for name in problem.states])
     middle = rest[[first, second]]
-    p = np.array([[float(x) for x in row] for row in certificate.p])
+    p = np.array([[float(x) for x in row] for row in region.p])
     # The projection of zᵀ P z ≤ 1 on two coordinates has the inverse of their block of P⁻¹.
     shadow = np.linalg.inv(np.linalg.inv(p)[np.ix_([first, second], [first, second])])
     angle = np.linspace(0.0, 2.0 * math.pi, 181)
     circle = np.stack([np.cos(angle), np.sin(angle)])
     root = np.linalg.inv(np.linalg.cholesky(shadow)).T
     outline = (root @ circle).T + middle
-    start, within = _starts(problem, loop, certificate, (first, second), circle)
+    start, within = _starts(problem, loop, region, (first, second), circle)
     runs = []
     for way in start[:: max(1, len(start) // RUNS)][:RUNS]:
         run = _run(problem, _at(rest, first, second, middle + 0.999 * way))
@@ -122,14 +123,14 @@ def _plane(
 def _starts(
     problem: LoopProblem,
     loop: CheckedLoop,
-    certificate: Certificate,
+    region: RegionProof,
     plane: tuple[int, int],
     circle: Vector,
 ) -> tuple[Vector, Callable[[Vector], bool] | None]:
     """Return the outline of the proved starts in a plane, and whether a start is one of them."""
     if not has_known_start(problem, loop):
         return np.zeros((0, 2)), None
-    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, plane)
+    quadratic, linear, constant = start_quadric(problem, loop, region.p, plane)
 
     def within(z: Vector) -> bool:
         return bool(z @ quadratic @ z + linear @ z + constant <= 0.0)

@@ -14,9 +14,10 @@ from itertools import product
 import numpy as np
 
 from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.proof.check.loop import System
+from fuzzyarm.proof.check.region import falls
 from fuzzyarm.proof.claim.problem import LoopProofError
 from fuzzyarm.proof.loop.affine import NotAffineError
-from fuzzyarm.proof.loop.checker import Matrices, falls
 from fuzzyarm.proof.loop.form import Assumptions, Form, Matrix
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.linear import CertificateCandidate, candidate
@@ -43,7 +44,7 @@ class Proposal:
     form : Form
         The loop under it.
     p, multipliers, rate
-        See :mod:`fuzzyarm.proof.loop.checker`.
+        See :mod:`fuzzyarm.proof.check.region`.
     size : float
         The logarithm of the volume of the region, except for a constant.
     """
@@ -144,7 +145,7 @@ class _Search:
             return f"no quadratic function was found that falls{what}"
         rate = Fraction(0)
         if self.claim.begin and not self.continuous:
-            rate = rate_of(form, candidate.p, candidate.multipliers)
+            rate = rate_of(form.system, candidate.p, candidate.multipliers)
         return Proposal(choice, form, candidate.p, candidate.multipliers, rate, candidate.size)
 
     # --- plants whose equations are affine ---
@@ -381,7 +382,7 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
     return dict(zip(form.names, halves.tolist(), strict=True))
 
 
-def rate_of(form: Matrices, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
+def rate_of(form: System, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
     """Return a share by which V falls in each period: a power of 2, then somewhat more."""
     low, high = 0, 48  # exponents: 1 and what is as good as nothing
     while high - low > 1:

@@ -31,11 +31,12 @@ from fuzzyarm.control.loop.blocks import default_processes, end_processes, packe
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.check.certificate import Certificate, fingerprints_of
+from fuzzyarm.proof.check.region import verified
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import loop_sentence, problem_of
 from fuzzyarm.proof.loop.algebra import Number
-from fuzzyarm.proof.loop.certificate import Certificate, fingerprints_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
@@ -43,7 +44,6 @@ from fuzzyarm.proof.loop.pool import ARRIVED, LOST, Fate, Pool
 from fuzzyarm.proof.loop.runs import run_of
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability
 from fuzzyarm.proof.loop.verdicts import prove_loop
-from fuzzyarm.proof.loop.verification import verified
 from fuzzyarm.proof.loop.zonotope import Forms
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.requests.journal import WorkJournal, question_of
@@ -242,11 +242,11 @@ class _Worker:
     def __init__(self, case: _Case) -> None:
         problem = case.problem()
         stop = Stop()
-        against, _, loop = verified(problem, case.certificate)
+        against, _, loop = verified(problem, case.certificate.claim, case.certificate.region)
         if against or loop is None:
             raise LoopProofError(f"the region is not proved: {against}")
         self.haven = Haven(
-            FormMaker(problem, stop), case.certificate, loop, claim_of_stability(case.claim)
+            FormMaker(problem, stop), case.certificate.region, loop, claim_of_stability(case.claim)
         )
         horizon = math.ceil(self.haven.horizon / problem.period)
         self.pool = Pool(problem, self.nearness, horizon, stop)
@@ -473,7 +473,7 @@ class _Map:
         )  # fmt: skip
         self.work += verdict.work
         self.region = verdict
-        if not isinstance(verdict.certificate, Certificate):
+        if verdict.certificate is None:
             low, high = zip(*self.window.values(), strict=True)
             self.boxes = [MappedBox(low, high, OPEN, 0, verdict.reason)]
             return self._map(f"no region around rest is proved: {verdict.reason}")
@@ -511,7 +511,7 @@ class _Map:
             boxes=tuple(self.boxes),
             region=verdict.region,
             rest=verdict.rest,
-            certificate=certificate if isinstance(certificate, Certificate) else None,
+            certificate=certificate,
             starts=len(self.drawn),
             settled=len(settled),
             settled_proved=within,

@@ -2,7 +2,7 @@
 
 A claim with an end needs a tube that long (:mod:`fuzzyarm.proof.loop.tube`). One without an end
 needs a tube as far as a proved region, an ellipsoid V ≤ 1 that no run leaves again and in which V
-falls by a known share in each period (:mod:`fuzzyarm.proof.loop.verification`): what holds from
+falls by a known share in each period (:mod:`fuzzyarm.proof.check.region`): what holds from
 there on is read from V.
 """
 
@@ -22,19 +22,18 @@ from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.check.certificate import RegionProof
+from fuzzyarm.proof.check.loop import CheckedLoop
+from fuzzyarm.proof.check.numbers import exact, float_above, float_below, is_positive_definite
+from fuzzyarm.proof.check.region import faded, port_within, refutation
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, claimed_port, problem_of
 from fuzzyarm.proof.claim.time import decimal
 from fuzzyarm.proof.loop.algebra import Number
-from fuzzyarm.proof.loop.certificate import Certificate
-from fuzzyarm.proof.loop.checked_loop import CheckedLoop
-from fuzzyarm.proof.loop.checker import is_positive_definite, refutation
 from fuzzyarm.proof.loop.enclosure import EnclosureError, outward
 from fuzzyarm.proof.loop.follower import Demand, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
-from fuzzyarm.proof.loop.outward import above, below
 from fuzzyarm.proof.loop.tube import Tube, tube
-from fuzzyarm.proof.loop.verification import port_within, power_up
 from fuzzyarm.proof.loop.zonotope import ENLARGED, ROUNDING, Forms, stacked
 
 __all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way", "loop_tube"]
@@ -199,7 +198,7 @@ class Haven:
     ----------
     maker : FormMaker
         Of the loop.
-    certificate : Certificate
+    certificate : RegionProof
         That it is stable as sampled; it is checked here once more.
     loop : CheckedLoop
         As the checker derived it.
@@ -213,7 +212,7 @@ class Haven:
     """
 
     def __init__(
-        self, maker: FormMaker, certificate: Certificate, loop: CheckedLoop, claim: LoopClaim
+        self, maker: FormMaker, certificate: RegionProof, loop: CheckedLoop, claim: LoopClaim
     ) -> None:
         self.maker, self.claim = maker, claim
         self.p, self.rate = certificate.p, certificate.rate
@@ -231,8 +230,8 @@ class Haven:
         self.factor, self.slack = _factored(self.p)
         self.rests = [
             outward(
-                np.array(below(loop.rest[name] - loop.doubt[name])),
-                np.array(above(loop.rest[name] + loop.doubt[name])),
+                np.array(float_below(loop.rest[name])),
+                np.array(float_above(loop.rest[name])),
             )
             for name in loop.names
         ]
@@ -244,12 +243,14 @@ class Haven:
         if not self.claim.output:
             return 1.0
         for halvings in range(40):
-            level = Fraction(1, 2**halvings)
+            level = exact(Fraction(1, 2**halvings))
             try:
-                span = port_within(self.maker.problem, self.loop, self.p, level, self.claim.output)
+                low, high = port_within(
+                    self.maker.problem, self.loop, self.p, level, self.claim.output
+                )
             except (FuzzyarmError, EnclosureError):
                 continue
-            if Fraction(self.claim.low) <= span.low and span.high <= Fraction(self.claim.high):
+            if exact(self.claim.low) <= low and high <= exact(self.claim.high):
                 return float(level)
         raise LoopProofError("at rest, and next to it, the claim is not proved")
 
@@ -289,7 +290,7 @@ class Haven:
         if periods <= 0:
             return 1.0
         if periods not in self._fading:
-            self._fading[periods] = above(power_up(1 - self.rate, periods))
+            self._fading[periods] = float_above(faded(self.rate, periods))
         return self._fading[periods]
 
     def values(self, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.float64]:
@@ -342,12 +343,12 @@ def _factored(p: tuple[tuple[Fraction, ...], ...]) -> tuple[NDArray[np.float64],
     scale = 1.0 / np.sqrt(np.diag(plain))
     balanced = plain * scale[:, None] * scale[None, :]
     factor = np.linalg.cholesky(balanced) / scale[:, None]
-    exact = [[Fraction(float(x)) for x in row] for row in factor]
+    rational = [[Fraction(float(x)) for x in row] for row in factor]
     size = range(len(p))
-    square = [[sum((exact[i][k] * exact[j][k] for k in size), Fraction(0)) for j in size]
+    square = [[sum((rational[i][k] * rational[j][k] for k in size), Fraction(0)) for j in size]
               for i in size]  # fmt: skip
     for slack in (2.0**-30, 2.0**-20, 2.0**-10):
         larger = [[(1 + Fraction(slack)) * square[i][j] - p[i][j] for j in size] for i in size]
-        if is_positive_definite(larger):
+        if is_positive_definite([[exact(x) for x in row] for row in larger]):
             return factor, slack
     raise LoopProofError("the region is too flat for its factors as floats")

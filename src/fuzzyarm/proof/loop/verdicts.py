@@ -11,31 +11,30 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
-from fuzzyarm.control.controllers.text import ControllerText, read_controller
+from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.plant.own import trusted_plant
 from fuzzyarm.plant.plant import Plant, PlantError, parameter
-from fuzzyarm.proof.claim.identity import gain_words, loop_digests
-from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
-from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of
-from fuzzyarm.proof.loop.certificate import (
+from fuzzyarm.proof.check import checking
+from fuzzyarm.proof.check.certificate import (
     Certificate,
-    CertificateError,
+    RegionProof,
     fingerprints_of,
     sensors_by_name,
 )
-from fuzzyarm.proof.loop.checked_lines import PiecesOfRules
-from fuzzyarm.proof.loop.checked_loop import CheckedLoop, checked_loop
-from fuzzyarm.proof.loop.checker import refutation
+from fuzzyarm.proof.check.loop import CheckedLoop, checked_loop
+from fuzzyarm.proof.check.region import refutation, verified
+from fuzzyarm.proof.check.rules import RuleSurfaces
+from fuzzyarm.proof.claim.identity import gain_words, loop_digests
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
+from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.form_maker import FormMaker
 from fuzzyarm.proof.loop.instability import growth
@@ -43,8 +42,6 @@ from fuzzyarm.proof.loop.runs import refuting_run
 from fuzzyarm.proof.loop.search import Proposal, form_at_rest, proposals, rate_of
 from fuzzyarm.proof.loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.proof.loop.tube import Tube
-from fuzzyarm.proof.loop.tube_certificate import TubeCertificate, read_certificate
-from fuzzyarm.proof.loop.verification import verified
 from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.proof.stop import Stop
 
@@ -77,7 +74,7 @@ class LoopVerdict(Shown):
     start_region : dict of str to float
         By state of the plant, how far from rest the loop may start along it alone, everything
         else at rest and the controller as it starts.
-    certificate : Certificate, TubeCertificate or None
+    certificate : Certificate or None
         What proves it.
     rest : dict of str to float
         Where the loop rests.
@@ -106,13 +103,15 @@ class LoopVerdict(Shown):
         Of the file; 0 for a claim from elsewhere.
     claim : LoopClaim or None
         What is claimed.
+    haven : RegionProof or None
+        The region into which a tube leads.
     """
 
     statement: str
     verdict: str
     region: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     start_region: Mapping[str, float] = field(default_factory=dict)
-    certificate: Certificate | TubeCertificate | None = None
+    certificate: Certificate | None = None
     rest: Mapping[str, float] = field(default_factory=dict)
     fall: float = 0.0
     continuous: bool = False
@@ -126,6 +125,7 @@ class LoopVerdict(Shown):
     reason: str = ""
     line: int = 0
     claim: LoopClaim | None = field(default=None, compare=False)
+    haven: RegionProof | None = field(default=None, compare=False, repr=False)
 
     @property
     def proved(self) -> bool:
@@ -241,7 +241,7 @@ class _Case:
         self.stop = Stop(budget, watch)
         self.attempts = 0
         self.maker: FormMaker | None = None
-        self.pieces = PiecesOfRules(self.stop)
+        self.surfaces = RuleSurfaces()
         self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
 
     def verdict(self) -> LoopVerdict:
@@ -288,8 +288,7 @@ class _Case:
         if stable.certificate is None:
             return None
         assert self.loop is not None
-        assert isinstance(stable.certificate, Certificate)
-        haven = Haven(maker, stable.certificate, self.loop, self.claim)
+        haven = Haven(maker, stable.certificate.region, self.loop, self.claim)
         way, reason = followed(
             problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
         )
@@ -298,6 +297,7 @@ class _Case:
         return self._said(
             PROVED, tube=way, region=stable.region, rest=stable.rest, fall=stable.fall,
             uncertain=stable.uncertain, evidence=_own_start(problem),
+            haven=stable.certificate.region,
         )  # fmt: skip
 
     def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
@@ -347,7 +347,7 @@ class _Case:
                 reason = proposal
                 continue
             form = proposal.form
-            against = refutation(form, proposal.p, proposal.multipliers, proposal.rate)
+            against = refutation(form.system, proposal.p, proposal.multipliers, proposal.rate)
             if against:
                 reason = against
                 continue
@@ -374,31 +374,26 @@ class _Case:
     ) -> tuple[LoopVerdict | None, str]:
         """Return what the checker, and runs as witnesses, say of a proposal."""
         assert proposal.form.evidence is not None
-        certificate = Certificate(
-            claim,
-            self.text.path,
-            fingerprints_of(self.text),
-            proposal.form.evidence,
-            self.continuous,
-            proposal.p,
-            proposal.multipliers,
-            proposal.rate,
-            proposal.form.names,
-            sensors_by_name(maker.problem),
-            dict(self.connect or {}),
-            loop_digests(self.text, maker.problem.plant),
-        )
-        against, facts, loop = verified(maker.problem, certificate, self.pieces)
+        region = RegionProof(
+            proposal.form.evidence, self.continuous, proposal.p, proposal.multipliers,
+            proposal.rate, proposal.form.names,
+        )  # fmt: skip
+        against, facts, loop = verified(maker.problem, claim, region, self.surfaces)
         if against or loop is None:
             return None, against
-        if not (certificate.rate or certificate.continuous):  # by how much V falls in each period
-            rate = rate_of(loop, certificate.p, certificate.multipliers)
-            certificate = replace(certificate, rate=rate)
+        if not (region.rate or region.continuous):  # by how much V falls in each period
+            rate = rate_of(loop, region.p, region.multipliers)
+            region = replace(region, rate=rate)
             facts["fall"] = _float_down(rate)
-        against = contradiction(maker.problem, loop, certificate, stop=self.stop)
+        against = contradiction(maker.problem, loop, region, stop=self.stop)
         if against:
             return None, f"a certificate is contradicted: {against}"
         self.loop = loop
+        certificate = Certificate(
+            claim, self.text.path, fingerprints_of(self.text), (region,), (),
+            sensors_by_name(maker.problem), dict(self.connect or {}),
+            loop_digests(self.text, maker.problem.plant),
+        )  # fmt: skip
         return self._said(PROVED, certificate=certificate, **facts), ""
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
@@ -415,7 +410,7 @@ class _Case:
         try:
             form = form_at_rest(self.maker)
             assert form.evidence is not None
-            loop = checked_loop(problem, form.names, form.evidence, pieces=self.pieces)
+            loop = checked_loop(problem, form.names, form.evidence, surfaces=self.surfaces)
             least = growth(loop, Stop(min(EIGENVALUES, self.stop.left)))
         except (FuzzyarmError, EnclosureError):
             return None
@@ -444,7 +439,7 @@ def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
 
 
 def check_certificate(
-    certificate: Certificate | TubeCertificate | str,
+    certificate: Certificate | str,
     text: ControllerText | None = None,
     plant: Plant | None = None,
     *,
@@ -456,7 +451,7 @@ def check_certificate(
 
     Parameters
     ----------
-    certificate : Certificate, TubeCertificate or str
+    certificate : Certificate or str
         Or its file.
     text : ControllerText, optional
         The controller; by default its file is read, from the folder at hand or from that of the
@@ -482,52 +477,20 @@ def check_certificate(
     PlantError
         If its plant is code that may not run.
     """
-    started, stop = time.monotonic(), Stop(budget)
-    place = Path(".")
-    if isinstance(certificate, str):
-        place = Path(certificate).parent
-        certificate = read_certificate(certificate)
-    if text is None:
-        path = next(
-            (p for p in (Path(certificate.controller), place / certificate.controller,
-                         place / Path(certificate.controller).name) if p.is_file()),
-            None,
-        )  # fmt: skip
-        if path is None:
-            raise CertificateError(f"the controller {certificate.controller} is not there")
-        text = read_controller(str(path))
-    _require_files(certificate, text)
-    claim = certificate.claim
-    statement = loop_sentence(
-        claim, certificate.sensors, certificate.connect, plant=plant, text=text,
-        continuous=isinstance(certificate, Certificate) and certificate.continuous,
-    )  # fmt: skip
-    if plant is None:
-        plant = trusted_plant(claim.plant, named, trust=trust)
-    _require_loop(certificate, text, plant)
-    facts: dict[str, Any] = {}
-    try:
-        with stop:
-            against, facts = _against(certificate, text, plant, stop)
-    except (FuzzyarmError, EnclosureError) as error:
-        against = _sentence(error)
-    return _checked(statement, certificate, against, facts, started)
-
-
-def _against(
-    certificate: Certificate | TubeCertificate, text: ControllerText, plant: Plant, stop: Stop
-) -> tuple[str, dict[str, Any]]:
-    """Return why a certificate does not prove its claim; empty: it does, and what it proves."""
-    if isinstance(certificate, TubeCertificate):
-        return certificate.refutation(text, plant), {}
-    problem = problem_of(
-        text, certificate.claim,
-        plant=plant, sensors=certificate.sensors, connect=certificate.connect,
-    )  # fmt: skip
-    against, facts, loop = verified(problem, certificate)
-    if loop is not None and not against:
-        against = contradiction(problem, loop, certificate, stop=stop)
-    return against, facts
+    started = time.monotonic()
+    checked = checking.check_certificate(
+        certificate, text, plant, named=named, trust=trust, budget=budget
+    )
+    return LoopVerdict(
+        statement=checked.statement,
+        verdict=PROVED if checked.proved else UNDECIDED,
+        certificate=checked.certificate,
+        claim=checked.certificate.claim,
+        reason=checked.against,
+        evidence=checked.words,
+        seconds=time.monotonic() - started,
+        **checked.facts,
+    )
 
 
 def proof_words(verdict: LoopVerdict, text: ControllerText, plant: Plant) -> str:
@@ -549,47 +512,3 @@ def proof_words(verdict: LoopVerdict, text: ControllerText, plant: Plant) -> str
     words += [f"gains {', '.join(gains)}"] * bool(gains)
     words += [f"parameters {', '.join(numbers)}"] * bool(numbers)
     return "; ".join([*words, f"certificate {verdict.certificate.seal}"])
-
-
-def _require_files(certificate: Certificate | TubeCertificate, text: ControllerText) -> None:
-    """Refuse a certificate of other files than those of a controller, or of more or fewer."""
-    now = fingerprints_of(text)
-    if set(now) != set(certificate.fingerprints):
-        expected_name = Path(certificate.controller).name
-        raise CertificateError(
-            f"this certificate is of {expected_name}, not of {Path(text.path).name}"
-        )
-    for name, fingerprint in certificate.fingerprints.items():
-        if now[name] != fingerprint:
-            raise CertificateError(f"{name} is not the file that was proved")
-
-
-def _require_loop(
-    certificate: Certificate | TubeCertificate, text: ControllerText, plant: Plant
-) -> None:
-    """Refuse a certificate of another controller or plant than those at hand."""
-    named = {"controller": Path(certificate.controller).name, "plant": certificate.claim.plant}
-    for part, digest in loop_digests(text, plant).items():
-        if certificate.digests.get(part) != digest:
-            raise CertificateError(
-                f"{named[part]} is not the {part} that was proved", hint="prove it anew"
-            )
-
-
-def _checked(
-    statement: str,
-    certificate: Certificate | TubeCertificate,
-    against: str,
-    facts: Mapping[str, Any],
-    started: float,
-) -> LoopVerdict:
-    verdict = UNDECIDED if against else PROVED
-    return LoopVerdict(
-        statement=statement,
-        verdict=verdict,
-        certificate=certificate,
-        claim=certificate.claim,
-        reason=f"the certificate does not prove it: {against}" if against else "",
-        seconds=time.monotonic() - started,
-        **({} if against else facts),
-    )

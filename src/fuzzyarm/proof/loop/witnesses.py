@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.control.loop.run import Run
+from fuzzyarm.proof.check.certificate import RegionProof
+from fuzzyarm.proof.check.loop import CheckedLoop
+from fuzzyarm.proof.check.region import has_known_start, start_quadric
 from fuzzyarm.proof.claim.problem import LoopProblem
-from fuzzyarm.proof.loop.certificate import Certificate
-from fuzzyarm.proof.loop.checked_loop import CheckedLoop
 from fuzzyarm.proof.loop.runs import converged, run_in_time, run_of
-from fuzzyarm.proof.loop.verification import has_known_start, start_quadric
 from fuzzyarm.proof.stop import Stop
 
 __all__ = ["WITNESSES", "contradiction"]
@@ -40,7 +40,7 @@ SLACK = 1e-6
 def contradiction(
     problem: LoopProblem,
     loop: CheckedLoop,
-    certificate: Certificate,
+    certificate: RegionProof,
     count: int = WITNESSES,
     stop: Stop | None = None,
 ) -> str:
@@ -52,7 +52,7 @@ def contradiction(
         The loop.
     loop : CheckedLoop
         As the checker derived it.
-    certificate : Certificate
+    certificate : RegionProof
         Of the loop as sampled; of continuous time nothing is asked.
     count : int, optional
         How many runs.
@@ -94,7 +94,7 @@ def _finer(
 
 
 def _starts(
-    problem: LoopProblem, loop: CheckedLoop, certificate: Certificate, count: int
+    problem: LoopProblem, loop: CheckedLoop, certificate: RegionProof, count: int
 ) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
     """Yield starts at the border of those that the region holds, and parameters."""
     names = problem.states

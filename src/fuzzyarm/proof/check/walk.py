@@ -1,9 +1,8 @@
-"""One control period by the instructions of a controller, over any kind of number: for the checker.
+"""The checker's own control period: the instructions of a controller, over any kind of number.
 
-The search reads the lines of a controller
-(:class:`fuzzyarm.control.controllers.period.ControlPeriod`). The checker does not: it carries out
-the instructions that ``simulate`` runs (:mod:`fuzzyarm.control.controllers.kernel`), and does what
-is outside the controller, sensors and actuators, itself.
+The search reads the lines of a controller. The checker carries out the instructions that
+``simulate`` runs (:mod:`fuzzyarm.control.controllers.kernel`), and does itself what is outside the
+controller: sensors and actuators.
 """
 
 from __future__ import annotations

@@ -1,0 +1,569 @@
+"""The one format of certificates: regions that no run leaves, and tubes that lead into them.
+
+A certificate says of which claim and which loop it is, and holds what is hard to find: of a region
+P, multipliers and the gains of rule bases; of a tube a box of starts, for how many periods it is
+followed, and where it arrives. A file may be anybody's. So nothing is converted that was not
+written so: a number of the proof is the text of a rational, as ``"-3/4"``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, NoReturn, cast, get_args
+
+from fuzzyarm.base.files import write_atomically
+from fuzzyarm.base.protected import note_source
+from fuzzyarm.control.controllers.text import ControllerText, sheet_files
+from fuzzyarm.control.loop.course import Sensor
+from fuzzyarm.language.model.claims import LoopClaim, Stretch, When
+from fuzzyarm.plant.plant import PlantError
+from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import require_sense
+
+__all__ = [
+    "Certificate", "CertificateError", "Evidence", "Gains", "RegionProof", "TubeProof",
+    "fingerprints_of", "read_certificate", "sealed", "sensors_by_name", "write_certificate",
+]  # fmt: skip
+
+FORMAT = "fuzzyarm-proof 1"
+
+Matrix = tuple[tuple[Fraction, ...], ...]
+Pair = tuple[Fraction, Fraction]
+
+
+class CertificateError(LoopProofError):
+    """A file is not a certificate, or not of this controller."""
+
+
+# ── records ──────────────────────────────────────────────────────────────────────────
+
+
+class Gains(NamedTuple):
+    """What is claimed of one output of a rule base, or of a table, for its inputs in a region.
+
+    Attributes
+    ----------
+    region : dict of str to (Fraction, Fraction)
+        Of the inputs that move.
+    between : (Fraction, Fraction)
+        Where the output lies there.
+    weights : dict of str to Fraction
+        Of the inputs in σ, where the output is σ times one gain; empty: it has slopes.
+    gains : dict of str to (Fraction, Fraction)
+        The gain along σ, by ``""``; or the slopes, by input.
+    """
+
+    region: Mapping[str, Pair]
+    between: Pair
+    weights: Mapping[str, Fraction]
+    gains: Mapping[str, Pair]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a certificate says of a loop next to its rest, to be checked.
+
+    Attributes
+    ----------
+    memory : dict of str to str
+        By the name of a row of P, the symbol of the program that it is; states of the plant are
+        not there.
+    rest : dict of str to (Fraction, Fraction)
+        By the name of a row of P, the middle and the radius of an interval that holds its rest.
+    gains : tuple of Gains
+        In the order of the program.
+    spread : tuple of (int, int, Fraction, Fraction)
+        Which entries of the plant's matrix are uncertain gains, and between what they are.
+    grip : Fraction
+        What limits leave of a signal's deviation at least; 1: they are not reached.
+    box : dict of str to Fraction
+        By state of a plant that is not affine, how far it may be from rest.
+    """
+
+    memory: Mapping[str, str]
+    rest: Mapping[str, Pair]
+    gains: tuple[Gains, ...]
+    spread: tuple[tuple[int, int, Fraction, Fraction], ...]
+    grip: Fraction
+    box: Mapping[str, Fraction]
+
+
+@dataclass(frozen=True)
+class RegionProof:
+    """A region V = zᵀPz ≤ 1 that no run leaves.
+
+    Attributes
+    ----------
+    evidence : Evidence
+        The facts about the loop that the proof uses.
+    continuous : bool
+        Whether the loop is taken in continuous time.
+    p : matrix of Fraction
+        Of V.
+    multipliers : tuple of Fraction
+        Of the blocks.
+    rate : Fraction
+        By what share V falls in each period.
+    states : tuple of str
+        Names of the rows of P.
+    """
+
+    evidence: Evidence
+    continuous: bool
+    p: Matrix
+    multipliers: tuple[Fraction, ...]
+    rate: Fraction
+    states: tuple[str, ...]
+
+
+class TubeProof(NamedTuple):
+    """A box of starts that is followed.
+
+    Attributes
+    ----------
+    box : tuple of (Fraction, Fraction)
+        Of each state of the plant; what the loop remembers is as it begins.
+    periods : int
+        For how many control periods at most.
+    into : tuple of (str, tuple of int)
+        Where it arrives: in one of some ``regions``, or in the union of the boxes of some earlier
+        ``tubes``; ``("", ())`` where it is of a bounded time.
+    """
+
+    box: tuple[Pair, ...]
+    periods: int
+    into: tuple[Literal["regions", "tubes", ""], tuple[int, ...]] = ("", ())
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What proves a claim about a loop, if the checker says so.
+
+    Attributes
+    ----------
+    claim : LoopClaim
+        What is claimed.
+    controller : str
+        The file of the controller, as it was given.
+    fingerprints : dict of str to str
+        SHA-256 of the controller's file and of those that it uses, by name.
+    regions : tuple of RegionProof
+        Each by itself.
+    tubes : tuple of TubeProof
+        Each leads into a region, or into boxes of tubes before it.
+    sensors : dict of str to Sensor
+        By port, axis and name; exact ones are not there.
+    connect : dict of str to str
+        From names of the controller to ports of the plant, where they differ.
+    digests : dict of str to str
+        SHA-256 of the controller and of the plant that were proved, as they were in memory.
+    """
+
+    claim: LoopClaim
+    controller: str
+    fingerprints: Mapping[str, str]
+    regions: tuple[RegionProof, ...] = ()
+    tubes: tuple[TubeProof, ...] = ()
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    connect: Mapping[str, str] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def region(self) -> RegionProof:
+        """The first region."""
+        return self.regions[0]
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it is of the loop in continuous time."""
+        return any(region.continuous for region in self.regions)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return it as plain data, sealed."""
+        return sealed({
+            "format": FORMAT,
+            "claim": _claim_data(self.claim),
+            "sensors": {
+                port: {
+                    "delay": _text(s.delay),
+                    "resolution": _text(s.resolution),
+                    "difference": None if s.difference is None else _text(s.difference),
+                }
+                for port, s in self.sensors.items()
+            },
+            "connect": dict(self.connect),
+            "controller": self.controller,
+            "sha256": dict(self.fingerprints),
+            "proved": dict(self.digests),
+            "regions": list(map(_region_data, self.regions)),
+            "tubes": [
+                {
+                    "box": list(map(_texts, tube.box)),
+                    "periods": tube.periods,
+                    "into": [tube.into[0], list(tube.into[1])],
+                }
+                for tube in self.tubes
+            ],
+        })  # fmt: skip
+
+    @property
+    def seal(self) -> str:
+        """SHA-256 of its contents."""
+        return str(self.as_data()["seal"])
+
+
+# ── writing ──────────────────────────────────────────────────────────────────────────
+
+
+def _claim_data(claim: LoopClaim) -> dict[str, Any]:
+    return {
+        "plant": claim.plant,
+        "stable": claim.stable,
+        "at": [[name, _text(value)] for name, value in claim.at],
+        "parameters": [[n, _text(a), _text(b)] for n, a, b in claim.parameters],
+        "start": [[n, _text(a), _text(b)] for n, a, b in claim.start],
+        "output": claim.output,
+        "between": [_text(claim.low), _text(claim.high)],
+        "when": claim.when,
+        "from": _text(claim.begin),
+        # JSON has no infinity.
+        "to": None if claim.end == math.inf else _text(claim.end),
+    }
+
+
+def _region_data(region: RegionProof) -> dict[str, Any]:
+    evidence = region.evidence
+    return {
+        "loop": {
+            "continuous": region.continuous,
+            "memory": dict(evidence.memory),
+            "rest": {n: _texts(pair) for n, pair in evidence.rest.items()},
+            "gains": [
+                {
+                    "region": {name: _texts(pair) for name, pair in gains.region.items()},
+                    "between": _texts(gains.between),
+                    "weights": {name: str(weight) for name, weight in gains.weights.items()},
+                    "gains": {name: _texts(pair) for name, pair in gains.gains.items()},
+                }
+                for gains in evidence.gains
+            ],
+            "spread": [[k, j, str(low), str(high)] for k, j, low, high in evidence.spread],
+            "grip": str(evidence.grip),
+            "box": {name: str(half) for name, half in evidence.box.items()},
+        },
+        "states": list(region.states),
+        "p": [_texts(row) for row in region.p],
+        "multipliers": _texts(region.multipliers),
+        "rate": str(region.rate),
+    }
+
+
+def _text(value: float) -> str:
+    # A finite double is a rational: nothing is lost.
+    return str(Fraction(value)) if math.isfinite(value) else str(value)
+
+
+def _texts(values: Sequence[Fraction]) -> list[str]:
+    return [str(value) for value in values]
+
+
+def _seal(data: Mapping[str, Any]) -> str:
+    # Of the contents alone: neither the order of keys nor the layout of the file counts.
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return data with the SHA-256 of its contents."""
+    return {**data, "seal": _seal(data)}
+
+
+def write_certificate(certificate: Certificate, path: str) -> None:
+    """Write a certificate.
+
+    Parameters
+    ----------
+    certificate : Certificate
+        Which.
+    path : str
+        The file, replaced as a whole.
+    """
+    data = json.dumps(certificate.as_data(), indent=1, ensure_ascii=False)
+    write_atomically(path, (data + "\n").encode())
+
+
+def fingerprints_of(text: ControllerText) -> dict[str, str]:
+    """Return the SHA-256 of the file of a controller and of those that it uses, by name.
+
+    A controller that was not read from a file has none.
+    """
+    if not text.path:
+        return {}
+    files = [Path(text.path), *sheet_files(text)]
+    return {
+        file.name: hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in dict.fromkeys(files)
+        if file.is_file()
+    }
+
+
+def sensors_by_name(problem: LoopProblem) -> dict[str, Sensor]:
+    """Return the sensors of a loop as a certificate has them."""
+    label = problem.site.interface.label
+    return {label(port): sensor for port, sensor in problem.sensors.items()}
+
+
+# ── reading ──────────────────────────────────────────────────────────────────────────
+
+_RATIONAL = re.compile(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A value in a certificate's file, and its place there, as ``p[0][1]``."""
+
+    file: str
+    place: str
+    value: Any
+
+    def refuse(self, what: str) -> NoReturn:
+        """Refuse the file, for what this field is or is not."""
+        where = f"'{self.place}' {what}" if self.place else f"it {what}"
+        raise CertificateError(f"{self.file} is not a certificate: {where}")
+
+    def __getitem__(self, name: str) -> Field:
+        value = self._of(dict, "an object")
+        place = f"{self.place}.{name}" if self.place else name
+        if name not in value:
+            Field(self.file, place, None).refuse("is missing")
+        return Field(self.file, place, value[name])
+
+    def __iter__(self) -> Iterator[Field]:
+        for k, value in enumerate(self._of(list, "a list")):
+            yield Field(self.file, f"{self.place}[{k}]", value)
+
+    def items(self) -> list[tuple[str, Field]]:
+        """Return the fields of an object, with their names."""
+        return [(name, self[name]) for name in self._of(dict, "an object")]
+
+    def row(self, size: int) -> list[Field]:
+        """Return the entries of a list of a size."""
+        if len(self._of(list, "a list")) != size:
+            self.refuse(f"is not a list of {size}")
+        return list(self)
+
+    @property
+    def text(self) -> str:
+        """As a text."""
+        return str(self._of(str, "a text"))
+
+    @property
+    def flag(self) -> bool:
+        """As true or false."""
+        return bool(self._of(bool, "true or false"))
+
+    @property
+    def index(self) -> int:
+        """As a whole number from 0 on."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int) or self.value < 0:
+            self.refuse("is not a whole number")
+        return self.value
+
+    @property
+    def rational(self) -> Fraction:
+        """As a rational."""
+        if not isinstance(self.value, str) or not _RATIONAL.fullmatch(self.value):
+            self.refuse('is not a rational as a text, such as "3/4"')
+        try:
+            number = Fraction(self.value)
+        except ZeroDivisionError:
+            self.refuse("is a division by 0")
+        try:
+            is_near = bool(float(number)) == bool(number)
+        except OverflowError:
+            is_near = False
+        if not is_near:
+            self.refuse("is out of range")
+        return number
+
+    @property
+    def number(self) -> float:
+        """As a float, which may be infinite."""
+        return float(self.value) if self.value in ("inf", "-inf") else float(self.rational)
+
+    @property
+    def pair(self) -> Pair:
+        """As two rationals."""
+        low, high = self.row(2)
+        return low.rational, high.rational
+
+    def one_of(self, choices: Sequence[str]) -> str:
+        """Return a text that is one of some."""
+        if self.value not in choices:
+            self.refuse(f"is not {', '.join(choices[:-1])} or {choices[-1]}")
+        return str(self.value)
+
+    def _of(self, kind: type, words: str) -> Any:
+        if not isinstance(self.value, kind):
+            self.refuse(f"is not {words}")
+        return self.value
+
+
+def read_certificate(path: str) -> Certificate:
+    """Read a certificate, without checking its proof.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    CertificateError
+        If it is not a certificate, or is damaged.
+    """
+    data = _unsealed(_fields(path))
+    return Certificate(
+        _claim(data["claim"]),
+        data["controller"].text,
+        _texts_of(data["sha256"]),
+        tuple(map(_region, data["regions"])),
+        tuple(map(_tube, data["tubes"])),
+        {port: _sensor(pair) for port, pair in data["sensors"].items()},
+        _texts_of(data["connect"]),
+        _texts_of(data["proved"]),
+    )
+
+
+def _fields(path: str) -> Field:
+    note_source(path)
+    try:
+        value = json.loads(Path(path).read_text("utf-8"))
+    except json.JSONDecodeError as error:
+        Field(path, "", None).refuse(f"is not JSON at line {error.lineno}")
+    except (ValueError, RecursionError):  # not UTF-8, a number without end, nested without end
+        Field(path, "", None).refuse("is not JSON")
+    return Field(path, "", value)
+
+
+def _unsealed(whole: Field) -> Field:
+    version = whole["format"].text
+    if version != FORMAT:
+        if version.startswith("fuzzyarm-"):
+            raise CertificateError(f"{whole.file} is of another version ({version}): prove it anew")
+        whole["format"].refuse(f'is not "{FORMAT}"')
+    data = dict(whole.value)
+    seal = data.pop("seal", None)
+    try:
+        is_whole = seal == _seal(data)
+    except (UnicodeEncodeError, RecursionError):  # half of a pair of UTF-16, nested without end
+        whole.refuse("is not JSON")
+    if not is_whole:
+        raise CertificateError(f"{whole.file} is damaged: its seal is not that of its contents")
+    return Field(whole.file, "", data)
+
+
+def _claim(claim: Field) -> LoopClaim:
+    low, high = claim["between"].row(2)
+    made = LoopClaim(
+        claim["plant"].text,
+        claim["stable"].flag,
+        tuple((name.text, x.number) for name, x in (pair.row(2) for pair in claim["at"])),
+        _stretches(claim["parameters"]),
+        _stretches(claim["start"]),
+        claim["output"].text,
+        low.number,
+        high.number,
+        cast(When, claim["when"].one_of(get_args(When))),
+        claim["from"].number,
+        math.inf if claim["to"].value is None else claim["to"].number,
+    )
+    try:
+        require_sense(made)
+    except ClaimError as error:
+        claim.refuse(f"means nothing: {error}")
+    return made
+
+
+def _stretches(rows: Field) -> tuple[Stretch, ...]:
+    return tuple((n.text, a.number, b.number) for n, a, b in (row.row(3) for row in rows))
+
+
+def _texts_of(entry: Field) -> dict[str, str]:
+    return {name: text.text for name, text in entry.items()}
+
+
+def _pairs(entry: Field) -> dict[str, Pair]:
+    return {name: pair.pair for name, pair in entry.items()}
+
+
+def _rationals(entry: Field) -> dict[str, Fraction]:
+    return {name: number.rational for name, number in entry.items()}
+
+
+def _gains(entry: Field) -> Gains:
+    return Gains(
+        _pairs(entry["region"]),
+        entry["between"].pair,
+        _rationals(entry["weights"]),
+        _pairs(entry["gains"]),
+    )
+
+
+def _spread(entry: Field) -> tuple[int, int, Fraction, Fraction]:
+    k, j, low, high = entry.row(4)
+    return k.index, j.index, low.rational, high.rational
+
+
+def _share(entry: Field) -> Fraction:
+    if not 0 <= entry.rational <= 1:
+        entry.refuse("is not from 0 to 1")
+    return entry.rational
+
+
+def _region(data: Field) -> RegionProof:
+    loop = data["loop"]
+    return RegionProof(
+        Evidence(
+            _texts_of(loop["memory"]),
+            _pairs(loop["rest"]),
+            tuple(map(_gains, loop["gains"])),
+            tuple(map(_spread, loop["spread"])),
+            _share(loop["grip"]),
+            _rationals(loop["box"]),
+        ),
+        loop["continuous"].flag,
+        tuple(tuple(x.rational for x in row) for row in data["p"]),
+        tuple(x.rational for x in data["multipliers"]),
+        data["rate"].rational,
+        tuple(name.text for name in data["states"]),
+    )
+
+
+def _tube(data: Field) -> TubeProof:
+    kind, indices = data["into"].row(2)
+    into = cast(Literal["regions", "tubes", ""], kind.one_of(("regions", "tubes", "")))
+    return TubeProof(
+        tuple(pair.pair for pair in data["box"]),
+        data["periods"].index,
+        (into, tuple(index.index for index in indices)),
+    )
+
+
+def _sensor(pair: Field) -> Sensor:
+    delay, resolution = pair["delay"].number, pair["resolution"].number
+    difference = pair["difference"]
+    filter_time = None if difference.value is None else difference.number
+    try:
+        return Sensor(delay=delay, resolution=resolution, difference=filter_time)
+    except PlantError as error:
+        pair.refuse(f"is not a sensor: {error}")

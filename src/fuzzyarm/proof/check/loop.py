@@ -1,0 +1,483 @@
+"""A loop around its rest as the checker derives it: its own route from the files to matrices.
+
+    z' = A z + B w (each period, or as a rate),   |wₖ| ≤ |Cₖ z + Dₖ w|,   |g z + h w| ≤ limit
+
+The controller is walked as the program that runs (:mod:`.walk`), the plant's equations are
+differentiated in balls (:mod:`.slopes`), its motion over a period is a series with a bounded tail,
+and what is said of rule bases is checked on their pieces (:mod:`.rules`). A certificate says which
+gains to check; nothing in it is trusted, and no code of the search is used.
+
+A loop may rest where numbers are not rational. Then z is how far it is from a true rest of which
+only a ball is known: that there is one in it, and no other, is proved by Krawczyk's operator
+K = m − Y F(m) + (1 − Y F'(R)) (R − m), which has to lie within R.
+
+Sources: R. Krawczyk, "Newton-Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken",
+*Computing* 4, 1969; R. E. Moore, R. B. Kearfott and M. J. Cloud, *Introduction to Interval
+Analysis*, SIAM 2009, section 8.2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.check.certificate import Evidence
+from fuzzyarm.proof.check.lines import (
+    LinearSignal,
+    LinearSignals,
+    Parts,
+    Unchecked,
+    combined,
+    number_line,
+)
+from fuzzyarm.proof.check.motion import (
+    FAR,
+    around_motion,
+    flow_over,
+    is_affine,
+    jacobian_of,
+    parameters_of,
+)
+from fuzzyarm.proof.check.numbers import (
+    ONE,
+    ZERO,
+    Matrix,
+    Number,
+    around,
+    between,
+    exact,
+    greatest,
+    is_point,
+    is_same,
+    least,
+    magnitude,
+    middle,
+    precisely,
+    product,
+)
+from fuzzyarm.proof.check.rules import RuleSurfaces
+from fuzzyarm.proof.check.slopes import Slope, SlopeNumbers, slopes_of
+from fuzzyarm.proof.check.walk import ProgramWalk
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.symbolic.nodes import Apply, postorder, symbols
+
+__all__ = ["CheckedLoop", "System", "checked_loop"]
+
+JUMPS = ("floor", "ceil", "round", "remainder", "sign", "where")
+"""Operations that may jump, which the equations of a plant must not have."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class System:
+    """Matrices of a loop; numbers are balls where they are not exact.
+
+    Attributes
+    ----------
+    size : int
+        How many z there are.
+    move : matrix
+        ``[A B]``.
+    blocks : matrix
+        ``[Cₖ Dₖ]``.
+    rows : tuple of (row, limit, str)
+        ``[g h]``, limit, and what it is.
+    period : float
+        s; 0 for a loop in continuous time.
+    """
+
+    size: int
+    move: Matrix
+    blocks: Matrix
+    rows: tuple[tuple[Sequence[Number], Number, str], ...]
+    period: float
+
+    def rows_within(self) -> list[tuple[list[Number], Number, str]]:
+        """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold."""
+        return [
+            (row, limit, words)
+            for whole, limit, words in self.rows
+            for row in self.without_answers(whole)
+        ]
+
+    def without_answers(self, whole: Sequence[Number]) -> list[list[Number]]:
+        """Return rows over z alone, the extremes of one over z and the answers.
+
+        An answer w is its v times some δ in [-1, 1]: a linear function is largest at an end.
+        """
+        rows = [list(whole)]
+        # The last answer first: the v of each has only answers before it, so one pass removes all.
+        for k in range(len(self.blocks) - 1, -1, -1):
+            at = self.size + k
+            rows = [
+                [x + v * row[at] * sign for x, v in zip(row[:at], self.blocks[k], strict=False)]
+                for row in rows
+                for sign in ((0,) if row[at] == 0 else (-1, 1))
+            ]
+        return rows
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedLoop(System):
+    """A loop as matrices; see the head of this module.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of z.
+    rest : dict of str to number
+        A ball that holds it.
+    words : tuple of str
+        What each block is.
+    seeds : dict of str to (number, dict of str to number)
+        What memory that begins as what it first sees is: a number and weights of how far states
+        of the plant are from rest.
+    begin : dict of str to number
+        What other memory is before the first period.
+    drives : dict of (str, str) to LinearSignal
+        Inputs of the plant within its limits, by axis and port: held from one sample to the next.
+    """
+
+    names: tuple[str, ...]
+    rest: Mapping[str, Number]
+    words: tuple[str, ...]
+    seeds: Mapping[str, tuple[Number, Parts]]
+    begin: Mapping[str, Number]
+    drives: Mapping[Address, LinearSignal]
+
+    def rows_of_drive(self, address: Address) -> list[list[Number]]:
+        """Return rows g over z alone: a drive is as far from its rest as the largest |g z|."""
+        parts = self.drives[address].parts
+        width = [*self.names, *(f"w{k}" for k in range(len(self.blocks)))]
+        return self.without_answers([parts.get(name, ZERO) for name in width])
+
+
+@precisely
+def checked_loop(
+    problem: LoopProblem,
+    names: Sequence[str],
+    evidence: Evidence,
+    *,
+    continuous: bool = False,
+    surfaces: RuleSurfaces | None = None,
+) -> CheckedLoop:
+    """Derive a loop from its files, and check the statements of a certificate on the way.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    names : sequence of str
+        Of z: states of the plant first, then memory.
+    evidence : Evidence
+        The statements of the certificate.
+    continuous : bool
+        As if the controller ran without a period.
+    surfaces : RuleSurfaces, optional
+        Of its rule bases, where they have been cut already.
+
+    Raises
+    ------
+    LoopProofError
+        With what is wrong, or not read.
+    """
+    of_rules = surfaces or RuleSurfaces()
+    return _Derivation(problem, tuple(names), evidence, of_rules, continuous=continuous).loop()
+
+
+class _Derivation:
+    def __init__(
+        self, problem: LoopProblem, names: tuple[str, ...], evidence: Evidence,
+        surfaces: RuleSurfaces, *, continuous: bool,
+    ) -> None:  # fmt: skip
+        self.problem, self.names, self.evidence = problem, names, evidence
+        self.continuous, self.surfaces = continuous, surfaces
+        self.equations = problem.equations
+        count = len(problem.states)
+        if names[:count] != problem.states or set(names[count:]) != set(evidence.memory):
+            raise LoopProofError("it is of other states")
+        self.walk = ProgramWalk(problem)
+        self.memory = [evidence.memory[name] for name in names[count:]]
+        known = set(self.memory) <= set(self.walk.states)
+        if len(set(self.memory)) < len(self.memory) or not known:
+            raise LoopProofError("its memory is not that of the program")
+        if continuous and self.memory:
+            raise LoopProofError("in continuous time there is no memory")
+        _demand_still(problem)
+        self.rest = self._rest()
+
+    # --- rest ---
+
+    def _rest(self) -> dict[str, Number]:
+        """Return a ball for each of z that holds a rest of the loop, which is proved."""
+        if set(self.evidence.rest) != set(self.names):
+            raise LoopProofError("its rest is of other states")
+        centre = {name: exact(self.evidence.rest[name][0]) for name in self.names}
+        doubt = {name: exact(self.evidence.rest[name][1]) for name in self.names}
+        if not any(doubt.values()):
+            if not all(rate.value == 0 for rate in self._steered(centre, ())):
+                raise LoopProofError("the loop does not rest at the stated point")
+            return centre
+        if not all(far > 0 for far in doubt.values()):
+            raise LoopProofError("its rest has no room")
+        box = {name: around(centre[name], doubt[name]) for name in self.names}
+        self._demand_krawczyk(centre, box)
+        return box
+
+    def _steered(self, at: Mapping[str, Number], variables: Sequence[str]) -> list[Slope]:
+        """Return the rates of the plant and the steps of the memory, which are 0 at rest."""
+        values = {n: Slope(x, {n: ONE} if n in variables else {}) for n, x in at.items()}
+        plant = self._plant_values(values)
+        problem, interface = self.problem, self.problem.site.interface
+        outputs = dict(
+            zip(interface.outputs, slopes_of(self.equations.outputs, plant), strict=True)
+        )
+        states = dict(
+            zip(self.memory, (values[n] for n in self.names[len(problem.states) :]), strict=True)
+        )
+        numbers = SlopeNumbers(self.surfaces)
+        inputs, after = self.walk.period(numbers, outputs, states)
+        drives = {
+            key: inputs[address]
+            for key, address in zip(self.equations.inputs, interface.inputs, strict=True)
+        }
+        steps = [numbers.apply("subtract", [after[key], states[key]]) for key in self.memory]
+        return [*slopes_of(self.equations.rates, {**plant, **drives}), *steps]
+
+    def _plant_values(self, values: Mapping[str, Slope]) -> dict[str, Slope]:
+        pairs = zip(self.equations.states, self.problem.states, strict=True)
+        fixed = {key: Slope(x, {}) for key, x in parameters_of(self.problem).items()}
+        return {**fixed, **{key: values[name] for key, name in pairs}}
+
+    def _demand_krawczyk(self, centre: Mapping[str, Number], box: Mapping[str, Number]) -> None:
+        """Refuse a box unless there is a rest in it, and one only."""
+        names = self.names
+        f = [[slope.value] for slope in self._steered(centre, ())]
+        slopes = self._steered(box, names)
+        jacobian = [[slope.along.get(name, ZERO) for name in names] for slope in slopes]
+        try:
+            near = np.linalg.inv([[float(middle(x)) for x in row] for row in jacobian])
+        except np.linalg.LinAlgError:
+            raise LoopProofError("where it rests is not one point") from None
+        # Any matrix will do, as long as what follows is rigorous.
+        y = [[exact(float(x)) for x in row] for row in near]
+        shift, turned = product(y, f), product(y, jacobian)
+        for i, name in enumerate(names):
+            # Row i of K − m; strictly less than the radius, so that K lies inside R.
+            total = -shift[i][0]
+            for j, other in enumerate(names):
+                total += (int(i == j) - turned[i][j]) * (box[other] - centre[other])
+            if not magnitude(total) < exact(self.evidence.rest[name][1]):
+                raise LoopProofError("that there is a rest in its interval is not proved")
+
+    # --- one period ---
+
+    def loop(self) -> CheckedLoop:
+        """Return the matrices."""
+        problem, names = self.problem, self.names
+        lines = LinearSignals(self.evidence, self.surfaces)
+        z = {name: LinearSignal(self.rest[name], {name: ONE}) for name in names}
+        inputs, after = self._period(lines, z)
+        if next(lines.gains, None) is not None:
+            raise LoopProofError("it claims something of a rule base that is not there")
+        rows = self._plant_rows(lines, z, inputs)
+        rows += [after[key].parts for key in self.memory]
+        lines.bounds += self._bounds_of_outputs(z)
+        self._demand_other_memory_is_still(after)
+        width = [*names, *(f"w{k}" for k in range(len(lines.blocks)))]
+
+        def row(parts: Parts) -> list[Number]:
+            return [parts.get(name, ZERO) for name in width]
+
+        seeds, begin = self._beginning(z)
+        return CheckedLoop(
+            size=len(names),
+            move=[row(parts) for parts in rows],
+            blocks=[row(v) for v, _ in lines.blocks],
+            rows=tuple((row(parts), limit, words) for parts, limit, words in lines.bounds),
+            period=0.0 if self.continuous else problem.period,
+            names=names,
+            rest=self.rest,
+            words=tuple(words for _, words in lines.blocks),
+            seeds=seeds,
+            begin=begin,
+            drives=inputs,
+        )
+
+    def _period(
+        self, lines: LinearSignals, z: Mapping[str, LinearSignal], *, first: bool = False,
+        states: Mapping[str, LinearSignal] | None = None,
+    ) -> tuple[dict[Address, LinearSignal], dict[str, LinearSignal]]:  # fmt: skip
+        outputs = {
+            address: self._output(k, z)
+            for k, address in enumerate(self.problem.site.interface.outputs)
+        }
+        if states is None:
+            slopes = list(z.values())[len(self.problem.states) :]
+            states = dict(zip(self.memory, slopes, strict=True))
+        return self.walk.period(lines, outputs, states, first=first)
+
+    def _output(self, index: int, z: Mapping[str, LinearSignal]) -> LinearSignal:
+        """Return an output of the plant, which has to be affine, by its slopes."""
+        names = self.problem.states
+        root = self.equations.outputs[index]
+        for k, key in enumerate(self.equations.states):
+            # A measured state is itself, exactly, even where its rest is known by a ball.
+            if getattr(root, "name", "") == key:
+                return z[names[k]]
+        far = {name: between(-FAR, FAR) for name in names}
+        slope, again = (
+            slopes_of([root], self._plant_values({n: Slope(at[n], {n: ONE}) for n in names}))[0]
+            for at in (self.rest, far)
+        )
+        same = {*slope.along} == {*again.along}
+        if not same or not all(is_same(x, again.along[n]) for n, x in slope.along.items()):
+            raise LoopProofError("an output of the plant is not affine")
+        if not all(isinstance(x, fmpq) for x in slope.along.values()):
+            raise LoopProofError("an output of the plant is not affine")
+        return LinearSignal(slope.value, {n: x for n, x in slope.along.items() if x})
+
+    def _bounds_of_outputs(self, z: Mapping[str, LinearSignal]) -> list[tuple[Parts, Number, str]]:
+        """Return rows that keep outputs within their bounds: beyond them a run has diverged."""
+        bounds = []
+        for k, (address, port) in enumerate(self.problem.site.interface.outputs.items()):
+            line, label = self._output(k, z), ".".join(address)
+            if math.isinf(port.bound):
+                continue
+            room = least(exact(port.bound) - magnitude(line.rest))
+            if not room > 0:
+                raise LoopProofError(f"at rest '{label}' is beyond its bound")
+            bounds.append((line.parts, room, f"the bound of '{label}'"))
+        return bounds
+
+    def _demand_other_memory_is_still(self, after: Mapping[str, LinearSignal]) -> None:
+        """Refuse memory that is not a row of P, is read, and does not stay as it begins."""
+        for key in self.walk.states_read - set(self.memory):
+            if after[key].parts or not after[key].rest == exact(self.walk.states[key]):
+                raise LoopProofError(f"'{key}' is remembered, and moves")
+
+    # --- the plant ---
+
+    def _plant_rows(
+        self,
+        lines: LinearSignals,
+        z: Mapping[str, LinearSignal],
+        inputs: Mapping[Address, LinearSignal],
+    ) -> list[Parts]:
+        """Return the weights of the plant's next states, or of their rates."""
+        problem, equations = self.problem, self.equations
+        matrix = self._matrix(lines, inputs)
+        signals = [z[name].parts for name in problem.states]
+        signals += [line.parts for line in inputs.values()]
+        spread = {(k, j): (exact(a), exact(b)) for k, j, a, b in self.evidence.spread}
+        rows: list[Parts] = []
+        for k, name in enumerate(problem.states):
+            terms: list[tuple[Parts, Number]] = []
+            for j, parts in enumerate(signals):
+                if (k, j) not in spread:
+                    terms.append((parts, matrix[k][j]))
+                    continue
+                # An entry with a spread in the certificate becomes a gain with an answer of its
+                # own; the doubt of any other (of the matrix exponential) stays in its ball.
+                low, high = spread[k, j]
+                if not (low <= matrix[k][j] and matrix[k][j] <= high):
+                    raise LoopProofError("the plant's motion is not as it is claimed")
+                by = [*problem.states, *equations.inputs][j]
+                words = f"the plant, {name} by {by} in {float(low):.6g} .. {float(high):.6g}"
+                half = {n: weight * (high - low) / 2 for n, weight in parts.items()}
+                terms += [(parts, (low + high) / 2), ({lines.block(half, words): ONE}, ONE)]
+            rows.append(combined(terms))
+        return rows
+
+    def _matrix(self, lines: LinearSignals, inputs: Mapping[Address, LinearSignal]) -> Matrix:
+        """Return the slopes of the plant's motion over a period, or of its rates."""
+        ranges = self._ranges(lines, inputs)
+        flat = not self.evidence.box
+        jacobian = jacobian_of(self.problem, ranges)
+        if flat and not is_affine(self.problem, jacobian):
+            raise LoopProofError("the plant is not affine, and there is no box")
+        if self.continuous:
+            if not flat:
+                raise LoopProofError("the plant is not affine")
+            return jacobian
+        if not flat:
+            jacobian = jacobian_of(self.problem, around_motion(self.problem, ranges))
+        return flow_over(jacobian, exact(self.problem.period))
+
+    def _ranges(
+        self, lines: LinearSignals, inputs: Mapping[Address, LinearSignal]
+    ) -> dict[str, Number]:
+        """Return where states, inputs and parameters are at a sample."""
+        problem, equations = self.problem, self.equations
+        ranges = parameters_of(problem)
+        for key, name in zip(equations.states, problem.states, strict=True):
+            half, rest = exact(self.evidence.box.get(name, 0.0)), self.rest[name]
+            if half > 0:
+                lines.bounds.append(({name: ONE}, half, f"the box of '{name}'"))
+            elif self.evidence.box:
+                raise LoopProofError(f"'{name}' has no box")
+            ranges[key] = around(rest, half) if half else rest
+        for key, (address, line) in zip(equations.inputs, inputs.items(), strict=True):
+            port = problem.site.interface.inputs[address]
+            lows = [arb(port.low), *([] if line.low is None else [arb(line.low)])]
+            highs = [arb(port.high), *([] if line.high is None else [arb(line.high)])]
+            low, high = lows[0].max(lows[-1]), highs[0].min(highs[-1])
+            if low.is_finite() and high.is_finite():
+                ranges[key] = between(least(low), greatest(high))
+            elif self.evidence.box:
+                raise LoopProofError("an input of the plant has no bound")
+            else:
+                ranges[key] = line.rest
+        return ranges
+
+    # --- how it begins ---
+
+    def _beginning(
+        self, z: Mapping[str, LinearSignal]
+    ) -> tuple[dict[str, tuple[Number, Parts]], dict[str, Number]]:
+        """Return what memory is as the loop begins, by states of the plant."""
+        names = dict(zip(self.memory, self.names[len(self.problem.states) :], strict=True))
+        begin = {
+            name: exact(self.walk.states[key])
+            for key, name in names.items()
+            if key not in self.walk.begun
+        }
+        begun = [key for key in self.memory if key in self.walk.begun]
+        if not begun:
+            return {}, begin
+        # What begins as it first sees is as if it had been so before: both periods are the same.
+        try:
+            results: list[Any] = []
+            states = {key: number_line(exact(self.walk.states[key])) for key in self.memory}
+            for first in (True, False):
+                lines = Unchecked(self.evidence, self.surfaces)
+                inputs, after = self._period(lines, z, first=first, states=states)
+                ends = list(inputs.values()), [after[key] for key in self.memory]
+                results.append((ends, lines.record, lines.bounds))
+                states |= {key: after[key] for key in begun}
+        except LoopProofError:
+            return {}, {}
+        if not is_same(*results) or not all(is_point(states[key].rest) for key in begun):
+            return {}, {}
+        return {names[key]: (states[key].rest, dict(states[key].parts)) for key in begun}, begin
+
+
+def _demand_still(problem: LoopProblem) -> None:
+    """Refuse equations that depend on the time, jump, or let an input through at once."""
+    equations = problem.equations
+    for root in (*equations.rates, *equations.outputs):
+        if "t" in symbols(root):
+            raise LoopProofError("the plant's equations depend on the time")
+        for node in postorder(root):
+            if isinstance(node, Apply) and node.operation in JUMPS:
+                raise LoopProofError(f"the plant's equations may jump: '{node.operation}'")
+    spans = zip(equations.parameters, problem.parameters.values(), strict=True)
+    free = {key for key, span in spans if span.low < span.high}
+    for root in equations.outputs:
+        if set(symbols(root)) & {*equations.inputs, *free}:
+            raise LoopProofError("an output depends on an input or an open parameter at once")

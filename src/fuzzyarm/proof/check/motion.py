@@ -1,0 +1,157 @@
+"""The plant over a control period, its inputs held: enclosed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from flint import arb, fmpq
+
+from fuzzyarm.proof.check.numbers import (
+    ZERO,
+    Matrix,
+    Number,
+    around,
+    between,
+    exact,
+    greatest,
+    holds,
+    hull,
+    identity,
+    is_same,
+    least,
+    product,
+)
+from fuzzyarm.proof.check.slopes import Slope, slopes_of
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+
+__all__ = [
+    "FAR",
+    "around_motion",
+    "flow_over",
+    "is_affine",
+    "jacobian_of",
+    "output_between_samples",
+    "parameters_of",
+]
+
+FAR = exact(1e308)
+"""As far as numbers go: what is affine as far as that is affine."""
+
+LAST = 16
+"""The highest power of the series of a motion at least."""
+
+SHORT = 12
+"""The norm up to which a motion is one series."""
+
+MOST_HALVINGS = 14
+"""How often a period is halved for that."""
+
+
+def parameters_of(problem: LoopProblem) -> dict[str, Number]:
+    """Return the plant's parameters by symbol."""
+    spans = zip(problem.equations.parameters, problem.parameters.values(), strict=True)
+    return {key: between(exact(span.low), exact(span.high)) for key, span in spans}
+
+
+def jacobian_of(problem: LoopProblem, ranges: Mapping[str, Number]) -> Matrix:
+    """Return the slopes of the plant's rates by its states and inputs, wherever they are."""
+    equations = problem.equations
+    variables = (*equations.states, *equations.inputs)
+    one = fmpq(1)
+    values = {k: Slope(x, {k: one} if k in variables else {}) for k, x in ranges.items()}
+    rates = slopes_of(equations.rates, values)
+    return [[rate.along.get(key, ZERO) for key in variables] for rate in rates]
+
+
+def is_affine(problem: LoopProblem, jacobian: Matrix) -> bool:
+    """Tell whether slopes are those everywhere, as far as numbers go."""
+    equations, far = problem.equations, between(-FAR, FAR)
+    ranges = parameters_of(problem) | dict.fromkeys((*equations.states, *equations.inputs), far)
+    try:
+        return is_same(jacobian, jacobian_of(problem, ranges))
+    except LoopProofError:  # of some they have no value
+        return False
+
+
+def flow_over(jacobian: Sequence[Sequence[Number]], h: Number) -> Matrix:
+    """Return 1 + ∫J + ∬J J + … over a time: the k-th term lies in hᵏ/k! Jᵏ.
+
+    Whatever J does within its numbers; where J is constant this is its matrix exponential.
+    """
+    count, size = len(jacobian), len(jacobian[0])
+    step = [[arb(x) * h for x in row] for row in jacobian]
+    step += [[arb(0)] * size for _ in range(size - count)]
+    norm = max(float(sum((x.abs_upper() for x in row), arb(0)).upper()) for row in step)
+    norm *= 1.0 + 1e-9
+    # Over halves of a period, one after another: the flow over both is their product.
+    halvings = max(0, math.ceil(norm / SHORT) - 1).bit_length() if math.isfinite(norm) else 99
+    if halvings > MOST_HALVINGS:
+        raise LoopProofError("a period is long compared with the plant's motion")
+    norm /= 2**halvings
+    step = [[x / 2**halvings for x in row] for row in step]
+    last = LAST + 4 * math.ceil(norm)
+    total: Matrix = identity(size)
+    term = total
+    for k in range(1, last + 1):
+        term = [[x / k for x in row] for row in product(term, step)]
+        total = [[x + y for x, y in zip(a, b, strict=True)]
+                 for a, b in zip(total, term, strict=True)]  # fmt: skip
+    # Terms fall by more than half from here on.
+    tail = arb(norm) ** (last + 1) * 2 / math.factorial(last + 1)
+    total = [[around(x, tail) for x in row] for row in total]
+    for _ in range(halvings):
+        total = product(total, total)
+    return total[:count]
+
+
+def around_motion(
+    problem: LoopProblem, ranges: Mapping[str, Number], time: Number | None = None
+) -> dict[str, Number]:
+    """Return a box that no motion which begins in the given one leaves in a period, or a time."""
+    equations = problem.equations
+    whole = between(ZERO, exact(problem.period) if time is None else time)
+
+    def moved(box: Mapping[str, Number]) -> dict[str, Number]:
+        rates = slopes_of(equations.rates, {key: Slope(x, {}) for key, x in box.items()})
+        after = {
+            key: _swept(ranges[key], whole, rate.value)
+            for key, rate in zip(equations.states, rates, strict=True)
+        }
+        return {**box, **after}
+
+    wide = dict(ranges)
+    for _ in range(20):
+        box = moved(wide)
+        if all(holds(wide[key], box[key]) for key in equations.states):
+            # Picard's operator takes `wide` into itself, so no motion leaves what it makes of it.
+            return moved(box)
+        for key in equations.states:
+            both = hull(wide[key], box[key])
+            wide[key] = around(both, (greatest(both) - least(both)) / 200 + fmpq(1, 10**12))
+    raise LoopProofError("the motion within a period was not enclosed")
+
+
+def _swept(begin: Number, whole: Number, rate: Number) -> Number:
+    """Return where x + t f is for all times t from 0 on."""
+    end, nothing = arb(greatest(whole)), arb(0)
+    low = least(begin) + nothing.min(end * least(rate))
+    high = greatest(begin) + nothing.max(end * greatest(rate))
+    return between(least(low), greatest(high))
+
+
+def output_between_samples(
+    problem: LoopProblem, states: Mapping[str, Number], output: str
+) -> Number:
+    """Return where an output can be from one sample to the next."""
+    equations, interface = problem.equations, problem.site.interface
+    ranges = parameters_of(problem)
+    for key, name in zip(equations.states, problem.states, strict=True):
+        ranges[key] = states[name]
+    for key, port in zip(equations.inputs, interface.inputs.values(), strict=True):
+        if math.isinf(port.high - port.low):
+            raise LoopProofError("an input of the plant has no bound")
+        ranges[key] = between(exact(port.low), exact(port.high))
+    moving = around_motion(problem, ranges)
+    root = equations.outputs[list(interface.outputs).index(interface.port(output))]
+    return slopes_of([root], {key: Slope(x, {}) for key, x in moving.items()})[0].value

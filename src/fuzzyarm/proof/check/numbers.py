@@ -1,0 +1,292 @@
+"""Numbers of the checker: rationals where they are exact, else Arb's balls (python-flint).
+
+A number is an ``fmpq``, exact, or an ``arb``, a ball that holds the true value. Both mix: whatever
+a ball enters is a ball, rounded outward. A comparison holds only where it is certain, so that
+``not x < y`` says nothing; and a ball has no truth value: compare it with 0.
+
+Source: F. Johansson, "Arb: efficient arbitrary-precision midpoint-radius interval arithmetic",
+*IEEE Transactions on Computers* 66, 2017.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import lru_cache, wraps
+from numbers import Rational
+from typing import Any, ParamSpec, TypeVar
+
+from flint import arb, ctx, fmpq
+
+from fuzzyarm.proof.claim.problem import LoopProofError
+from fuzzyarm.proof.stop import check_time
+
+__all__ = [
+    "FUNCTIONS",
+    "ONE",
+    "ZERO",
+    "Matrix",
+    "Number",
+    "SpanError",
+    "around",
+    "between",
+    "ends",
+    "exact",
+    "float_above",
+    "float_below",
+    "function",
+    "greatest",
+    "holds",
+    "hull",
+    "identity",
+    "is_point",
+    "is_positive_definite",
+    "is_same",
+    "is_zero",
+    "least",
+    "magnitude",
+    "middle",
+    "precisely",
+    "product",
+    "radius",
+    "square",
+    "transposed",
+]  # fmt: skip
+
+Number = Any
+"""An ``fmpq`` or an ``arb``."""
+
+Matrix = list[list[Number]]
+
+ZERO, ONE = fmpq(0), fmpq(1)
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+BITS = 160
+"""Of a ball's middle. Fewer would make balls wider, and no statement wrong."""
+
+
+def precisely(work: Callable[P, R]) -> Callable[P, R]:
+    """Let a function compute with balls of :data:`BITS` bits."""
+
+    @wraps(work)
+    def with_bits(*arguments: P.args, **keywords: P.kwargs) -> R:
+        with ctx.workprec(BITS):
+            return work(*arguments, **keywords)
+
+    return with_bits
+
+
+class SpanError(LoopProofError):
+    """Something has no value, or no bound, where numbers are."""
+
+
+@lru_cache(maxsize=4096)
+def exact(value: float | Rational) -> fmpq:
+    """Return a float or a rational, which it is exactly."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise SpanError(f"{value} is not a number")
+    number = Fraction(value)
+    return fmpq(number.numerator, number.denominator)
+
+
+def between(low: Number, high: Number) -> Number:
+    """Return a number that holds all from `low` to `high`."""
+    return low if isinstance(low, fmpq) and low == high else arb(low).union(arb(high))
+
+
+def around(centre: Number, far: Number) -> Number:
+    """Return a number that holds all that is not further from a centre."""
+    return arb(centre) + arb(0, 1) * arb(far)
+
+
+def least(x: Number) -> Number:
+    """Return the lower end, exact."""
+    return x.lower() if isinstance(x, arb) else x
+
+
+def greatest(x: Number) -> Number:
+    """Return the upper end, exact."""
+    return x.upper() if isinstance(x, arb) else x
+
+
+def ends(x: Number) -> tuple[Fraction, Fraction]:
+    """Return both ends."""
+    return _fraction(least(x)), _fraction(greatest(x))
+
+
+def _fraction(x: Number) -> Fraction:
+    if isinstance(x, fmpq):
+        return Fraction(int(x.p), int(x.q))
+    if not x.is_finite():
+        raise SpanError("a number without a bound")
+    mantissa, exponent = (int(part) for part in x.man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def float_below(x: Number) -> float:
+    """Return a float that is not above a number."""
+    low = least(x)
+    near = float(low) if not isinstance(low, arb) or low.is_finite() else -math.inf
+    return near if near == -math.inf or exact(near) <= low else math.nextafter(near, -math.inf)
+
+
+def float_above(x: Number) -> float:
+    """Return a float that is not below a number."""
+    return -float_below(-x)
+
+
+def middle(x: Number) -> Number:
+    """Return the middle, exact."""
+    return x.mid() if isinstance(x, arb) else x
+
+
+def radius(x: Number) -> Number:
+    """Return how far a number may be from its middle."""
+    return x.rad() if isinstance(x, arb) else ZERO
+
+
+def is_zero(x: Number) -> bool:
+    """Tell whether a number is certainly 0; ``x != 0`` of a ball says the contrary of 0."""
+    return bool(x == 0)
+
+
+def is_point(x: Number) -> bool:
+    """Tell whether a number is known exactly."""
+    return isinstance(x, fmpq) or x.is_exact()
+
+
+def magnitude(x: Number) -> Number:
+    """Return the largest magnitude of a number, exact."""
+    return x.abs_upper() if isinstance(x, arb) else abs(x)
+
+
+def holds(outer: Number, inner: Number) -> bool:
+    """Tell whether all of one number is in another one."""
+    return bool(least(outer) <= least(inner) and greatest(inner) <= greatest(outer))
+
+
+def is_same(a: Any, b: Any) -> bool:
+    """Tell whether two structures are the same; of balls: with the same middle and radius."""
+    if isinstance(a, Mapping):
+        return a.keys() == b.keys() and all(is_same(x, b[name]) for name, x in a.items())
+    if isinstance(a, list | tuple):
+        return len(a) == len(b) and all(map(is_same, a, b))
+    if isinstance(a, arb) and isinstance(b, arb):
+        return bool(middle(a) == middle(b) and radius(a) == radius(b)) or (
+            holds(a, b) and holds(b, a)
+        )
+    return bool(a == b)
+
+
+def hull(*numbers: Number) -> Number:
+    """Return a number that holds some."""
+    total = numbers[0]
+    for x in numbers[1:]:
+        total = total if isinstance(total, fmpq) and is_point(x) and total == x else between(
+            total, x)  # fmt: skip
+    return total
+
+
+def square(x: Number) -> Number:
+    """Return x², which is not below 0."""
+    if isinstance(x, fmpq):
+        return x * x
+    low, high = x.abs_lower(), x.abs_upper()
+    return between(low * low, high * high)
+
+
+# ── functions ────────────────────────────────────────────────────────────────────────
+
+LARGE = 64
+"""Magnitude of an exponent above which nothing is computed."""
+
+GROWING = frozenset({"exp", "sinh", "cosh"})
+
+RISING = frozenset({"sqrt", "exp", "log", "asin", "atan", "sinh", "tanh"})
+"""Functions that lie between their values at the ends, which one ball around both would widen."""
+
+FUNCTIONS = (*RISING, "cosh", "sin", "cos", "tan", "acos", "absolute")
+"""Operations of one argument, named as the methods of a ball are."""
+
+
+def function(name: str, x: Number) -> Number:
+    """Return one of :data:`FUNCTIONS`; SpanError where it has no value, or no bound."""
+    if name == "absolute":
+        return abs(x) if isinstance(x, fmpq) else between(x.abs_lower(), x.abs_upper())
+    if x == 0 and name in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sqrt"):
+        return ZERO  # exactly, so that a loop may rest there
+    if x == 0 and name in ("cos", "exp", "cosh"):
+        return ONE
+    if name in GROWING and not magnitude(x) < LARGE:
+        raise SpanError("the exponential of a large number")
+    at = (least(x), greatest(x)) if name in RISING and not is_point(x) else (x,)
+    values = [getattr(arb(end), name)() for end in at]
+    if not all(value.is_finite() for value in values):
+        raise SpanError(f"'{name}' has no value, or no bound, in an interval")
+    value = hull(*values)
+    if name in ("sin", "cos") and not magnitude(value) <= 1:
+        value = between(_clipped(least(value)), _clipped(greatest(value)))
+    return value
+
+
+def _clipped(x: Number) -> Number:
+    return ONE if x > 1 else -ONE if x < -1 else x
+
+
+# ── matrices ─────────────────────────────────────────────────────────────────────────
+
+
+def identity(size: int) -> Matrix:
+    """Return the unit matrix."""
+    return [[fmpq(int(i == j)) for j in range(size)] for i in range(size)]
+
+
+def transposed(a: Sequence[Sequence[Number]]) -> Matrix:
+    """Return the transpose."""
+    return [list(row) for row in zip(*a, strict=True)]
+
+
+def product(a: Sequence[Sequence[Number]], b: Sequence[Sequence[Number]]) -> Matrix:
+    """Return a matrix product, in balls."""
+    check_time()
+    columns = [[arb(x) for x in column] for column in zip(*b, strict=True)]
+    rows = [[arb(x) for x in row] for row in a]
+    return [[sum(map(arb.__mul__, row, column), arb(0)) for column in columns] for row in rows]
+
+
+def is_positive_definite(matrix: Sequence[Sequence[Number]]) -> bool:
+    """Tell whether all symmetric matrices within one of numbers are certainly positive definite.
+
+    What entries may be off is taken off the diagonal: a symmetric E with |Eᵢⱼ| ≤ Sᵢⱼ is at most
+    the diagonal matrix of the sums of the rows of S. The rest is Cholesky's elimination.
+    """
+    with ctx.workprec(400):
+        return _is_positive_definite([[arb(x) for x in row] for row in matrix])
+
+
+def _is_positive_definite(balls: Matrix) -> bool:
+    size = range(len(balls))
+    if not all(balls[i][i] > 0 for i in size):
+        return False
+    # Rows and columns times powers of 2, so that the diagonal is near 1: the signs stay.
+    scale = [arb(2) ** (-_exponent(balls[i][i]) // 2) for i in size]
+    work = [[balls[i][j].mid() * scale[i] * scale[j] for j in size] for i in size]
+    for i in size:
+        work[i][i] -= sum((balls[i][j].rad() * scale[i] * scale[j] for j in size), arb(0))
+    for k in size:
+        check_time()
+        if not work[k][k] > 0:
+            return False
+        for i in range(k + 1, len(balls)):
+            factor = work[i][k] / work[k][k]
+            for j in range(k + 1, len(balls)):
+                work[i][j] -= factor * work[k][j]
+    return True
+
+
+def _exponent(x: Number) -> int:
+    mantissa, exponent = x.mid().man_exp()
+    return int(mantissa).bit_length() + int(exponent)

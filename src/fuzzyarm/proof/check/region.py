@@ -1,0 +1,406 @@
+"""Whether a region proves its claim, once the loop is derived: V falls, within all bounds.
+
+For a symmetric P, multipliers τₖ ≥ 0 and a rate ρ in [0, 1)
+
+1. P > 0;
+2. (1 − ρ) V(z) − V(A z + B w) − Σ τₖ (vₖ² − wₖ²) > 0 for all (z, w) ≠ 0; in continuous time
+   −2 zᵀP(A z + B w) in place of the difference;
+3. V ≤ 1 keeps |g z| ≤ limit for each row of the loop's bounds: [[P, g], [gᵀ, limit²]] > 0.
+
+Then V ≤ 1 is never left, and every motion that begins in it goes to rest, V falling by a factor
+1 − ρ in each period: the loop is its matrices wherever the bounds hold, and there |wₖ| ≤ |vₖ|.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from itertools import product as every
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx, fmpq
+from numpy.typing import NDArray
+
+from fuzzyarm.language.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.check.certificate import RegionProof
+from fuzzyarm.proof.check.loop import CheckedLoop, System, checked_loop
+from fuzzyarm.proof.check.motion import output_between_samples
+from fuzzyarm.proof.check.numbers import (
+    ONE,
+    ZERO,
+    Matrix,
+    Number,
+    around,
+    exact,
+    float_above,
+    float_below,
+    greatest,
+    is_positive_definite,
+    is_zero,
+    least,
+    middle,
+    precisely,
+    product,
+    transposed,
+)
+from fuzzyarm.proof.check.rules import RuleSurfaces
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
+from fuzzyarm.proof.claim.text import claimed_in
+from fuzzyarm.proof.stop import check_time
+
+__all__ = [
+    "accepted", "faded", "falls", "has_known_start", "is_inside", "port_within", "quadratic_at",
+    "refutation", "start_quadric", "verified",
+]  # fmt: skip
+
+Rows = Sequence[Sequence[Number | Fraction]]
+
+
+def _exact(rows: Rows) -> Matrix:
+    return [[exact(x) if isinstance(x, Fraction) else x for x in row] for row in rows]
+
+
+# ── V ────────────────────────────────────────────────────────────────────────────────
+
+
+def refutation(
+    system: System, p: Rows, multipliers: Sequence[Fraction], rate: Fraction = Fraction(0)
+) -> str:
+    """Return why V does not prove that a system comes to rest; empty where it does."""
+    n, m = system.size, len(system.blocks)
+    if len(p) != n or any(len(row) != n for row in p) or len(multipliers) != m:
+        return "its matrices are not of the loop's size"
+    if any(multiplier < 0 for multiplier in multipliers) or not 0 <= rate < 1:
+        return "a multiplier or the rate is out of range"
+    matrix = _exact(p)
+    symmetric = all(matrix[i][j] == matrix[j][i] for i in range(n) for j in range(i))
+    if not symmetric or not is_positive_definite(matrix):
+        return "its matrix is not symmetric and positive definite"
+    if not falls(system, p, multipliers, rate):
+        return "its function does not fall"
+    for row, limit, words in system.rows_within():
+        if not is_inside(p, row, limit):
+            return f"its region leaves the bounds of {words}"
+    return ""
+
+
+def is_inside(p: Rows, row: Sequence[Number], limit: Number, level: Number = ONE) -> bool:
+    """Tell whether zᵀPz ≤ level keeps |g z| below a limit."""
+    if all(x == 0 for x in row):
+        return bool(limit > 0)
+    bordered = [*([*line, g] for line, g in zip(_exact(p), row, strict=True))]
+    return is_positive_definite([*bordered, [*row, limit * limit / level]])
+
+
+def falls(system: System, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
+    """Tell whether V falls along a system, see 2. above."""
+    size = system.size + len(system.blocks)
+    with ctx.workprec(300):
+        matrix = _exact(p)
+        carried = product(matrix, system.move)
+        if system.period:
+            total = product(transposed(system.move), carried)
+            total = [[-x for x in row] for row in total]
+            share = ONE - exact(rate)
+        elif rate:
+            return False
+        else:
+            total = [[arb(0)] * size for _ in range(size)]
+            share = ZERO
+        for i in range(system.size):
+            for j in range(size):
+                if j < system.size:
+                    total[i][j] += matrix[i][j] * share
+                if not system.period:
+                    total[i][j] -= carried[i][j]
+                    total[j][i] -= carried[i][j]
+        # Less Σ τ (v² − w²): v is a row over z and w, w one coordinate.
+        for k, tau in enumerate(map(exact, multipliers)):
+            v = system.blocks[k]
+            moved = [j for j in range(size) if not is_zero(v[j])]
+            for i in moved:
+                for j in moved:
+                    total[i][j] -= v[i] * v[j] * tau
+            total[system.size + k][system.size + k] += tau
+        return is_positive_definite(total)
+
+
+def quadratic_at(p: Rows, z: Sequence[Number]) -> Number:
+    """Return zᵀ P z."""
+    matrix = _exact(p)
+    terms = (x * weight * y for x, row in zip(z, matrix, strict=True)
+             for weight, y in zip(row, z, strict=True))  # fmt: skip
+    return sum(terms, ZERO)
+
+
+def faded(rate: Fraction, periods: int) -> Number:
+    """Return by what V is multiplied at most in some periods."""
+    return greatest(arb(ONE - exact(rate)) ** periods)
+
+
+# ── starts ───────────────────────────────────────────────────────────────────────────
+
+
+def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[list[Number]]:
+    """Return the corners of the start, as deviations from rest; memory as it is at the start."""
+    ends = [
+        tuple(dict.fromkeys((exact(problem.start[name].low), exact(problem.start[name].high))))
+        for name in problem.states
+    ]
+    # V is convex, so its largest value over a box of starts is at a corner; 2ⁿ of them are tried.
+    if 2 ** sum(len(end) > 1 for end in ends) > 4096:
+        raise LoopProofError("a start of more than 12 intervals")
+    return [
+        _with_memory(loop, dict(zip(problem.states, corner, strict=True)))
+        for corner in every(*ends)
+    ]
+
+
+def _with_memory(loop: CheckedLoop, states: Mapping[str, Number]) -> list[Number]:
+    """Return z of the moment before the first period, of states of the plant."""
+    values = []
+    for name in loop.names:
+        if name in states:
+            value = states[name]
+        elif name in loop.seeds:
+            constant, parts = loop.seeds[name]
+            value = constant + sum(
+                ((states[of] - loop.rest[of]) * w for of, w in parts.items()), ZERO
+            )
+        elif name in loop.begin:
+            value = loop.begin[name]
+        else:
+            raise LoopProofError(f"'{name}' has a start of its own")
+        values.append(value - loop.rest[name])
+    return values
+
+
+def has_known_start(problem: LoopProblem, loop: CheckedLoop) -> bool:
+    """Tell whether states of the plant say what all memory starts as.
+
+    What a `rate of` holds before its first sample is not a function of them.
+    """
+    return not set(loop.names) - {*problem.states, *loop.seeds, *loop.begin}
+
+
+def start_quadric(
+    problem: LoopProblem, loop: CheckedLoop, p: Rows, states: Sequence[int]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Return Q, l, c with V - 1 = xᵀQx + l x + c where some states start x away from rest.
+
+    The other states of the plant begin at rest, the memory as it does. For pictures and words.
+    """
+    names = problem.states
+    rest = {name: middle(loop.rest[name]) for name in names}
+    base = np.array(_floats(_with_memory(loop, rest)))
+    ways = []
+    for k in states:
+        # The way from a state to z is affine: one column of it for each unit step.
+        shifted = {**rest, names[k]: rest[names[k]] + 1}
+        ways.append(np.array(_floats(_with_memory(loop, shifted))) - base)
+    way, plain = np.array(ways), np.array([_floats(row) for row in p])
+    return way @ plain @ way.T, 2.0 * way @ plain @ base, float(base @ plain @ base) - 1.0
+
+
+def _floats(values: Sequence[Number]) -> list[float]:
+    return [float(x) for x in values]
+
+
+def _along_alone(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> dict[str, float]:
+    """Return how far the loop may start along each state, the memory as it is at the start."""
+    values: dict[str, float] = {}
+    if not has_known_start(problem, loop):
+        return values
+    for k, name in enumerate(problem.states):
+        quadratic, linear, c = start_quadric(problem, loop, p, (k,))
+        a, b = float(quadratic[0, 0]), float(linear[0])
+        # V = 1 along one state is a quadratic; the smaller root bounds both directions.
+        inside = b * b - 4.0 * a * c
+        if c < 0.0 and inside >= 0.0:
+            root = math.sqrt(inside)
+            values[name] = min((-b + root) / (2 * a), (b + root) / (2 * a))
+    return values
+
+
+# ── where a region reaches ───────────────────────────────────────────────────────────
+
+
+def reach_of(loop: CheckedLoop, level: Number, p: Rows) -> dict[str, float]:
+    """Return how far each state is from rest at most where V is at most a level."""
+    inverse = np.linalg.inv(np.array([_floats(row) for row in p]))
+    rows = [[fmpq(int(i == k)) for i in range(loop.size)] for k in range(loop.size)]
+    return {
+        name: _farthest(p, inverse, row, level) for name, row in zip(loop.names, rows, strict=True)
+    }
+
+
+def _farthest(p: Rows, inverse: NDArray[np.float64], row: Sequence[Number], level: Number) -> float:
+    """Return what |g z| cannot exceed where V is at most a level; infinite: that is not known."""
+    if level == 0 or all(x == 0 for x in row):
+        return 0.0
+    g = np.array(_floats(row))
+    # max of |g z| where zᵀPz ≤ level, √(level gᵀP⁻¹g), in floats; a little more is then checked,
+    # and the first that holds is taken.
+    half = math.sqrt(float(level) * max(float(g @ inverse @ g), 0.0))
+    for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0) if math.isfinite(half) else ():
+        if is_inside(p, row, exact(half * wider), level):
+            return half * wider
+    return math.inf
+
+
+@precisely
+def port_within(
+    problem: LoopProblem, loop: CheckedLoop, p: Rows, level: Number, port: str
+) -> tuple[Number, Number]:
+    """Return where an output or a drive can be, from a sample with V at most a level to the next.
+
+    Raises
+    ------
+    LoopProofError
+        If it has no bound there.
+    """
+    address = problem.site.interface.port(port)
+    if address in loop.drives:
+        return _drive_within(loop, p, level, address)
+    reach = reach_of(loop, level, p)
+    if any(math.isinf(half) for half in reach.values()):
+        raise LoopProofError("its region has no bounds")
+    states = {name: around(loop.rest[name], exact(reach[name])) for name in loop.names}
+    span = output_between_samples(problem, states, port)
+    return least(span), greatest(span)
+
+
+def _drive_within(
+    loop: CheckedLoop, p: Rows, level: Number, address: Address
+) -> tuple[Number, Number]:
+    """Return where a drive can be: it is held between samples, so those are all of its values."""
+    inverse = np.linalg.inv(np.array([_floats(row) for row in p]))
+    half = max(_farthest(p, inverse, row, level) for row in loop.rows_of_drive(address))
+    if math.isinf(half):
+        raise LoopProofError("its region has no bounds")
+    line = loop.drives[address]
+    span = around(line.rest, exact(half))
+    low, high = least(span), greatest(span)
+    low = line.low if line.low is not None and line.low >= low else low
+    return low, line.high if line.high is not None and line.high <= high else high
+
+
+# ── a certified region ───────────────────────────────────────────────────────────────
+
+
+@precisely
+def accepted(
+    problem: LoopProblem, region: RegionProof, surfaces: RuleSurfaces | None = None
+) -> CheckedLoop:
+    """Return the loop around its rest, where a region is proved; LoopProofError: why it is not."""
+    try:
+        loop = checked_loop(
+            problem, region.states, region.evidence,
+            continuous=region.continuous, surfaces=surfaces,
+        )  # fmt: skip
+    except (KeyError, IndexError) as error:
+        raise LoopProofError(f"it lacks {error}") from error
+    against = refutation(loop, region.p, region.multipliers, region.rate)
+    if against:
+        raise LoopProofError(against)
+    return loop
+
+
+@precisely
+def verified(
+    problem: LoopProblem, claim: LoopClaim, region: RegionProof,
+    surfaces: RuleSurfaces | None = None,
+) -> tuple[str, dict[str, Any], CheckedLoop | None]:  # fmt: skip
+    """Return why a region does not prove a claim (empty: it does), and what it proves.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    claim : LoopClaim
+        What is claimed of it.
+    region : RegionProof
+        Which.
+    surfaces : RuleSurfaces, optional
+        Of its rule bases, where they have been cut already.
+
+    Returns
+    -------
+    against : str
+        Empty where it is proved.
+    facts : dict
+        Of a verdict.
+    loop : CheckedLoop or None
+        As the checker derived it.
+    """
+    try:
+        loop = accepted(problem, region, surfaces)
+        level = _level_of_starts(problem, loop, region.p) if claim.start or claim.output else ZERO
+    except LoopProofError as error:
+        return str(error), {}, None
+    facts = region_facts(problem, loop, region)
+    against = ""
+    if claim.output:
+        # Without its own starts a claim is of all starts in the region, as the verdict says.
+        against = outside(problem, loop, claim, region, level if claim.start else ONE)
+    return against, facts, loop
+
+
+def _level_of_starts(problem: LoopProblem, loop: CheckedLoop, p: Rows) -> Number:
+    """Return V at the starts at most; LoopProofError where a region does not hold all of them."""
+    level = arb(0)
+    for vertex in start_vertices(problem, loop):
+        check_time()
+        level = level.max(greatest(arb(quadratic_at(p, vertex)))).upper()
+    if not level <= 1:
+        raise LoopProofError("its region does not contain the whole start")
+    return level
+
+
+def region_facts(problem: LoopProblem, loop: CheckedLoop, region: RegionProof) -> dict[str, Any]:
+    """Return what a region says, as facts of a verdict."""
+    rest = {name: float(loop.rest[name]) for name in loop.names}
+    return {
+        "region": {
+            name: (rest[name] - half, rest[name] + half)
+            for name, half in reach_of(loop, ONE, region.p).items()
+        },
+        "start_region": _along_alone(problem, loop, region.p),
+        "rest": rest,
+        "fall": float(region.rate),
+        "continuous": region.continuous,
+        "uncertain": loop.words,
+    }
+
+
+@precisely
+def outside(
+    problem: LoopProblem, loop: CheckedLoop, claim: LoopClaim, region: RegionProof, level: Number,
+    begun: int = 0,
+) -> str:  # fmt: skip
+    """Return why an output may leave the claimed interval in the claimed time; empty: it cannot.
+
+    V is at most a level after a number of periods.
+    """
+    if region.continuous:
+        return "a claim about an output is proved of the sampled loop"
+    periods = max(claimed_in(problem, claim).first - begun, 0)
+    try:
+        span = port_within(
+            problem,
+            loop,
+            region.p,
+            greatest(arb(faded(region.rate, periods) * level)),
+            claim.output,
+        )
+    except LoopProofError as error:
+        return str(error)
+    low, high = span
+    if exact(claim.low) <= low and high <= exact(claim.high):
+        return ""
+    when = f" {claim.begin:g} s after the start" if claim.begin else ""
+    where = f"{float_below(low):.6g} .. {float_above(high):.6g}{when}"
+    return f"{claim.output} stays in {where}, as far as the region says"
