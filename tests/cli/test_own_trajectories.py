@@ -95,7 +95,7 @@ def test_references_take_the_place_of_trajectories(run):
         ("--loaded 3", 1, "names segment 3, but 'lift' has 2 segments"),
         ("--step 1 --trajectory lift", 2, "--step is for references, and --trajectory for a"),
         ("--reference height=1 --payload", 2, "--reference is for references, and --payload for"),
-        ("--for 2s", 2, "--for says how long --reference or --step is followed"),
+        ("--for 2s", 2, "--for sets the duration of --reference or --step"),
         (
             "--supply 12",
             1,
@@ -258,7 +258,7 @@ def test_several_axes_follow_with_their_first_outputs_or_with_those_that_are_nam
         fuzzyarm.simulate("pd", arm, trajectory=alone)
     second = fuzzyarm.simulate("pd", arm, trajectory=replace(alone, outputs=("joint2.position",)))
     assert second.labels == ("joint2.position",)
-    with pytest.raises(PlantError, match="is an input, which follows nothing"):
+    with pytest.raises(PlantError, match="is an input, which cannot follow a trajectory"):
         fuzzyarm.simulate("pd", arm, trajectory=replace(alone, outputs=("joint2.torque",)))
 
 

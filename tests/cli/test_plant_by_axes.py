@@ -200,7 +200,7 @@ def test_the_arm_follows_references_too(run):
 )
 def test_a_trajectory_and_references_are_two_things(command, run):
     assert "--step is for references, and --segment" in run(f"{command} --step 0 --segment 1", 2)
-    assert "--for says how long --reference or --step" in run(f"{command} --for 2s", 2)
+    assert "--for sets the duration of --reference or --step" in run(f"{command} --for 2s", 2)
 
 
 def test_sensors_count_in_comparisons_along_trajectories(run):

@@ -36,7 +36,7 @@ def test_a_journal_is_gone_on_with(folder, capsys):
     words = ["tune", "heater", *QUICK, "--unseen", "0", "--json", "--journal", "trials"]
     assert main([*words, "--evals", "5"]) == 0
     assert main([*words, "--evals", "9"]) == 1
-    assert "--resume goes on" in capsys.readouterr().err
+    assert "--resume continues it" in capsys.readouterr().err
     assert main([*words, "--evals", "9", "--resume", "-o", "a.frb"]) == 0
     resumed = json.loads(capsys.readouterr().out)
     whole = ["tune", "heater", *QUICK, "--unseen", "0", "--json", "--evals", "9", "-o", "b.frb"]
@@ -68,7 +68,7 @@ def test_a_rule_base_is_fitted_to_samples(folder, capsys):
         (["heater", "--tune", "gain G_x 1 .. 2"], 1, "heater has no gain 'G_x'"),
         (["heater", "--tune", "peaks q"], 1, "no rule base has a variable 'q'"),
         (["heater", "--tune", "peak e"], 1, "expected peaks, gain or keep"),
-        (["heater", "--resume"], 2, "--resume goes on with the file of --journal"),
+        (["heater", "--resume"], 2, "--resume needs the file of --journal"),
         (["heater", "--scenarios", "0"], 2, "--scenarios must be 1 to 10000, not 0"),
         (["heater", "--evals", "0"], 2, "--evals must be 1 to 10000000, not 0"),
         (["heater", "--digits", "9"], 2, "--digits must be 1 to 8, not 9"),

@@ -265,7 +265,7 @@ def test_it_goes_on_from_a_state_that_was_kept():
         ({"update": lambda x, width: x - width}, "nothing gives the update .* 'width'"),
         ({"update": lambda x: x, "states": (SourceState("s", lambda z: z),)}, "its argument 'z'"),
         ({"update": None, "of": "call"}, "called with inputs"),
-        ({"update": lambda x: x, "of": "port"}, "does not say which values"),
+        ({"update": lambda x: x, "of": "port"}, "does not name its values"),
     ],
 )
 def test_a_record_that_cannot_work_is_refused(facts, message):
@@ -502,8 +502,8 @@ def test_mistakes_are_said_by_name(line, name, message, hint):
 
 @pytest.mark.parametrize(
     ("unit", "message"),
-    [("deg", "the width of deadband is in deg, what it is taken of in rad"),
-     ("V", "is in V, what"), ("rad", ""), ("turns per rad", "")],
+    [("deg", "the width of deadband is in deg, its signal in rad"),
+     ("V", "is in V, its signal"), ("rad", ""), ("turns per rad", "")],
 )  # fmt: skip
 def test_a_width_in_another_unit_is_found(unit, message):
     lines = ("y = deadband of e, width w", "drive voltage = y, within -24 .. 24")

@@ -235,7 +235,7 @@ def test_a_line_that_needs_more_says_what(line: str) -> None:
 LIKE_EXAMPLES = {
     "term LOW: triangle 0 2 5": "a term belongs to a variable",
     "rule if temp is HOT and h is WET then v is HIGH else v is LOW": "a rule has no else",
-    "rule if temp is HOT and h > 80.5 then v is HIGH": "a rule asks for terms, not for numbers",
+    "rule if temp is HOT and h > 80.5 then v is HIGH": "a rule tests terms, not numbers",
 }
 
 

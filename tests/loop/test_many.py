@@ -248,7 +248,7 @@ def test_a_load_where_nothing_is_carried():
 
     path = reach(segment=0.3)
     path = replace(path, loaded=(False,) * len(path.loaded))
-    with pytest.raises(SweepError, match="carries nothing"):
+    with pytest.raises(SweepError, match="carries no load"):
         simulate_many("pd", path, [{"payload": 1.0}])
 
 

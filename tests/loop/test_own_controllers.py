@@ -161,7 +161,7 @@ def test_which_input_is_meant_must_be_said():
         def step(self, measured, reference):
             return 1.0
 
-    with pytest.raises(SourceError, match="does not say which input it drives"):
+    with pytest.raises(SourceError, match="does not name the input that it drives"):
         simulate(Single(), reach_return((20.0, -10.0), segment=0.05, hold=0.02))
 
 
@@ -169,7 +169,7 @@ def test_a_period_must_be_said():
     class Timeless(Pi):
         period = None
 
-    with pytest.raises(SourceError, match="does not say how often it runs"):
+    with pytest.raises(SourceError, match="has no control period"):
         simulate(Timeless(), "room", **WARM)
 
 

@@ -195,7 +195,7 @@ def test_calls_take_a_request_as_well():
     assert (stepped.error_matrix == named.error_matrix).all()
     many = fuzzyarm.simulate_many(servo, "motor", [{}], step=1.0, duration="50ms", workers=1)
     assert many.rms[0, 0] == named.rms[0]
-    with pytest.raises(fuzzyarm.FuzzyarmError, match="a step and references say the same"):
+    with pytest.raises(fuzzyarm.FuzzyarmError, match="a step and references exclude each other"):
         fuzzyarm.simulate(servo, "motor", step=1.0, reference={"position": 1.0})
     table = fuzzyarm.compile_table(
         CompileRequest(file=str(fuzzyarm.shipped("pd7.frb")), levels="5")

@@ -166,7 +166,7 @@ def test_compile_reports_as_data(capsys, tmp_path, frb):
         (["-o", "t.lut", "--output", "x"], "no output 'x' (it has y)", 1),
         (["-o", "t.lut", "--levels", "1"], "--levels must be 2 to 100,000, not 1", 2),
         (["-o", "t.lut", "--levels", "c = 4"], "no input 'c'", 1),
-        (["-o", "t.lut", "--levels", "a = 4, 5"], "does not say for which input", 2),
+        (["-o", "t.lut", "--levels", "a = 4, 5"], "does not name its input", 2),
         (["-o", "t.lut", "--levels", "0 .. 4 step 3"], "the step 3 does not divide", 2),
         (["-o", "t.lut", "--levels", "lots"], "levels as numbers", 2),
         (["-o", "t.lut", "--levels", "9 8 7"], "must increase", 1),

@@ -243,7 +243,7 @@ def test_nothing_moves_in_a_file_that_lets_nothing_move():
         ("rmss", "no metric 'rmss'"),
         ("rms +", "cannot be read"),
         ("'room.rmse'", "no metric 'room.rmse'"),
-        ("'hall.rms'", "nothing has the metric 'hall.rms'"),
+        ("'hall.rms'", "unknown metric 'hall.rms'"),
         ("cost.py", "does not name a function"),
     ],
 )

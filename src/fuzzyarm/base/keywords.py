@@ -174,4 +174,4 @@ def unknown_argument(call: str, name: str, keywords: tuple[str, ...]) -> Argumen
 def demand_alone(call: str, *others: object) -> None:
     """Raise ArgumentError if other arguments accompany a request."""
     if any(other is not None and other != {} for other in others):
-        raise ArgumentError(f"{call}() takes a request alone: it says all of the job")
+        raise ArgumentError(f"{call}() takes a request alone: it holds the whole job")

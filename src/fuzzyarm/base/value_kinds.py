@@ -28,7 +28,7 @@ HINTS = {
         " fuzzyarm.control.controllers runs it on the arm;"
         " for another plant a file with a line `controller` looks it up"
     ),
-    (CONTROLLER, RULE_BASE): "what it looks up is in its `sheets`, by the names of its text",
+    (CONTROLLER, RULE_BASE): "its rule bases and tables are in `sheets`, by name",
     (TABLE, RULE_BASE): "its method `lookup` gives its values",
     (TABLE, MODEL): "its method `lookup` gives its values",
     (CONTROLLER, WHOLE): "fuzzyarm.load reads it with its files",

@@ -131,7 +131,7 @@ class _Scope:
             if "period" not in self.broken:
                 self.scope.report(
                     "missing-period",
-                    "the controller does not say how often it runs",
+                    "the controller has no control period",
                     heading.span,
                     hint="add a line like  period 1 ms",
                 )

@@ -197,7 +197,7 @@ SIGNAL = "signal"
 
 _TUNE = StatementRow(
     Tune,
-    FixedText("tune", "after the comma", "between what it may move when it is tuned"),
+    FixedText("tune", "after the comma", "its range in tuning"),
     Number("low", "the lowest value", "LOW"),
     FixedText("..", "between the ends of the range"),
     Number("high", "the highest value", "HIGH"),
@@ -301,7 +301,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         ),
         StatementKind(
             "axis",
-            "what follows is done for each axis",
+            "the following lines apply to each axis",
             StatementRow(
                 Axes,
                 Keyword("axis"),
@@ -385,7 +385,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
         ),
         StatementKind(
             "drive",
-            "what goes to the plant; drives of one port add up",
+            "output to the plant; drives of one port add up",
             StatementRow(
                 Drive,
                 Keyword("drive"),
@@ -412,7 +412,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                             # The last option reports a word that fits none: it names all.
                             "on",
                             "or 'slew' or 'within' after the comma",
-                            "what is sent where a value read is not a number",
+                            "value of the drive while an input is not a number",
                         ),
                         FixedText("nan", "after 'on'", "a value that is not a number"),
                         Number("on_nan", "the value sent in a skipped period"),
@@ -421,7 +421,9 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                 indent="  ",
             ),
         ),
-        StatementKind("prove", "what is to be proved of the closed loop", LOOP_CLAIM_ROW),
+        StatementKind(
+            "prove", "claim about the closed loop, proved by `fuzzyarm prove`", LOOP_CLAIM_ROW
+        ),
     )
 }
 """Every statement of a controller by the word that starts it."""

@@ -146,7 +146,7 @@ def _claimed_output(node: ProveNode, scope: Scope) -> str | None:
         error = "" if node.high is None else number_text(node.high)
         scope.report(
             "ambiguous-output",
-            "the file has several outputs: say which one the table is of",
+            "the file has several outputs: name that of the table",
             node.span,
             hint=f"write  table of {name_text(outputs[0])} {node.mode} within {error}",
         )

@@ -149,7 +149,7 @@ class _Claim(Part):
 
     def read(self, cursor: Cursor, values: Values) -> None:
         if not values["stable"]:
-            cursor.expect(":", "before what is claimed")
+            cursor.expect(":", "before the claim")
         # A claim of stability needs no output.
         elif not cursor.accept(":"):
             return
@@ -194,7 +194,7 @@ LOOP_CLAIM_ROW = StatementRow(
     Flag(
         "stable",
         "stable",
-        "the loop goes to rest from wherever it starts in a region that the proof says",
+        "the loop comes to rest from every start in the region of the proof",
     ),
     FixedText("on", "before the plant"),
     Name("plant", "a plant", refers(NameKind.PLANT), "PLANT", "plants"),

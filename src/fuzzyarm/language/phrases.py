@@ -506,7 +506,7 @@ SETTINGS: dict[str, Setting] = {
         ),
         Setting(
             "outside",
-            "what happens to a value outside the range: clamp, extend or error",
+            "treatment of a value outside the range: clamp, extend or error",
             "variables",
             ("clamp", "extend", "error"),
         ),

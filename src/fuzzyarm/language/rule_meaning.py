@@ -208,7 +208,7 @@ def _antecedent_term(draft: Draft | None, word: Word, scope: Scope) -> Is | None
     if not SHAPES[term.shape.kind].fuzzy:
         scope.report(
             "not-a-fuzzy-set",
-            f"'{word}' of '{draft.name}' is a value, not a set; no rule can ask for it",
+            f"'{word}' of '{draft.name}' is a value, not a set, so no rule can test it",
             word.span,
         )
         return None

@@ -112,7 +112,7 @@ def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagno
         return Diagnostic("missing-unit", message, cursor.span, hint=hint, replacement=unit)
     if small in HERTZ and figure > 0.0:
         span = figure.span.to(cursor.span)
-        message = f"a time is wanted, not a frequency: {number} {token.text if token else ''}"
+        message = f"expected a time, not a frequency: {number} {token.text if token else ''}"
         if turns is None:
             return Diagnostic("missing-unit", message, span, hint=f"one of {', '.join(TIMES)}")
         milliseconds = float(f"{1e3 * turns / (HERTZ[small] * figure):.6g}")

@@ -154,7 +154,7 @@ _COMMAS = ((), (_POINT,), (_SPACE,), (_POINT, _SPACE))
 EXAMPLES = {
     "a rule has no else: write a second rule, as in  rule if x is not A then y is C": (
         "rule if x is A then y is B else y is C",),
-    "a rule asks for terms, not for numbers, as in  term x BEYOND: ramp 30 40": (
+    "a rule tests terms, not numbers, as in  term x BEYOND: ramp 30 40": (
         "rule if x > 3 then y is B", "rule if x < 3 then y is B", "rule if x >= 3 then y is B"),
     "a term belongs to a variable, as in  term x LOW: triangle 0 2 5": (
         "term LOW: triangle 0 2 5", "term LOW = triangle 0 2 5"),
@@ -289,7 +289,7 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
     if len(line) > _LONGEST:
         return None
     if _ENDING.match(line):
-        return "", "nothing ends a part of a file"
+        return "", "parts of a file need no end"
     before, word, after = _surroundings(lines, number)
 
     def reads(better: str) -> bool:

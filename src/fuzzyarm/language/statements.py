@@ -319,7 +319,7 @@ class ProveNode(NamedTuple):
                 region.append(StretchNode(claim.outcome.variable, low, high))
                 continue
             if region and not arrow:
-                cursor.fail("'->' between the inputs and what is claimed")
+                cursor.fail("'->' between the inputs and the claim")
             return claim._replace(region=tuple(region), span=cursor.whole)
 
     @classmethod
@@ -583,7 +583,7 @@ STATEMENTS: dict[str, StatementKind] = {
     for record in (
         StatementKind(
             "rulebase",
-            "the name of the rule base and what it is for",
+            "name and purpose of the rule base",
             StatementRow(
                 Heading,
                 Keyword("rulebase"),
@@ -711,7 +711,7 @@ STATEMENTS: dict[str, StatementKind] = {
         ),
         StatementKind(
             "expect",
-            "what must come out, checked by `fuzzyarm check`",
+            "expected outputs, checked by `fuzzyarm check`",
             StatementRow(
                 ExpectNode,
                 Keyword("expect"),
@@ -739,7 +739,7 @@ STATEMENTS: dict[str, StatementKind] = {
         ),
         StatementKind(
             "prove",
-            "what holds at every point, proved by `fuzzyarm prove`",
+            "property of every point, proved by `fuzzyarm prove`",
             ByHand(  # an input of the region and an output look alike up to the arrow
                 ProveNode,
                 "[INPUT in LOW .. HIGH, … ->] CLAIM",
@@ -759,7 +759,7 @@ STATEMENTS: dict[str, StatementKind] = {
         ),
         StatementKind(
             "tune",
-            "what `fuzzyarm tune` may move; nothing else reads it",
+            "movable numbers for `fuzzyarm tune`; ignored otherwise",
             StatementRow(TuneNode, Keyword("tune"), Lines("items", TUNE_ROW)),
             takes_lines=True,
             outline="tune",
@@ -770,7 +770,7 @@ STATEMENTS: dict[str, StatementKind] = {
 
 CONTROLLER = StatementKind(
     "controller",
-    "the name of the controller and what it is for",
+    "name and purpose of the controller",
     StatementRow(
         ControllerHeading,
         Keyword("controller"),

@@ -566,7 +566,7 @@ def _checked(samples: Samples) -> Samples:
         raise _refused("no-inputs", "there are no inputs", samples.source)
     if len(samples.names) > MAX_INPUTS:
         message = f"{len(samples.names)} inputs are too many: a rule base has at most {MAX_INPUTS}"
-        raise _refused("too-many-inputs", message, samples.source, "leave out what matters least")
+        raise _refused("too-many-inputs", message, samples.source, "leave out the least relevant")
     if samples.target in samples.names:
         raise _refused("duplicate-column", f"'{samples.target}' is an input too", samples.source)
     largest = max(np.abs(samples.inputs).max(), np.abs(np.nan_to_num(samples.values)).max())

@@ -90,7 +90,7 @@ def is_model(path: str) -> bool:
 
 def _samples_of_model(request: FitRequest) -> Samples:
     if request.inputs:
-        raise UsageError("--inputs is for samples: a surrogate has those of what it stands for")
+        raise UsageError("--inputs is for samples: a surrogate has those of its original")
     model = above.function("load_sheet")(request.data)
     if isinstance(model, RuleBase):
         return rulebase_samples(model, request.target, seed=request.seed, source=request.data)

@@ -212,6 +212,7 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
         centres.append(best)
         distance = _squared_distances(scaled, scaled[[best]])[:, 0]
         potential -= potential[best] * np.exp(-4.0 / (1.5 * radius) ** 2 * distance)
+    # The potential exp(-4 d²/r²) is a gaussian of standard deviation r/√8.
     deviations = np.full((len(centres), inputs.shape[1]), radius / math.sqrt(8.0)) * width
     return inputs[centres], deviations
 

@@ -141,6 +141,7 @@ class CrossValidation(NamedTuple):
         values, axes = np.linalg.eigh(design_train.T @ design_train)
         turned = axes.T @ (design_train.T @ (residual / scaling.range))
         design = design @ axes
+        # Ridge regression in the eigenbasis: one decomposition serves every shrinkage.
         residuals = []
         for shrinkage in self.shrinkages:
             least = max(shrinkage, LEAST_SHRINKAGE) * len(train)

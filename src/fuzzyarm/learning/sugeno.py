@@ -291,6 +291,8 @@ def consequents(
     scaling = Scaling.of(inputs, outputs)
     regressors, scaled = scaling.regressors(inputs), scaling.scaled(outputs)
     shape = len(premises.rules), regressors.shape[1], outputs.shape[1]
+    # Outputs = linear model + Σ strength × deviation. The linear part is projected out by an
+    # orthonormal basis, so that the penalty acts on the deviations alone.
     span = basis(regressors)
     bridge = np.linalg.lstsq(regressors, span, rcond=1e-10)[0]  # regressors @ bridge = span
     projection = span.T @ scaled
@@ -302,8 +304,9 @@ def consequents(
     for rows in _turns(len(inputs)):
         # Project the linear part out of the design D: D - span (spanᵀ D).
         crossed += span[rows].T @ designed(strengths[rows], regressors[rows])
-    # Rows are taken in by turns, and only the triangle of those before is kept.
     triangle = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(size)
+    # Sequential QR: each block of rows is stacked under the triangle of those before, which starts
+    # as the penalty √(λ n) I. Memory is that of one block.
     right = np.zeros((size, shape[2]))
     rest = scaled - span @ projection
     for rows in _turns(len(inputs)):
@@ -311,6 +314,7 @@ def consequents(
         factor, triangle = np.linalg.qr(np.vstack([triangle, design]))
         right = factor.T @ np.vstack([right, rest[rows]])
     deviations = np.linalg.solve(triangle, right)
+    # Back from the orthonormal basis to the regressors, less the linear part of the deviations.
     linear = bridge @ (projection - crossed @ deviations)
     return deviations.reshape(shape) + linear, scaling
 

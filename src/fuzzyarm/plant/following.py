@@ -135,7 +135,7 @@ def followed(plant: Plant, trajectory: Trajectory) -> tuple[Address, ...]:
         raise PlantError(f"{message} with {len(ports)}: {names}", name="outputs", hint=hint)
     for port in ports:
         if port not in interface.outputs:
-            message = f"'{interface.label(port)}' is an input, which follows nothing"
+            message = f"'{interface.label(port)}' is an input, which cannot follow a trajectory"
             raise PlantError(message, name=interface.label(port))
     return ports
 

@@ -223,7 +223,7 @@ def _numbers(
         # With finite states a NaN output is a lost sample.
         is_lost = what == "measure" and bool(plant.states) and math.isnan(value)
         if not math.isfinite(value) and not is_lost:
-            hint = "it divides by zero, or takes a root of what is negative"
+            hint = "it divides by zero, or takes the root of a negative number"
             at_first = "at the start, with all inputs at 0 or their nearest limit"
             message = f"{what} returns {value} for '{name}' {at_first}"
             raise _fault(plant, what, message, hint=hint if math.isnan(value) else "")

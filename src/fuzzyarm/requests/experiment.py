@@ -33,7 +33,7 @@ class ExperimentRequest(Request):
 
     trajectory: str | None = option(
         "--trajectory NAME",
-        "what the plant follows, by default its first; the arm has reach-return, "
+        "trajectory of the plant, by default its first; the arm has reach-return, "
         "pick-and-place and reach",
         None,
         group=TRAJECTORY,
@@ -94,7 +94,7 @@ class ExperimentRequest(Request):
     )  # fmt: skip
     actuator: tuple[str, ...] = option(
         "--actuator INPUT=LOW..HIGH",
-        "limits of a drive; slew and start behind: 0..5,slew=2,start=1", (),
+        "limits of a drive, then slew and start: 0..5,slew=2,start=1", (),
         group=AROUND, repeated=True,
     )  # fmt: skip
     disturb: tuple[str, ...] = option(

@@ -88,7 +88,7 @@ class WorkJournal:
                     many = f"{count} {self.piece}s of this {self.work}"
                     if total is not None:
                         many = f"{count} of the {total} {self.piece}s"
-                    hint = "--resume goes on, or remove the file"
+                    hint = "--resume continues it, or remove the file"
                     raise JournalError(f"{self.path} has {many}", hint=hint)
             elif not may_replace:
                 message = f"{self.path} exists and is not of this {self.work}"

@@ -41,7 +41,7 @@ class LearnRequest(ExperimentRequest):
     )
     performance: str | None = option(
         "--performance WORD",
-        "FILE, or yamazaki or procyk-mamdani, which are shipped; by default as the text says",
+        "FILE, or the shipped yamazaki or procyk-mamdani; by default that of the text",
         None,
     )
     passes: int = option("--passes N", "repeat the trajectory", 1, (1, MOST_PASSES), group=TRAINING)
@@ -63,7 +63,7 @@ class FitRequest(Request):
     """Learn a rule base from samples; see ``fuzzyarm fit``."""
 
     data: str = option(
-        "data DATA", "samples (.csv, .parquet), or a table or rule base to stand for"
+        "data DATA", "samples (.csv, .parquet), or a table or rule base to approximate"
     )
     target: str | None = option(
         "--target NAME", "the column to learn; the last one by default", None
@@ -108,7 +108,7 @@ class FitRequest(Request):
         group=MODEL,
     )  # fmt: skip
     outside: Literal["extend", "clamp", "error"] | None = option(
-        "--outside", "what happens beyond the ranges: extend, of a surrogate clamp", None,
+        "--outside", "treatment of values beyond the ranges: extend, for a surrogate clamp", None,
         group=MODEL,
     )  # fmt: skip
 

@@ -68,7 +68,7 @@ class ExportRequest(CompileRequest):
         "--board NAME", "of --for: uno (default), nano, mega, due, pico, esp32", None, group=SOURCE
     )
     certificate: str | None = option(
-        "--certificate CERT", "of a controller: what it proves goes into the head", None,
+        "--certificate CERT", "of a controller: certificate quoted in the header", None,
         group=SOURCE,
     )  # fmt: skip
     trust: bool = option(

@@ -18,7 +18,7 @@ class ProveRequest(Request):
         "files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", ()
     )
     tolerance: float | None = option(
-        "--tolerance T", "how tight bounds are, in units of what is bounded", None,
+        "--tolerance T", "tightness of bounds, in units of the bounded quantity", None,
         Limits(0.0, is_open=True),
     )  # fmt: skip
     budget: float | None = option(
@@ -43,16 +43,14 @@ class ProveRequest(Request):
         "--stable", "of a controller on --plant: prove its loop stable", False, either="what"
     )
     claim: str | None = option(
-        "--claim CLAIM", "of a controller: prove this, as a `prove` line says it", None,
+        "--claim CLAIM", "of a controller: prove this claim, as in a `prove` line", None,
         either="what",
     )  # fmt: skip
     map: bool = option(
         "--map", "of a controller on --plant: which starts are proved to come to rest", False,
         either="what",
     )  # fmt: skip
-    check: str | None = option(
-        "--check CERTIFICATE", "whether a certificate proves what it says", None, either="what"
-    )
+    check: str | None = option("--check CERTIFICATE", "check a certificate", None, either="what")
     from_: str | None = option(
         "--from START", "with --stable or --for: STATE in LOW .. HIGH, ...", None
     )

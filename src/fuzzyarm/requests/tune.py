@@ -52,7 +52,7 @@ class TuneRequest(Workers, ExperimentRequest):
     )  # fmt: skip
     vary: tuple[str, ...] = option(
         "--vary NAME=A..B",
-        "what differs from drawn scenario to scenario, as with sweep --random",
+        "random quantities of scenarios, as with sweep --random",
         (),
         repeated=True,
         group=SCENARIOS,
@@ -64,7 +64,7 @@ class TuneRequest(Workers, ExperimentRequest):
     )  # fmt: skip
 
     tune: tuple[str, ...] = option(
-        "--tune LINE", "what may move, as a line of a tune block, in place of the file's", (),
+        "--tune LINE", "movable numbers, as a line of a tune block, in place of the file's", (),
         repeated=True, group=SEARCH,
     )  # fmt: skip
     method: Literal["nelder-mead", "cma-es", "evolution"] = option(

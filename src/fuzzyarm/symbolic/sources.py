@@ -384,9 +384,7 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
     if kind.own and kind.of == "call":
         raise KindError(f"'{name}' is called with inputs, as only rules and table are", name)
     if kind.of in ("port", "error") and not kind.ports:
-        raise KindError(
-            f"'{name}' is taken of a port, and does not say which values it reads", name
-        )
+        raise KindError(f"'{name}' reads a port, but does not name its values", name)
     # Known arguments: those of the loop, the options and the states.
     names = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
     if unknown := [symbol for symbol in kind.symbols if symbol not in names]:

@@ -403,7 +403,7 @@ def _nested(values: list[float], shape: tuple[int, ...]) -> list[Any]:
 
 def _flat(values: Any, shape: tuple[int, ...]) -> list[float]:
     if not isinstance(values, list) or len(values) != shape[0]:
-        raise TableError(f"the values do not have the shape {shape} that the axes ask for")
+        raise TableError(f"the values do not have the shape {shape} of the axes")
     if len(shape) == 1:
         numbers = [_number(x) for x in values]
         if not all(map(math.isfinite, numbers)):

@@ -341,10 +341,10 @@ class _Statement(NamedTuple):
 _STATEMENTS: dict[str, _Statement] = {
     FORMAT: _Statement("the format and its version", _read_format, _print_format),
     "input": _Statement(
-        "an input, its range and what it is", _read_input, _print_variables, apart=True
+        "an input: name, range, description", _read_input, _print_variables, apart=True
     ),
     "output": _Statement(  # printed with the inputs
-        "the output, its range and what it is", _read_output, lambda table: []
+        "the output: name, range, description", _read_output, lambda table: []
     ),
     "index": _Statement(
         "which input is the row and which the column (and the page)",

@@ -31,7 +31,7 @@ def read_levels(text: str) -> Levels | dict[str, Levels]:
     for part in parts:
         match = _NAMED.match(part)
         if match is None:
-            raise TableError(f"levels '{part.strip()}' does not say for which input")
+            raise TableError(f"levels '{part.strip()}' does not name its input")
         levels[match["name"].strip("'")] = _levels_of_one(match["rest"])
     return levels
 

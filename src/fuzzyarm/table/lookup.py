@@ -393,6 +393,7 @@ def add_cells(
         for k in range(x.size):
             value = x[k]
             bad += value != value  # noqa: PLR0124 - true for NaN only
+            # Lower buckets count as a whole; the points of the own bucket are compared one by one.
             cell = start[_bucket_of(value, low, inverse, last)]
             for _ in range(steps):
                 cell += np.int32(points[cell] < value)
@@ -418,6 +419,7 @@ def add_neighbours(
     """
     low, inverse, steps, stride = axis[LOW], axis[INVERSE], int(axis[STEPS]), np.int32(axis[SIZE])
     last = start.size - 1.0
+    # As in `add_cells`, but with <=: a value on a level has it as its lower neighbour.
     first, final = levels[0], levels[levels.size - 1]
     bad = 0
     for k in range(x.size):
@@ -456,6 +458,7 @@ def blend_corners(values: Any, index: Any, shares: Any, offsets: Any, work: Any,
             far = blend(values[cell + two], values[cell + three], t)
             out[k] = blend(near, far, s)
         return
+    # Corners in binary order, the last axis fastest: each pass blends pairs and halves the list.
     axes = shares.size // max(points, 1)
     for k in range(points):
         origin, left = index[k], offsets.size

@@ -330,7 +330,7 @@ class _GridReader:
             return
         self._report(
             "wrong-corner",
-            f"the grid is headed '{corner}', the index order asks for '{spell}'",
+            f"the grid is headed '{corner}', the index order needs '{spell}'",
             span,
         )
 

@@ -1,6 +1,6 @@
 """Tune the gains of a controller and the terms of its rule bases, or a rule base on samples.
 
-What may move is said in the file: a tune block in a rule base, tune LOW .. HIGH behind a gain,
+What may move is said in the file: a tune block in a rule base, tune LOW .. HIGH after a gain,
 or lines of --tune instead. Where nothing is said, all peaks move and what is even stays even.
 expect and prove lines are kept by every candidate.
 

@@ -257,7 +257,7 @@ def _not_a_number(line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diag
             " of it goes to its lower bound",
             line.span,
             Severity.WARNING,
-            hint=f"add a rule to {name}, or say what it is then: inference no-rule 0",
+            hint=f"add a rule to {name}, or define the value there: inference no-rule 0",
         )
 
 
@@ -324,7 +324,7 @@ def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
 def _unlike_option(meeting: Meeting, gain: GainModel) -> Diagnostic:
     return Diagnostic(
         "unlike-units",
-        f"{meeting.option} is in {gain.unit}, what it is taken of in {unit_text(meeting.reach)}",
+        f"{meeting.option} is in {gain.unit}, its signal in {unit_text(meeting.reach)}",
         meeting.span,
         Severity.WARNING,
         hint="write both in one unit",

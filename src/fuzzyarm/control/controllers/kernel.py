@@ -117,6 +117,7 @@ def step(k: Any, s: Any) -> None:
         The cells: reference and measured values and the clock are read, drives are written.
     """
     guards = 1 + INSTRUCTION * k[0]
+    # One sum tests all inputs at once: NaN and infinity survive addition.
     total = 0.0
     for i in range(guards + ALL_READ, guards + ALL_READ + k[guards + COUNT_ALL]):
         total += s[k[i]]
@@ -133,6 +134,7 @@ def step_guarded(k: Any, s: Any) -> None:
     at = 1
     end = 1 + INSTRUCTION * k[0]
     guard = end + ALL_READ + k[end + COUNT_ALL]
+    # Instructions outside the guards (axes without ports, sums of shared drives) always run.
     while k[guard + GUARD_BEGIN] > 0:
         run(k, s, at, k[guard + GUARD_BEGIN])
         at = k[guard + GUARD_END]
@@ -149,6 +151,7 @@ def skips(k: Any, s: Any, guard: int) -> bool:
     if not lacks_number(k, s, reads, k[guard + COUNT_READ]):
         return False
     sends = reads + k[guard + COUNT_READ]
+    # Pairs of drive and value; a drive without a pair keeps its last value.
     for i in range(sends, sends + 2 * k[guard + COUNT_SENT], 2):
         s[k[i]] = s[k[i + 1]]
     s[k[guard + SKIPPED]] += 1.0
@@ -162,6 +165,8 @@ def run(k: Any, s: Any, begin: int, end: int) -> None:
     single = s[SINGLE] != 0.0
     for _ in range((end - begin) // INSTRUCTION):
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
+        # Arithmetic has the first codes: a value of cells. Everything else may access lists and
+        # state.
         if what <= SUBTRACT_MULTIPLY:
             value = combined(what, s[a], s[b], s[c])
         else:
@@ -237,6 +242,9 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -
 @kernel
 def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
     """Return a source's output, followed by its new state."""
+    # The frame: value and states, then operand, period and the other arguments. The update reads
+    # the frame after its value and writes its begin: the slices overlap in the states, so it reads
+    # all arguments before it writes.
     filled = frame + k[at + FILLED]
     s[filled] = s[x]
     s[filled + 1] = s[PERIOD]
@@ -309,6 +317,7 @@ def infer(k: Any, s: Any, at: int, address: int) -> None:
     results = k[at + COUNT_RESULTS]
     for i in range(results):
         value = block[k[at + FIRST_RESULT] + i]
+        # NaN means that no rule fires: an output with hold keeps its last value.
         if not (math.isnan(value) and k[cell + inputs + results + i] == 1):
             s[k[cell + inputs + i]] = value
 
@@ -329,6 +338,7 @@ def learn(k: Any, s: Any, at: int, single: bool) -> int:
     delay = k[at + DELAY]
     head = k[at + RING]
     oldest = head + 1 + int(s[head])
+    # The ring holds the cells of the last `delay` periods; its oldest entry is overwritten below.
     responsible = float(cell) if delay == 0 else s[oldest]
     gain, bound = s[k[at + GAIN]], s[k[at + BOUND]]
     if responsible >= 0.0 and gain != 0.0:  # none is, before the first delay is over

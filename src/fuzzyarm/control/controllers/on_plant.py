@@ -390,7 +390,7 @@ def lacking(site: Site) -> str:
             if port not in site._ports(kind):
                 return f"{verb} {'.'.join(port)}, which the {site.name} does not have"
     same = site.extra == SITE_OF_LAWS.extra
-    return "" if same else f"asks for the pose, which the {site.name} does not have"
+    return "" if same else f"needs the pose, which the {site.name} does not have"
 
 
 def require_for_laws(what: str, site: Site) -> None:
@@ -492,7 +492,7 @@ def timing_on(controller: Controller, site: Site) -> Timing:
     timing = own_timing(controller)
     if timing is None and lacking(site):
         hint = "write  period = 0.01  into its class, in s"
-        raise SourceError(f"{controller.name} does not say how often it runs", hint=hint)
+        raise SourceError(f"{controller.name} has no control period", hint=hint)
     return timing or STUDY_TIMING
 
 

@@ -361,6 +361,8 @@ class _Writer:
 
     def _finished(self) -> ControllerCode:
         guards = self._guard_list()
+        # Lists and blocks were addressed relative to their own begin. Their bases are known now:
+        # lists follow the count, the instructions and the guards; blocks follow the cells.
         begin = 1 + len(self.code) + len(guards)
         for field in self.list_fields:
             self.code[field] += begin
@@ -398,6 +400,8 @@ class _Writer:
     def _do(self, what: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
         """Add an instruction, or make it one with that before it; return the cell it fills."""
         before = self.code[-to.INSTRUCTION :]
+        # Two instructions through the scratch cell fuse into one, unless the first rounds its
+        # result: fused, that rounding would be lost.
         both = _FUSED.get((before[0], what)) if before else None
         if both is not None and into == before[1] == a == self.scratch and not before[5]:
             self.code[-to.INSTRUCTION :] = [both, into, before[2], before[3], b, 0]
@@ -407,6 +411,7 @@ class _Writer:
 
     def _move(self, into: int, cell: int, *, rounded: bool) -> None:
         """Move a value to another cell; the last instruction writes it there directly."""
+        # Of the last instruction code[-5] is the target and code[-1] the rounding flag.
         if cell != self.scratch or self.code[-5] != cell:
             self._do(to.COPY, into, cell)
         self.code[-5] = into

@@ -228,7 +228,7 @@ def _unreadable(use: Use, error: OSError | ValueError, path: str, folder: Path) 
     hint = ""
     if isinstance(error, FileNotFoundError):
         hint = near_hint(Path(error.filename).name, _files_for(folder))[0]
-    hint = hint or "a file stands beside the controller, or is a shipped one"
+    hint = hint or "files are searched beside the controller, then among the shipped ones"
     return Diagnostic("missing-file", message, use.span, hint=hint, path=path)
 
 

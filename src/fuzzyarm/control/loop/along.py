@@ -193,7 +193,7 @@ class _Met(NamedTuple):
 
 def _met_by_load(plant: Plant, where: Sequence[bool], share: float) -> _Met:
     if any(where) and not carries(plant):
-        hint = "loaded_parameters of the plant says what it is with its load"
+        hint = "loaded_parameters of the plant defines its load"
         raise PlantError(f"the {plant.name} carries no load", name="payload", hint=hint)
     # At most one plant with the load and one without; segments share them.
     kinds = tuple(dict.fromkeys(where))

@@ -141,7 +141,7 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
         source = line.source if isinstance(line, SignalLine) else None
         if source is not None and source.record.states:
             message = f"{model.name} remembers: it has '{source.kind} of'"
-            hint = "a describing function is of what remembers nothing"
+            hint = "a describing function needs a controller without states"
             raise AnalysisError(message, name=model.name, hint=hint)
         if isinstance(line, Learn) or (isinstance(line, Drive) and line.slew is not None):
             what = "learns" if isinstance(line, Learn) else "limits a rate of change"

@@ -220,8 +220,8 @@ def follows(request: ExperimentRequest, plant: Plant) -> bool:
     if reference and other:
         raise UsageError(f"{reference} is for references, and {other} for a trajectory: give one")
     if reference == "--for":
-        hint = "--segment and --hold say how long a trajectory is"
-        raise UsageError("--for says how long --reference or --step is followed", hint=hint)
+        hint = "--segment and --hold set the duration of a trajectory"
+        raise UsageError("--for sets the duration of --reference or --step", hint=hint)
     return not reference
 
 

@@ -310,8 +310,8 @@ class Bench:
             return name
         if name == "payload" and self.loaded:
             if not any(self.loaded):
-                message = f"the {self.motion.plants[0].name} carries nothing on this trajectory"
-                raise SweepError(message, name=name, hint="--loaded says in which segments it does")
+                message = f"the {self.motion.plants[0].name} carries no load on this trajectory"
+                raise SweepError(message, name=name, hint="--loaded selects its segments")
             return name
         kind, dot, port = name.partition(".")
         if dot and kind in SENSOR_FIELDS:

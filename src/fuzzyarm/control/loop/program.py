@@ -464,7 +464,7 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
         if not isinstance(drives, Mapping):
             if not only:
                 hint = f"return a mapping of {', '.join(sorted(names))}"
-                message = f"{part.name} does not say which input it drives"
+                message = f"{part.name} does not name the input that it drives"
                 raise SourceError(message, hint=hint)
             drives = {only: drives}
         for name in drives:

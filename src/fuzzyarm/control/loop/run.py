@@ -406,7 +406,7 @@ def stepped(
 ) -> dict[str, Signal]:
     """Return a step of the output that a controller follows."""
     if reference:
-        raise UsageError("a step and references say the same thing", hint="give one of them")
+        raise UsageError("a step and references exclude each other", hint="give one of them")
     require_sound(plant)
     return _stepped(controller, site_of(plant, connect), float(step))
 

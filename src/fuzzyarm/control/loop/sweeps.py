@@ -106,7 +106,7 @@ def require_sensible(request: SweepRequest) -> None:
     if request.metric not in METRICS:
         raise unknown_choice("metric", request.metric, METRICS)
     if request.resume and not request.out:
-        raise UsageError("--resume goes on with the file of -o, and none is given")
+        raise UsageError("--resume needs the file of -o")
 
 
 def map_axes(request: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
@@ -121,7 +121,7 @@ def map_axes(request: SweepRequest, sweep: Sweep) -> tuple[Range, ...]:
     if request.map and len(set(names)) != 2:
         raise UsageError("--map takes two names, as in payload,G_e")
     if len(names) > 2:
-        raise UsageError("--map says over which two the figure is drawn", hint=",".join(names[:2]))
+        raise UsageError("--map selects the two of the figure", hint=",".join(names[:2]))
     return tuple(ranges[name] for name in names)
 
 
@@ -228,7 +228,7 @@ def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
     try:
         file.append(first, part)
     except OSError as error:
-        words = f"the file has the runs before {first}, and --resume goes on from there"
+        words = f"the file has the runs before {first}, and --resume continues from there"
         return [f"{file.path}: {error.strerror or error}; {words}"]
     return []
 

@@ -85,7 +85,7 @@ def references_of(
     if request.step is None:
         return references
     if references:
-        raise UsageError("--step and --reference say the same thing; give one of them")
+        raise UsageError("--step and --reference exclude each other: give one of them")
     return stepped(controller, plant, request.step, connect=connections(request))
 
 

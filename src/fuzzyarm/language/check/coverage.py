@@ -199,7 +199,7 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
             output.span,
             # A file that states the value there shows that the author has thought of it.
             severity=Severity.INFO if has_answer else Severity.WARNING,
-            hint="" if has_answer else "add a rule, or say what happens then: inference no-rule …",
+            hint="" if has_answer else "add a rule, or define the value there: inference no-rule …",
         )
 
 

@@ -249,7 +249,7 @@ CHECKS: dict[str, Check] = {
         Check(
             "range-mismatch",
             Severity.WARNING,
-            "A signal is far wider than the universe of the rule base or table that it goes into, "
+            "A signal is far wider than the universe of its rule base or table, "
             "so that it saturates, or uses less than a tenth of it.",
         ),
         Check(

@@ -162,7 +162,7 @@ def _degrees_of(term: Term, variable: Variable) -> Iterator[Diagnostic]:
     message = hint = ""
     if nowhere:
         message = f"has no value at {POSITION} = {nowhere[0]:.4g}, where its degree counts as 0"
-        hint = "say there what it is, as in  sqrt(max(0, x))"
+        hint = "define it there, as in  sqrt(max(0, x))"
     elif outside:
         worst = max(outside, key=lambda x: abs(degrees[x] - 0.5))
         message = f"is {degrees[worst]:.4g} at {POSITION} = {worst:.4g}; a degree lies in 0 .. 1"
@@ -347,7 +347,7 @@ def _broken_partition(variable: Variable, *, always: bool) -> Iterator[Diagnosti
             f"between '{fault.left}' and '{fault.right}' the memberships of '{variable.name}' add"
             f" up to {fault.total:.4g} (at {fault.position:.4g}), not to 1",
             variable.term(fault.right).span,
-            hint="each foot stands under the peak of the neighbour",
+            hint="each foot is under the peak of the neighbour",
         )
 
 

@@ -166,6 +166,6 @@ def of_builder(name: str) -> Any:
 
 
 def _builder() -> Any:
-    message = "fuzzyarm.RuleBase is what load returns; what writes one is fuzzyarm.RuleBaseBuilder"
+    message = "load returns fuzzyarm.RuleBase; fuzzyarm.RuleBaseBuilder builds one"
     warnings.warn(message, DeprecationWarning, stacklevel=3)
     return above.function("RuleBaseBuilder")

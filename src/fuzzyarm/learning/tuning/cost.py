@@ -88,7 +88,7 @@ class Cost:
             if name not in values and name not in CONSTANTS:
                 axes = sorted({label.rpartition(".")[0] for label in values} - {""})
                 hint = f"axes are {', '.join(axes)}" if axes else ""
-                raise CostFormulaError(f"nothing has the metric '{name}'", name=name, hint=hint)
+                raise CostFormulaError(f"unknown metric '{name}'", name=name, hint=hint)
         value = self.formula.evaluate(values)
         return value if not math.isnan(value) else math.inf
 

@@ -165,7 +165,7 @@ class Design:
         self._parts = tuple(parts)
         self.parameters = tuple(parameter for part in parts for parameter in part.parameters)
         if not self.parameters:
-            hint = "a tune block in a rule base, or tune LOW .. HIGH behind a gain"
+            hint = "a tune block in a rule base, or tune LOW .. HIGH after a gain"
             raise TuneError("nothing may move", hint=hint)
         if len(self.parameters) > MOST_PARAMETERS:
             message = f"{len(self.parameters)} numbers may move, more than {MOST_PARAMETERS}"

@@ -92,7 +92,7 @@ def straightened(
         message = (
             "no rule base of the controller has a plane near it"
             if rules
-            else "the controller has no rules that a line could stand for"
+            else "the controller has no rules to be replaced by a plane"
         )
         raise TuneError(message, name=model.name, hint=hint)
     controller: ControllerModel = replace(

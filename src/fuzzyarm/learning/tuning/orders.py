@@ -89,9 +89,9 @@ def order_of(request: TuneRequest) -> Order:
 def require_sensible(request: TuneRequest) -> None:
     """Raise for mistakes that show before anything is loaded."""
     if request.resume and not request.journal:
-        raise UsageError("--resume goes on with the file of --journal, and none is given")
+        raise UsageError("--resume needs the file of --journal")
     if request.test and not request.data:
-        raise UsageError("--test judges what was fitted to --data, and none is given")
+        raise UsageError("--test needs --data")
 
 
 def longest(request: TuneRequest) -> float:

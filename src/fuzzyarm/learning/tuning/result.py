@@ -326,7 +326,7 @@ def _claim(tuned: Tuned) -> str:
         )
         sentences = [f"{none}: the file stays as it is", *sentences]
     elif not sentences:
-        return "no unseen scenarios: nothing is known beyond what it was tuned on"
+        return "no unseen scenarios: no claim beyond the tuning scenarios"
     tuned_row = tuned.row("tuned")
     diverged = (
         tuned_row.scores["unseen"].diverged
@@ -466,7 +466,7 @@ def _score_data(score: Score) -> dict[str, Any]:
 
 def _write(tuned: Tuned, out: Path) -> list[Path]:
     if not tuned.files:
-        message = "what was tuned comes from no file, so none can be written"
+        message = "the tuned subject has no file, so none can be written"
         raise TuneError(message, hint="its numbers are in `candidate`, and `model` runs")
     first, *others = tuned.files
     origin = Path(first.path) if first.path else None
