@@ -26,8 +26,8 @@ from fuzzyarm.apps.designer.tables import cell_place, error_map, table_error, ta
 from fuzzyarm.apps.lsp.session import Session
 from fuzzyarm.base.files import confined
 from fuzzyarm.base.folders import EXPORTS
-from fuzzyarm.base.made import marked
 from fuzzyarm.base.numbers import outward_text
+from fuzzyarm.base.protected import marked
 from fuzzyarm.base.shipped_files import shipped, shipped_folder
 from fuzzyarm.inference import infer
 from fuzzyarm.proof.map.tables import cell_errors

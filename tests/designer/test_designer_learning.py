@@ -20,7 +20,7 @@ from fuzzyarm.apps.designer.records import read_record
 from fuzzyarm.apps.designer.shared import SharedText
 from fuzzyarm.apps.designer.stage import Plants
 from fuzzyarm.apps.lsp.session import Session
-from fuzzyarm.base.made import marked
+from fuzzyarm.base.protected import marked
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language.edit import ReshapeError, add_tuning, apply_edits, read, set_ranges
 from fuzzyarm.learning.tuning.design import Design, default_ranges, everything

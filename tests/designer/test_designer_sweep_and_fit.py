@@ -10,7 +10,7 @@ from test_designer_learning import Page
 
 from fuzzyarm.apps.cli import main
 from fuzzyarm.apps.designer.forms import FIT, FORMS, SWEEP
-from fuzzyarm.base.made import marked
+from fuzzyarm.base.protected import marked
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language import parse
 

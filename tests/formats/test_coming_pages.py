@@ -14,7 +14,7 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm.apps.cli.main import main
-from fuzzyarm.base.made import MARK
+from fuzzyarm.base.protected import MARK
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import Defuzzifier, RuleBase
 

@@ -18,7 +18,7 @@ from strategies import input_points, rulebases
 from fuzzyarm import shipped
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.made import MARK
+from fuzzyarm.base.protected import MARK
 from fuzzyarm.exchange.formats import same_model, write
 from fuzzyarm.exchange.formats.registry import read
 from fuzzyarm.exchange.formats.tables import in_tables

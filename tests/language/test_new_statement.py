@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import pytest
 
-from fuzzyarm.base.diagnostic import NOWHERE, Span
-from fuzzyarm.base.placed import Figure, Word
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.edit import (
     apply_edits,

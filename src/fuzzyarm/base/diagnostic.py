@@ -1,4 +1,4 @@
-"""Diagnostics with their positions, their display, and the size limits of a text."""
+"""Positions in a text, diagnostics with their display, and the size limits of a text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.names import printable
@@ -270,3 +270,49 @@ def _excerpt(span: Span, lines: list[str]) -> list[str]:
     caret = " " * display_width(before) + "^" * max(1, display_width(mark))
     number = f"{span.line:>6}"
     return [f"{number} | {excerpt}", f"{'':>6} | {caret}"]
+
+
+# --- Names and numbers that carry their position ---
+#
+# They are strings and floats: a model made of them equals one built in Python, and computes the
+# same.
+
+
+class Word(str):
+    """A name, or a word of the language, without quotes."""
+
+    __slots__ = ("span",)
+
+    span: Span
+
+    def __new__(cls, text: str, span: Span = NOWHERE) -> Word:
+        """Return a name with its position."""
+        word = super().__new__(cls, text)
+        word.span = span
+        return word
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.span)
+
+
+class Figure(float):
+    """A number."""
+
+    __slots__ = ("span",)
+
+    span: Span
+
+    def __new__(cls, value: float, span: Span = NOWHERE) -> Figure:
+        """Return a number with its position."""
+        figure = super().__new__(cls, value)
+        figure.span = span
+        return figure
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (float(self), self.span)
+
+
+def span_of(value: object) -> Span:
+    """Return the position of a name or a number; NOWHERE for one built in Python."""
+    span = getattr(value, "span", NOWHERE)
+    return span if isinstance(span, Span) else NOWHERE

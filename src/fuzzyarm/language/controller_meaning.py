@@ -7,10 +7,9 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
-from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.base.diagnostic import Diagnostic, Figure, Related, Severity, Span, Word, span_of
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word, span_of
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope

@@ -15,10 +15,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
 from fuzzyarm.language.model.controller import (
     SOURCES,

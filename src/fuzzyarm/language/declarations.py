@@ -17,10 +17,10 @@ from fuzzyarm.base.diagnostic import (
     Related,
     Severity,
     Span,
+    Word,
 )
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Word
 from fuzzyarm.language.model.rulebase import POSITION, Defuzzifier, Shape, Term
 from fuzzyarm.language.model.shapes import first_above, first_sample_above, membership_function
 from fuzzyarm.language.phrases import SETTINGS, SettingNode, ShapeNode

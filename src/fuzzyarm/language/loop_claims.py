@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.language.model.controller import Time
 from fuzzyarm.language.parts import (

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from fuzzyarm.base.diagnostic import Word
 from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Word
 from fuzzyarm.language.phrases import NameKind, Occurrence, declared, of_variable
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 

@@ -15,12 +15,13 @@ from fuzzyarm.base.diagnostic import (
     MAX_NESTING,
     NOWHERE,
     Diagnostic,
+    Figure,
     Span,
+    Word,
     display_width,
 )
 from fuzzyarm.base.names import near_hint, quote
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.model.rulebase import SAMPLINGS
 from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.symbolic.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from fuzzyarm.base.diagnostic import (
     MAX_RULES,
+    Figure,
     Related,
     Span,
+    Word,
 )
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.declarations import (
     Draft,
     Scope,

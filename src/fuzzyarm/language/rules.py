@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, Span
+from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic, Figure, Span, Word
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.phrases import (
     ExpressionNode,
     Occurrence,

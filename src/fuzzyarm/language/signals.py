@@ -11,9 +11,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from fuzzyarm.base.diagnostic import Diagnostic, Span
+from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, span_of
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word, span_of
 from fuzzyarm.language.model.controller import (
     SOURCES,
     TIMES,

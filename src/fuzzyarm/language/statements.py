@@ -21,9 +21,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
-from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
 from fuzzyarm.language.model.shapes import EVEN_SHAPES
 from fuzzyarm.language.parts import (

@@ -14,9 +14,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple, NoReturn
 
-from fuzzyarm.base.diagnostic import Diagnostic, Span, split_lines
+from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word, split_lines
 from fuzzyarm.base.names import is_plain_name, near_hint, quote
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.symbolic.kinds import HEDGES
 
 # --- Tokens ---

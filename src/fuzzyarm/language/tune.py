@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span, Word
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.parts import (
     Column,
     FixedText,

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
+from fuzzyarm.base.diagnostic import Figure, Word
 from fuzzyarm.base.numbers import evenly, mirror
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.language.document import Document, Statement, print_document
 from fuzzyarm.language.meaning import UNNAMED

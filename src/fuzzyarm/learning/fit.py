@@ -27,8 +27,7 @@ from fuzzyarm.inference.engine import compiled
 from fuzzyarm.language import parse
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.learning.data import Samples, folds, read_samples
-from fuzzyarm.learning.fit_options import Options
-from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Deadline
+from fuzzyarm.learning.fit_options import MOST_COEFFICIENTS, Deadline, Options
 from fuzzyarm.learning.model_text import (
     WritingStyle,
     commented,

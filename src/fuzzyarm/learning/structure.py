@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.learning.limits import MOST_COEFFICIENTS
+from fuzzyarm.learning.fit_options import MOST_COEFFICIENTS
 from fuzzyarm.learning.starts import (
     cluster_premises,
     fuzzy_c_means,

@@ -12,6 +12,7 @@ import csv
 import io
 import json
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
@@ -22,6 +23,7 @@ from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError, Span, split_line
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.base.keywords import demand_path
+from fuzzyarm.base.names import printable
 from fuzzyarm.base.numbers import column_of_numbers, number_text
 from fuzzyarm.base.protected import note_source
 from fuzzyarm.base.value_kinds import TABLE, wrong_kind
@@ -49,6 +51,9 @@ from fuzzyarm.table.text import (
     read_grids,
     write_lut,
 )
+
+if TYPE_CHECKING:
+    from fuzzyarm.table.axis import PlainTable
 
 if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
@@ -145,8 +150,6 @@ def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | by
     if suffix == ".npz":
         return _npz_bytes(table)
     if suffix == LATEX:
-        from fuzzyarm.table.latex import write_latex
-
         return write_latex(table.plain())
     raise _unknown_suffix(Path(path))
 
@@ -474,3 +477,74 @@ def _read_npz(data: bytes, path: str) -> LookupTable:
     except Exception as error:
         message = f"not an archive of a table ({type(error).__name__})"
     raise TableFileError([Diagnostic("bad-table", message, Span(1, 1, 1, 2), path=path)])
+
+
+# --- Tables as `.tex`, to be printed: a `tabular` for each page, without packages ---
+
+_SPECIAL = {
+    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", '"': "''",
+    **{mark: f"${mark}$" for mark in "<>|"}, **{mark: f"\\{mark}" for mark in "#$%&_{}"},
+}  # fmt: skip
+"""Special characters of LaTeX → their escapes."""
+
+
+def write_latex(table: PlainTable) -> str:
+    """Return a table in LaTeX: rows go down, columns across, further inputs are pages."""
+    across = [_latex_number(x) for x in table.axes[-1].levels]
+    rows = table.axes[-2].levels if len(table.axes) > 1 else ()
+    cells = column_of_numbers(table.values)
+    pages = list(product(*(axis.levels for axis in table.axes[:-2])))
+    size = len(cells) // max(1, len(pages))
+    parts = ["".join(f"% {printable(line)}\n" for line in _heading(table))]
+    for number, page in enumerate(pages):
+        part = cells[number * size : (number + 1) * size]
+        parts.append(_tabular(table, page, across, rows, part))
+    return "\n".join(parts)
+
+
+def _heading(table: PlainTable) -> list[str]:
+    words = f"{table.output} over {', '.join(table.names)}"
+    return [words, *(f"{key}: {value}" for key, value in table.provenance)]
+
+
+def _tabular(
+    table: PlainTable,
+    page: tuple[float, ...],
+    across: list[str],
+    rows: tuple[float, ...],
+    cells: list[str],
+) -> str:
+    names = [_latex_text(name) for name in table.names]
+    output = _latex_text(table.output)
+    lines = []
+    if page:
+        where = ", ".join(
+            f"{name} = {_latex_number(x)}" for name, x in zip(names[:-2], page, strict=True)
+        )
+        lines.append(f"\\noindent {output}, {where}\\\\[1ex]")
+    corner = f"{names[-2]} $\\backslash$ {names[-1]}" if rows else names[-1]
+    lines += [
+        f"\\begin{{tabular}}{{r|{'r' * len(across)}}}",
+        f"{corner} & {' & '.join(across)} \\\\",
+        "\\hline",
+    ]
+    width = len(across)
+    for number, label in enumerate([_latex_number(x) for x in rows] or [output]):
+        row = cells[number * width : (number + 1) * width]
+        lines.append(f"{label} & {' & '.join(map(_math, row))} \\\\")
+    return "\n".join([*lines, "\\end{tabular}", ""])
+
+
+def _latex_number(x: float) -> str:
+    return _math(number_text(x))
+
+
+def _math(written: str) -> str:
+    """Return a number with the minus sign and the power of mathematics."""
+    base, _, power = written.strip().partition("e")
+    return f"${base} \\cdot 10^{{{int(power)}}}$" if power else f"${base}$"
+
+
+def _latex_text(name: str) -> str:
+    """Return anybody's name as LaTeX prints it."""
+    return re.sub(r"[\\~^<>|\"#$%&_{}]", lambda match: _SPECIAL[match[0]], printable(name))

@@ -10,10 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from fuzzyarm.base.diagnostic import MAX_LEVELS, Diagnostic, Related, Span
+from fuzzyarm.base.diagnostic import MAX_LEVELS, Diagnostic, Figure, Related, Span, Word
 from fuzzyarm.base.names import is_plain_name, near_hint, quote
 from fuzzyarm.base.numbers import evenly, mirror, number_text, short_bins, short_levels
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.tokens import Cursor, Fault, is_reserved
 from fuzzyarm.table.axis import MODES, Axis, TableError, TableHeader
 

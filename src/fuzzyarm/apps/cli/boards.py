@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: bool) -> None:
     """Write a folder for an IDE and say what is in it."""
-    from fuzzyarm.base.whole_folders import demand_own, write_folder
+    from fuzzyarm.base.files import demand_own, write_folder
     from fuzzyarm.exchange.export.arduino import board_folder
     from fuzzyarm.exchange.export.boards import board_named
     from fuzzyarm.symbolic.identifiers import DEVICES, identifier

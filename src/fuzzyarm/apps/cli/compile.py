@@ -122,7 +122,7 @@ def _run(request: ExportWords) -> int:
 
 def _demand_report(out: str, folder: str) -> None:
     """Refuse a report of what is not C, or into a folder of somebody else's."""
-    from fuzzyarm.base.whole_folders import demand_own
+    from fuzzyarm.base.files import demand_own
 
     if Path(out).suffix.lower() != ".c":
         raise UsageError("--report is for C", hint="-o x.c: its coverage is counted by gcov")

@@ -24,7 +24,7 @@ from fuzzyarm.apps.show.compiled import controller_lines, export_lines, report_l
 from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.folders import EXPORTS, FOREIGN
-from fuzzyarm.base.made import marked
+from fuzzyarm.base.protected import marked
 from fuzzyarm.exchange.compiled import Making, compiled, making_of, program_of, source_of
 from fuzzyarm.exchange.formats.conversion import converted, findings_of
 from fuzzyarm.exchange.formats.findings import Imported

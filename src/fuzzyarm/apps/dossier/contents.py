@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.dossier.page import page
 from fuzzyarm.apps.dossier.trial import ExportTrial, sizes, tried
-from fuzzyarm.base.whole_folders import write_folder
+from fuzzyarm.base.files import write_folder
 from fuzzyarm.exchange.export import Exported, ExportedController
 from fuzzyarm.exchange.export.table import TableRoutine
 from fuzzyarm.exchange.files import check_file

@@ -20,8 +20,7 @@ from fuzzyarm.apps.playground.pyodide import FILES, pyodide_folder
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import write_atomically
 from fuzzyarm.base.jsonable import script_json
-from fuzzyarm.base.made import is_made_file
-from fuzzyarm.base.protected import sources_kept
+from fuzzyarm.base.protected import is_made_file, sources_kept
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.language import read_text
 from fuzzyarm.version import __version__

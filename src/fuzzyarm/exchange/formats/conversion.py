@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from fuzzyarm.base.diagnostic import Diagnostic, RuleBaseError, Severity
-from fuzzyarm.base.made import MARK
 from fuzzyarm.base.numbers import counted
+from fuzzyarm.base.protected import MARK
 from fuzzyarm.exchange.formats.comparison import figures_of, measure
 from fuzzyarm.exchange.formats.findings import Exported, Imported
 from fuzzyarm.exchange.formats.registry import suffix_of, write

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fuzzyarm.base.diagnostic import Word
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Word
 from fuzzyarm.language.edit.fixes import Edit
 from fuzzyarm.language.edit.lines import (
     INCOMPLETE,

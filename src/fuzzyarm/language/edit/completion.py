@@ -13,10 +13,9 @@ from itertools import islice, permutations
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from fuzzyarm.base.diagnostic import Diagnostic, Span
+from fuzzyarm.base.diagnostic import Diagnostic, Figure, Span, Word
 from fuzzyarm.base.names import nearest
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import section_at, statements_below
 from fuzzyarm.language.edit.reading import NOTHING, Facts, Reading, asked_variable

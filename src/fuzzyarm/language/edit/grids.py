@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from fuzzyarm.base.diagnostic import Span, display_width
-from fuzzyarm.base.placed import Word
+from fuzzyarm.base.diagnostic import Span, Word, display_width
 from fuzzyarm.language.edit.fixes import Edit
 from fuzzyarm.language.edit.lines import (
     ReshapeError,

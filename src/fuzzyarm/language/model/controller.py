@@ -6,7 +6,7 @@ axes, in the order of the text. The possible sources of a signal are the table :
 know no other.
 
 The records are the nodes of the syntax tree as well: names and numbers of a text carry their place
-(:mod:`fuzzyarm.base.placed`), which equality ignores.
+(:mod:`fuzzyarm.base.diagnostic`), which equality ignores.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from fuzzyarm.base.diagnostic import NOWHERE, Span
-from fuzzyarm.base.placed import Figure
+from fuzzyarm.base.diagnostic import NOWHERE, Figure, Span
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.base.value_kinds import CONTROLLER, OfKind
 from fuzzyarm.language.model.claims import LoopClaim

@@ -21,9 +21,8 @@ from fuzzyarm.learning.tuning.cost import Cost
 from fuzzyarm.learning.tuning.design import Candidate
 from fuzzyarm.learning.tuning.examiner import ExaminerPool, Score, TuningProblem, panel
 from fuzzyarm.learning.tuning.linear import NAME as LINEAR
-from fuzzyarm.learning.tuning.promises import Promises
 from fuzzyarm.learning.tuning.result import ALL_DIGITS, JUDGEMENT, ComparedRow, Tuned, TuningPlan
-from fuzzyarm.learning.tuning.search import Found, Journal, Search, Watch
+from fuzzyarm.learning.tuning.search import Found, Journal, Promises, Search, Watch
 from fuzzyarm.requests.bounds import MOST_TUNED_DIGITS
 
 WORSE = 0.01

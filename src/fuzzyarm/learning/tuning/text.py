@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from fuzzyarm.base.diagnostic import Span, split_lines
+from fuzzyarm.base.diagnostic import Figure, Span, Word, span_of, split_lines
 from fuzzyarm.base.files import same_file
 from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import number_text
-from fuzzyarm.base.placed import Figure, Word, span_of
 from fuzzyarm.base.protected import SourceFileError
 from fuzzyarm.control.controllers.text import ControllerText, files_of, sheet_path
 from fuzzyarm.language.document import Document

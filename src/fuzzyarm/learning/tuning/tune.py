@@ -37,7 +37,6 @@ from fuzzyarm.learning.tuning.judging import Means, TuningJob, rounded, with_jud
 from fuzzyarm.learning.tuning.linear import opponent
 from fuzzyarm.learning.tuning.movement import TuneError
 from fuzzyarm.learning.tuning.orders import Order, columns_for, longest, order_of
-from fuzzyarm.learning.tuning.promises import Promises
 from fuzzyarm.learning.tuning.result import ComparedRow, Method, Tuned, TuningPlan, notes_of
 from fuzzyarm.learning.tuning.scenarios import (
     NOISES,
@@ -48,7 +47,7 @@ from fuzzyarm.learning.tuning.scenarios import (
     train_scenarios,
     unseen_scenarios,
 )
-from fuzzyarm.learning.tuning.search import Budget, Journal, Search, Watch
+from fuzzyarm.learning.tuning.search import Budget, Journal, Promises, Search, Watch
 from fuzzyarm.learning.tuning.text import Originals, changes_of, originals_of, rewritten
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
