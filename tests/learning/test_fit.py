@@ -297,10 +297,10 @@ def test_ctrl_c_in_the_judgement_leaves_the_model_as_it_is():
 def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatch):
     from itertools import count
 
-    from fuzzyarm.learning import limits
+    from fuzzyarm.learning import fit_options
 
     ticks = count(0.0, 0.1)  # each look at the clock takes a tenth of a second
-    monkeypatch.setattr(limits.time, "monotonic", lambda: next(ticks))
+    monkeypatch.setattr(fit_options.time, "monotonic", lambda: next(ticks))
     made = fit(bumps(), Options(method=method, words=(2, 5), rules=4, seconds=seconds, parts=3))
     monkeypatch.undo()
     assert ("time" in made.limits) == (seconds < 1e9)
