@@ -289,6 +289,7 @@ def _tidied(premises: Premises, rules: list[tuple[int, ...]], numbers: Array) ->
 
     order = sorted(sorted(term_indices), key=position)
     index = {term: i for i, term in enumerate(order)}
+    # Neighbours of a partition share numbers, so numbers are renumbered by use, not by term.
     stay = sorted({k for term in order for k, _ in premises.terms[term].numbers})
     new_index = {k: i for i, k in enumerate(stay)}
     terms = tuple(

@@ -134,6 +134,7 @@ def wang_mendel(
         for name, (low, high) in zip(samples.names, ranges[:-1], strict=True)
     )
     low, high = ranges[-1]
+    # Value of the output where no rule fires.
     silent = middle_of(samples.values)
     output = weighted_output(samples.target, low, high, terms(low, high), silent, "clamp")
     rules = tuple(

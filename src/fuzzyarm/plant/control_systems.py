@@ -307,6 +307,7 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
 
     def after(t: float, x: Any, u: Any, _params: Any) -> Any:
         drives = felt(x, u)
+        # State array of the kernel: the states, then scratch for its Runge-Kutta steps.
         board = np.concatenate([x[:states], np.zeros(WORK * states)])
         move(board, None, drives, numbers, clock(t))
         return np.concatenate([board[:states], drives[slewed]])
@@ -338,6 +339,7 @@ def _system_of_controller(run: Any, period: float) -> Any:
 
     def period_of(x: Any, u: Any) -> tuple[list[float], tuple[float, ...]]:
         """Run one period; python-control calls for outputs and states separately."""
+        # One step gives both, so the last one is kept by its exact arguments.
         key = (np.asarray(x, float).tobytes(), np.asarray(u, float).tobytes())
         if cache.get("key") != key:
             run.state = tuple(float(value) for value in x)

@@ -194,6 +194,7 @@ def _agrees(plant: Any, roots: Roots) -> bool:
     if len(agreements) >= MOST_AGREED:
         agreements.clear()
     names = _names_of(plant)
+    # Equations may change attributes of the plant, so they run on a copy.
     separate = apart(plant)
     try:
         start = [float(value) for value in separate.start(np.random.default_rng(0))]
@@ -239,6 +240,8 @@ def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], .
     yield (0.0,), start, zero, parameters
     yield (1.0,), start, low, parameters
     yield (2.0,), start, high, parameters
+    # Whole numbers reveal tests of equality and remainders; random points at several scales the
+    # rest.
     for whole in (-1.0, 0.0, 1.0, 2.0):
         yield (whole,), [whole] * count, [whole] * len(low), parameters
     generator = np.random.default_rng(0)

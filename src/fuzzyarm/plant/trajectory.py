@@ -413,6 +413,7 @@ def _sample_segment(
         _stored(np.where(angular, values * conventions.pi / 180.0, values), number)
         for values in map(np.array, (segment.start, segment.end))
     )
+    # The study's clock ends a segment with its last set point, which then gets one iteration only.
     iterations = np.full(len(time), timing.every)
     if not conventions.whole_set_points:
         iterations[-1] = 1
@@ -434,6 +435,8 @@ def _quintic(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Interpolate from rest to rest; coefficients and results are rounded when stored."""
     way = end - start
+    # 10, -15 and 6 (see `_quintic` of references); each power multiplied out as in the study's
+    # programs, since the order of products determines the bits.
     cubed = duration * duration * duration
     third = _stored(10.0 * way / cubed, number)
     fourth = _stored(-15.0 * way / (cubed * duration), number)

@@ -147,6 +147,8 @@ def _even_points(rulebase: RuleBase) -> int:
         way = output.output.defuzzifier
         if output.discrete:
             continue
+        # Sampled sets cost their resolution at each point; centroids without a closed form or an
+        # envelope are integrated numerically.
         if way.resolution is not None:
             count = min(count, max(_FEW_POINTS // 16, _SAMPLES // way.resolution))
         elif output.record.type2 or (output.closed is None and not output.enveloped):
@@ -207,6 +209,7 @@ def _besides(axis: Axis) -> _Points:
     """Return the points besides even ones: all, a part, none."""
     levels, middles = np.array(axis.levels), np.array(axis.thresholds("nearest"))
     edges = np.array([*axis.thresholds("bins"), *middles])
+    # A threshold belongs to the lower cell, the next float to the upper one.
     both_sides = [edges, np.nextafter(edges, np.inf)]
     choices = [[levels, *both_sides], [levels, middles], [levels], [np.empty(0)]]
     low, high = axis.ends

@@ -279,6 +279,8 @@ def _unlike_units(
         if meeting.option and both and meeting.name in gains:
             yield _unlike_option(meeting, gains[meeting.name])
             continue
+        # Report the gain that brings the conflict, not the lines after it: neither factor may have
+        # one of its own.
         pair = unlike(both) if both is not None else None
         if pair is None or unlike(before) or unlike(brought) or meeting.name not in gains:
             continue

@@ -176,6 +176,7 @@ class ControllerCode:
         cells: set[int] = set()
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
             what, state = code[at], code[at + 3]
+            # Operand b: the state of limits and slews, the frame of an update.
             cells |= {state + cell.offset for cell in to.REMEMBERED.get(what, ())}
             if what == to.UPDATE:
                 cells |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
@@ -186,6 +187,7 @@ class ControllerCode:
                 cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
         for guard in self.guards.values():
             cells |= {guard.count, *guard.drives}
+        # Tables that learn: the ring of cells in use, the values and their visits.
         for begin, end in self.rings:
             cells |= set(range(begin, end))
         for place in self.learned.values():

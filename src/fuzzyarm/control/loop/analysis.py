@@ -371,6 +371,7 @@ def _on_plant(
         ]
         measured = [site.find(text.model, "measured", error) for error in errors]
         tracked = measured[0] if measured else next(iter(interface.outputs))
+    # The plane: the tracked output and its rate, or without a rate the next output.
     others = [port for port in interface.outputs if port != tracked]
     rates = [p for p in others if p[0] == tracked[0] and interface.outputs[p].rate_of == tracked[1]]
     pair = [interface.label(port) for port in (tracked, *(rates or others)[:1])]
@@ -384,6 +385,7 @@ def _on_plant(
     references = references or {pair[0]: Signal("step", (middle[0],))}
     set_point = float(references[pair[0]].at(np.array([math.inf]))[0][0])
     target = (set_point, 0.0 if rates else math.nan)
+    # All other states begin as the plant does.
     at_rest = start_of(plant, np.random.default_rng(0))
     paths = []
     for start in starts or _around((set_point, middle[1]), (reach[0], reach[1])):

@@ -275,6 +275,8 @@ def motion(
         if port not in interface.outputs:
             raise PlantError(f"'{name}' is an input, which has no reference", name=name)
         values_by_port[port] = signal.at(time)
+    # References of rates and accelerations without a signal of their own are derivatives of the
+    # port's.
     columns = np.zeros((count, len(interface.references)))
     for column, (address, reference) in enumerate(interface.references.items()):
         if address in values_by_port:
@@ -284,6 +286,7 @@ def motion(
     words = [f"{name} {signal}" for name, signal in references.items()]
     tracked = tuple(values_by_port) or tuple(interface.outputs)[:1]
     path = None
+    # Between held set points the reference itself moves on: sampled in every control period.
     if every > 1:
         signals = {interface.port(name): signal for name, signal in references.items()}
         ticks = np.arange(count * every, dtype=np.float64) * period

@@ -391,6 +391,7 @@ def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
         ranked = [output.term(name) for name in order if name in consequent_terms]
         if not ranked or any(not SHAPES[term.shape.kind].fuzzy for term in ranked):
             continue
+        # The centroid lies between those of the outermost sets, whatever the strengths.
         low, high = (_centre_of_area(term, output) for term in (ranked[0], ranked[-1]))
         width = output.high - output.low
         if math.isfinite(width) and max(low - output.low, output.high - high) > _NEAR * width:

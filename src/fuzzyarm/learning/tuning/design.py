@@ -68,6 +68,7 @@ class MovingNumber:
 
     def value(self, share: float) -> float:
         """Return the number at a share of its range; exact at both ends and at the start."""
+        # Exact at three shares, where log and exp would lose the last bit.
         inside = self.low <= self.start <= self.high
         ends = {**({self.share: self.start} if inside else {}), 0.0: self.low, 1.0: self.high}
         if share in ends:

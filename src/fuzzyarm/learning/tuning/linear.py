@@ -147,6 +147,8 @@ class _Planes:
                 for signal, slope in zip(inputs, slopes, strict=True)
                 if slope != 0.0
             ]
+            # An odd rule base has no offset; one whose peaks may become asymmetric gets one that
+            # moves.
             lopsided = not all(peaks.mirrored for peaks in self._peaks(sheet))
             if constant != 0.0 or not products or lopsided:
                 offset = self._offset(name, output, constant, moves=bool(products))
@@ -154,6 +156,8 @@ class _Planes:
             plane, cut = f"plane of {name}", self._named(f"cut of {name}")
             yield SignalLine((plane,), None, tuple(products), line.span)
             self.sheets[cut] = (cut_off(output),)
+            # Where output peaks may scale the output and no gain does, the limit of the plane moves
+            # instead.
             factors = line.products
             movable = {variable for peaks in self._peaks(sheet) for variable in peaks.variables}
             if output.name in movable and not set(line.reads()) & set(self.ranges):

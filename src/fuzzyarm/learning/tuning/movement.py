@@ -196,6 +196,7 @@ class Movement:
         if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
             raise TuneError(f"'{variable.name}' has no finite range", name=variable.name)
         self.width = variable.high - variable.low
+        # x and turn - x are mirror images about the middle of the range.
         self.turn = variable.low + variable.high
         self.begun = self._mended()
         cores_found = cores(self.begun)
