@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 
 __all__ = ["page"]
 
@@ -24,64 +24,126 @@ code { font: 13px/1.4 ui-monospace, monospace; overflow-wrap: anywhere; }
 """
 
 
+class _Section(NamedTuple):
+    """A heading, a paragraph in front, and a table; `note` stands alone where there are no rows."""
+
+    title: str
+    note: str = ""
+    head: Sequence[str] = ()
+    rows: Iterable[Sequence[str]] = ()
+
+
 def page(data: dict[str, Any]) -> str:
     """Return a report as HTML."""
+    file = escape(data["source"]["file"])
     parts = [
-        *_summary(data), *_made_of(data), *_functions(data), *_findings(data), *_proofs(data),
-        *_coverage(data), *_sizes(data), *_rows(data), *_open(),
-    ]  # fmt: skip
-    title = f"Report on {data['source']['file']}"
-    head = (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        f"<title>{escape(title)}</title>"
-        f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
-    )
-    return "\n".join([head, "<body>", *parts, "</body></html>", ""])
-
-
-def _summary(data: dict[str, Any]) -> list[str]:
-    test, coverage = data["self_test"], data["coverage"]
-    count, failed = len(test["rows"]), sum(not row["passed"] for row in test["rows"])
-    errors = sum(entry["severity"] != "info" for entry in data["findings"])
-    count_of_proofs = len(data["proofs"])
-    proved = sum(entry["verdict"] == "proved" for entry in data["proofs"])
-    claims = _verdict(proved == count_of_proofs, f"{proved} of {count_of_proofs} proved")
-    return [
-        f"<h1>Report on {escape(data['source']['file'])}</h1>",
+        f'<title>Report on {file}</title><meta name="viewport" content="width=device-width">'
+        f"<style>{_STYLE}</style></head>",
+        f"<body><h1>Report on {file}</h1>",
         f'<p class="note">made by {escape(data["engine"])}</p>',
-        _table(
-            ("what", "result"),
-            [
-                ("self-test", _verdict(test["passed"], f"{count - failed} of {count} points pass")),
-                ("statements reached by it", _share(coverage["statements"])),
-                ("branches reached by it", _share(coverage["branches"])),
-                ("findings", _verdict(not errors, f"{errors} errors and warnings")),
-                ("statements about all points", claims if count_of_proofs else "none are made"),
-            ],
-        ),
-    ]  # fmt: skip
+        _table(("what", "result"), _summary(data)),
+    ]
+    for title, note, head, rows in _sections(data):
+        parts.append(f"<h2>{title}</h2>" if title else "")
+        parts.append(f"<p>{note}</p>" if note else "")
+        parts.append(_table(head, rows))
+    return "\n".join([*filter(None, parts), "</body></html>", ""])
 
 
-def _made_of(data: dict[str, Any]) -> list[str]:
+def _summary(data: dict[str, Any]) -> Iterator[Sequence[str]]:
+    rows, proofs = data["self_test"]["rows"], data["proofs"]
+    passed = sum(row["passed"] for row in rows)
+    proved = sum(proof["verdict"] == "proved" for proof in proofs)
+    errors = sum(finding["severity"] != "info" for finding in data["findings"])
+    claims = _verdict(proved == len(proofs), f"{proved} of {len(proofs)} proved")
+    yield "self-test", _verdict(passed == len(rows), f"{passed} of {len(rows)} points pass")
+    yield "statements reached by it", _share(data["coverage"]["statements"])
+    yield "branches reached by it", _share(data["coverage"]["branches"])
+    yield "findings", _verdict(not errors, f"{errors} errors and warnings")
+    yield "statements about all points", claims if proofs else "none are made"
+
+
+def _sections(data: dict[str, Any]) -> Iterator[_Section]:
+    test, coverage = data["self_test"], data["coverage"]
     files = [("source", data["source"]), *(("used", file) for file in data["used"]),
              *(("written", file) for file in data["written"])]  # fmt: skip
-    settings = [
-        (f"<code>{escape(name)}</code>", escape(_setting(x)))
-        for name, x in data["settings"].items()
-    ]
-    return [
-        "<h2>Files</h2>",
-        _table(
-            ("", "file", "bytes", "SHA-256"),
-            [
-                (word, escape(file["file"]), _number(file["bytes"]),
-                 f"<code>{file['sha256']}</code>")
-                for word, file in files
-            ],
-        ),
-        "<h2>Settings of the export</h2>",
-        _table(("option", "value"), settings),
-    ]  # fmt: skip
+    yield _Section(
+        "Files", "", ("", "file", "bytes", "SHA-256"),
+        [(word, escape(file["file"]), f"{file['bytes']:,}", _code(file["sha256"]))
+         for word, file in files],
+    )  # fmt: skip
+    yield _Section(
+        "Settings of the export", "", ("option", "value"),
+        [(_code(name), escape(_setting(value))) for name, value in data["settings"].items()],
+    )  # fmt: skip
+    yield _Section("Accuracy and worst-case operations")
+    for function in data["functions"]:
+        yield _Section("", _code(function["call"]), ("", ""), _figures_of(function))
+    findings = data["findings"]
+    yield _Section(
+        "Findings of the check", "" if findings else "None.",
+        ("line", "severity", "finding", "message"),
+        [(str(each["line"]), *(escape(each[key]) for key in ("severity", "name", "message")))
+         for each in findings],
+    )  # fmt: skip
+    proofs = data["proofs"]
+    yield _Section(
+        "Proofs and certificates",
+        "" if proofs else "The file has no <code>prove</code> line, and no certificate was given.",
+        ("statement about all points", "verdict", ""),
+        [(escape(each["statement"]), _verdict(each["verdict"] == "proved", each["verdict"]),
+          escape(each["reason"])) for each in proofs],
+    )  # fmt: skip
+    yield _Section(
+        "Coverage of the exported code by the self-test",
+        f"{escape(test['compiler'])}, {_code(' '.join(test['flags']))}, gcov.",
+        ("", "reached"),
+        [("statements (lines)", _share(coverage["statements"])),
+         ("branches", _share(coverage["branches"]))],
+    )  # fmt: skip
+    for key, note in (
+        ("missed", "Lines that no point reaches:"),
+        ("untaken", "Lines with an untaken branch; test or justify each of them:"),
+    ):
+        if coverage[key]:
+            rows = [(str(line["line"]), _code(line["text"])) for line in coverage[key]]
+            yield _Section("", note, ("line", "text"), rows)
+    sizes = data["sizes"]
+    yield _Section(
+        "Size",
+        "The functions alone; the arithmetic of the C library is not counted, nor the state of a"
+        " controller, which the caller holds." if sizes else "No cross compiler is installed.",
+        ("processor", "flash, bytes", "static RAM, bytes", "compiler"),
+        [(escape(each["processor"]), f"{each['flash']:,}", f"{each['ram']:,}",
+          f"{escape(each['compiler'])}, {_code(' '.join(each['flags']))}") for each in sizes],
+    )  # fmt: skip
+    tolerance = max((row["tolerance"] for row in test["rows"]), default=0.0)
+    yield _Section(
+        "Points of the self-test",
+        f"Expected values are those of the model in Python; a difference up to {tolerance:.3g}"
+        " passes. Points of a controller are periods of one sequence.",
+        ("function", "inputs", "expected", "computed", ""),
+        [(_code(row["function"]), *(_list(row[key]) for key in ("inputs", "expected", "computed")),
+          _verdict(row["passed"], "passes" if row["passed"] else "fails")) for row in test["rows"]],
+    )  # fmt: skip
+    yield _Section(
+        "What this report is not",
+        "It is evidence about one export, made by the tool that made the export. It is not a"
+        " certificate or an assessment: whether the rules are right for the plant, the compiler"
+        " and processor of the product, and the code around these functions are yours to show.",
+    )
+
+
+def _figures_of(function: dict[str, Any]) -> Iterator[Sequence[str]]:
+    worst = f"{function['worst']:.3g}, over {function['points']:,} points"
+    yield f"worst error against {escape(function['against'])}", worst
+    if function["proved"] is not None:
+        yield "worst error against the rules", f"{function['proved']:.6g}, proved"
+    for sort, count in function["operations"].items():
+        yield f"at most: {escape(sort)}", "not bounded" if count is None else f"{count:,}"
+    if function["stack"] is not None:
+        yield "local variables, about", f"{function['stack']:,} bytes"
 
 
 def _setting(value: bool | float | str | None) -> str:
@@ -90,123 +152,16 @@ def _setting(value: bool | float | str | None) -> str:
     return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
 
 
-def _functions(data: dict[str, Any]) -> list[str]:
-    lines = ["<h2>Accuracy and worst-case operations</h2>"]
-    for function in data["functions"]:
-        rows = [
-            (f"worst error against {escape(function['against'])}",
-             f"{function['worst']:.3g}, over {function['points']:,} points")
-        ]  # fmt: skip
-        if function["proved"] is not None:
-            rows.append(("worst error against the rules", f"{function['proved']:.6g}, proved"))
-        rows += [
-            (f"at most: {escape(sort)}", "not bounded" if n is None else f"{n:,}")
-            for sort, n in function["operations"].items()
-        ]
-        if function["stack"] is not None:
-            rows.append(("local variables, about", f"{function['stack']:,} bytes"))
-        lines += [f"<p><code>{escape(function['call'])}</code></p>", _table(("", ""), rows)]
-    return lines
-
-
-def _findings(data: dict[str, Any]) -> list[str]:
-    rows = [
-        (str(finding["line"]), escape(finding["severity"]), escape(finding["name"]),
-         escape(finding["message"]))
-        for finding in data["findings"]
-    ]  # fmt: skip
-    table = _table(("line", "severity", "finding", "message"), rows) if rows else "<p>None.</p>"
-    return ["<h2>Findings of the check</h2>", table]
-
-
-def _proofs(data: dict[str, Any]) -> list[str]:
-    rows = [
-        (escape(proof["statement"]),
-         _verdict(proof["verdict"] == "proved", proof["verdict"]), escape(proof["reason"]))
-        for proof in data["proofs"]
-    ]  # fmt: skip
-    none = "<p>The file has no <code>prove</code> line, and no certificate was given.</p>"
-    table = _table(("statement about all points", "verdict", ""), rows) if rows else none
-    return ["<h2>Proofs and certificates</h2>", table]
-
-
-def _coverage(data: dict[str, Any]) -> list[str]:
-    coverage, test = data["coverage"], data["self_test"]
-    lines = [
-        "<h2>Coverage of the exported code by the self-test</h2>",
-        f"<p>{escape(test['compiler'])}, <code>{escape(' '.join(test['flags']))}</code>, gcov.</p>",
-        _table(
-            ("", "reached"),
-            [("statements (lines)", _share(coverage["statements"])),
-             ("branches", _share(coverage["branches"]))],
-        ),
-    ]  # fmt: skip
-    if coverage["missed"]:
-        rows = [(str(x["line"]), f"<code>{escape(x['text'])}</code>") for x in coverage["missed"]]
-        lines += ["<p>Lines that no point reaches:</p>", _table(("line", "text"), rows)]
-    if coverage["untaken"]:
-        rows = [(str(x["line"]), f"<code>{escape(x['text'])}</code>") for x in coverage["untaken"]]
-        lines += [
-            "<p>Lines with an untaken branch; test or justify each of them:</p>",
-            _table(("line", "text"), rows),
-        ]
-    return lines
-
-
-def _sizes(data: dict[str, Any]) -> list[str]:
-    rows = [
-        (escape(size["processor"]), _number(size["flash"]), _number(size["ram"]),
-         f"{escape(size['compiler'])}, <code>{escape(' '.join(size['flags']))}</code>")
-        for size in data["sizes"]
-    ]  # fmt: skip
-    none = "<p>No cross compiler is installed.</p>"
-    table = _table(("processor", "flash, bytes", "static RAM, bytes", "compiler"), rows)
-    note = (
-        '<p class="note">The functions alone; the arithmetic of the C library is not counted, nor'
-        " the state of a controller, which the caller holds.</p>"
-    )
-    return ["<h2>Size</h2>", table + note if rows else none]
-
-
-def _rows(data: dict[str, Any]) -> list[str]:
-    rows = [
-        (f"<code>{escape(row['function'])}</code>", _list(row["inputs"]),
-         _list(row["expected"]), _list(row["computed"]),
-         _verdict(row["passed"], "passes" if row["passed"] else "fails"))
-        for row in data["self_test"]["rows"]
-    ]  # fmt: skip
-    tolerance = max((row["tolerance"] for row in data["self_test"]["rows"]), default=0.0)
-    return [
-        "<h2>Points of the self-test</h2>",
-        f"<p>Expected values are those of the model in Python; a difference up to {tolerance:.3g}"
-        " passes. Points of a controller are periods of one sequence.</p>",
-        _table(("function", "inputs", "expected", "computed", ""), rows),
-    ]
-
-
-def _open() -> list[str]:
-    return [
-        "<h2>What this report is not</h2>",
-        "<p>It is evidence about one export, made by the tool that made the export. It is not a"
-        " certificate or an assessment: whether the rules are right for the plant, the compiler"
-        " and processor of the product, and the code around these functions are yours to"
-        " show.</p>",
-    ]
-
-
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    titles = "".join(f"<th>{cell}</th>" for cell in head) if any(head) else ""
-    lines = [f"<tr>{titles}</tr>"] if titles else []
-    lines += [f"<tr>{''.join(_cell(cell) for cell in row)}</tr>" for row in rows]
-    return f"<table>{''.join(lines)}</table>"
+    lines = ["".join(f"<td>{cell}</td>" for cell in row) for row in rows]
+    if not lines:
+        return ""
+    titles = ["".join(f"<th>{cell}</th>" for cell in head)] if any(head) else []
+    return f"<table>{''.join(f'<tr>{line}</tr>' for line in (*titles, *lines))}</table>"
 
 
-def _cell(text: str) -> str:
-    return f"<td>{text}</td>"
-
-
-def _number(value: int) -> str:
-    return f"{value:,}"
+def _code(text: str) -> str:
+    return f"<code>{escape(text)}</code>"
 
 
 def _list(numbers: Sequence[float | None]) -> str:
