@@ -318,3 +318,12 @@ def test_a_name_in_double_quotes_is_shown_in_single_ones_once():
     assert finding.hint == "write  'Grad-Zahl Ü'"
     assert finding.replacement == "'Grad-Zahl Ü'"
     assert not parse(text.replace('"', "'")).diagnostics
+
+
+def test_an_unknown_statement_is_one_finding_with_the_lines_below_it():
+    text = (
+        "rulebase rb\ninput e -1 .. 1\noutput u -1 .. 1\nterms e, u: triangles N Z P\n"
+        "matrix u by e\n  e N Z P\n  u N Z P\nrule if e is N then u is N\n"
+    )
+    (finding,) = parse(text).diagnostics
+    assert (finding.name, finding.span.line) == ("unknown-statement", 5)

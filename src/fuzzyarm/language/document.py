@@ -165,12 +165,14 @@ def _group_lines(
     """Return the statements of `lines` and the comments after the last one.
 
     A line with the keyword of a statement starts a statement. Any other line belongs to the
-    statement above if that takes it; else it is an ``unknown-statement``.
+    statement above if that takes it; else it is an ``unknown-statement``, and so are the indented
+    lines below it.
     """
     groups: list[_StatementTokens] = []
     waiting: list[str] = []
     heading = "rulebase"
     in_axis = False  # a line with an equals sign is a signal there
+    below_unknown = False
     for line in lines:
         if len(diagnostics) > MAX_DIAGNOSTICS:
             break
@@ -180,6 +182,9 @@ def _group_lines(
             continue
         first = line.tokens[0]
         record = _record_of(line, heading, groups, in_axis=in_axis)
+        if below_unknown and line.indented and record is None:
+            continue  # of the statement that is not known, which is one finding
+        below_unknown = False
         if record is not None:
             groups.append(_StatementTokens(record, line.tokens, tuple(waiting), line.comment))
             heading = record.word if record.word in HEADINGS else heading
@@ -199,6 +204,7 @@ def _group_lines(
                 )
             )
             if replacement is None:
+                below_unknown = True
                 continue
             # Continue with the probable intention, so that one slip is one finding.
             name_token = first._replace(kind="name", text=replacement)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 # --- Reading ---
 
-MANY = 3
+MANY = 2
 """Mistakes from which on a text may be one of another program."""
 
 
