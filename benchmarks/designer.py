@@ -30,7 +30,6 @@ except ImportError:
 
 import fuzzyarm
 from fuzzyarm.apps.designer.assets import asset, names
-from fuzzyarm.apps.designer.mailed_page import page_of
 from fuzzyarm.base.shipped_files import shipped
 
 FRAMES = """async ([variable, term, index]) => {
@@ -202,8 +201,6 @@ def measure(browser: object, address: str, folder: Path) -> None:
     used = [name for name in sorted({*names(), "engine.js"}) if not name.endswith(".md")]
     total = sum(len(gzip.compress((asset(name) or (b"", ""))[0])) for name in used)
     row("the page, compressed, no plotting library", total / 1e3, 2000, "kB")
-    written = page_of(folder / "pd7.frb").encode()
-    row("a page without a server, compressed", len(gzip.compress(written)) / 1e3, 2000, "kB")
 
 
 if __name__ == "__main__":

@@ -208,7 +208,7 @@ PURPOSES = {
     "From data": ("fuzzyarm.learning", "fuzzyarm.apps.estimators"),
     "Show and export": (
         "fuzzyarm.apps.show", "fuzzyarm.apps.show.figures", "fuzzyarm.apps.notebook",
-        "fuzzyarm.apps.designer", "fuzzyarm.exchange.export", "fuzzyarm.apps.dossier",
+        "fuzzyarm.exchange.export", "fuzzyarm.apps.dossier",
         "fuzzyarm.base.figure_files",
     ),
     "Building blocks for other tools": (

@@ -2,7 +2,6 @@
 //
 //   page/vendor/codemirror.js   the editor, from the packages pinned here
 //   page/vendor/uplot.js, .css  charts over time, likewise
-//   page/built/mailed.js        the page without a server (exported.js), as one script
 //   page/built/playground.js    the page with its own Python (playground/app.js), as one script
 //
 // `node build.js --check` writes nothing and fails where a file is not what its sources say. The modules of the
@@ -41,20 +40,11 @@ const BUILDS = [
   },
   { entryPoints: [at("node_modules/uplot/dist/uPlot.min.css")], outfile: at(`${PAGE}/vendor/uplot.css`), minify: true },
   {
-    entryPoints: [at(`${PAGE}/exported.js`)],
-    outfile: at(`${PAGE}/built/mailed.js`),
-    banner: { js: "// @ts-nocheck: built by editors/designer/build.js from exported.js and what it imports" },
-    plugins: [engineInFront],
-    format: "iife", // no name of it meets one of the engine
-    minify: true,
-    absWorkingDir: at(PAGE),
-  },
-  {
     entryPoints: [at(`${PAGE}/playground/app.js`)],
     outfile: at(`${PAGE}/built/playground.js`),
     banner: { js: "// @ts-nocheck: built by editors/designer/build.js from playground/app.js and what it imports" },
     plugins: [engineInFront],
-    format: "iife",
+    format: "iife", // no name of it meets one of the engine
     minify: true,
     absWorkingDir: at(PAGE),
   },

@@ -679,7 +679,7 @@ declare namespace Messages {
     negatable?: boolean;
   }
 
-  /** An axis as a page draws it; both ends are there. */
+  /** An axis for a page, with both ends. */
   interface AxisData {
     words: string;
     low: number;
@@ -712,7 +712,7 @@ declare namespace Messages {
     missing?: string;
   }
 
-  /** A panel as a page draws it. */
+  /** A panel for a page. */
   interface PanelData {
     title: string;
     across: AxisData;

@@ -74,7 +74,6 @@ WRITTEN = {
     ("prove", "--certificate"): [
         "prove servo.frb --plant motor --stable --certificate o.json"
     ],
-    ("designer", "--export"): ["designer pd7.frb --export o.html"],
     ("watch", "--table"): ["watch pd7.frb --once --table o.lut"],
     ("watch", "--figure"): ["watch pd7.frb --once --figure o.png"],
 }  # fmt: skip

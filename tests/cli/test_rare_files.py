@@ -59,7 +59,7 @@ READERS = (
     "compile {} -o a.lut", "compile {} -o a.h", "compile {} --direct -o b.h", "compile {} -o a.py",
     "compile {} -o a.mjs", "compile {} --direct -o a.st", "convert {} a.fis", "convert {} a.fll",
     "convert {} a.fcl", "convert {} a.fml", "diff {} {}", "prove {} --range", "watch --once {}",
-    "designer {} --export p.html", "cite {}", "fmt --check {}",
+    "cite {}", "fmt --check {}",
 )  # fmt: skip
 
 

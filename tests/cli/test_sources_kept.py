@@ -84,7 +84,6 @@ def soft(source, link):
     [
         ("compile rules.frb", "-o", ".h", "rules.frb"),
         ("compile servo.frb", "-o", ".c", "servo.frb"),
-        ("designer rules.frb", "--export", ".html", "rules.frb"),
         ("plot rules.frb", "-o", ".svg", "rules.frb"),
         ("convert rules.frb", "", ".fis", "rules.frb"),
         ("watch rules.frb --once", "--table", ".lut", "rules.frb"),

@@ -70,8 +70,6 @@ def of_every_command(name="x" + HOSTILE):
         ["compile", hostile, "-o", "x.h", "--direct"],
         ["compile", "broken.frb", "-o", "x.h"],
         ["compile", hostile, "-o", "x.mjs"],
-        ["designer", hostile, "--export", "x.html"],
-        ["designer", "broken.frb", "--export", "x.html"],
         ["designer", "none.frb"],
         ["diff", hostile, "other.frb"],
         ["diff", hostile, PD7],

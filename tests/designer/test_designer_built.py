@@ -1,4 +1,4 @@
-"""What is built is what its sources say: types of messages, the editor, the mailed page."""
+"""What is built is what its sources say: types of messages, the editor, the playground."""
 
 import subprocess
 from pathlib import Path
@@ -17,7 +17,7 @@ def test_the_types_of_messages_are_those_of_the_records(update_golden):
 
 
 @requires("esbuild")
-def test_the_editor_and_the_mailed_page_are_what_their_sources_say():
+def test_the_editor_and_the_playground_are_what_their_sources_say():
     words = ["node", "build.js", "--check"]
     done = subprocess.run(words, cwd=TOOLS, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

@@ -214,9 +214,8 @@ def test_an_exported_unit_is_the_file_of_the_command(folder, monkeypatch):
     (".svg", {}, ["plot", "slide7.frb", "-o", "OUT/slide7.svg"]),
     (".fis", {}, ["convert", "slide7.frb", "OUT/slide7.fis", "-q"]),
     (".fll", {}, ["convert", "slide7.frb", "OUT/slide7.fll", "-q"]),
-    (".html", {}, ["designer", "slide7.frb", "--export", "OUT/slide7.html"]),
 ])  # fmt: skip
-def test_pictures_pages_and_conversions_are_the_files_of_the_commands(
+def test_pictures_and_conversions_are_the_files_of_the_commands(
     folder, monkeypatch, suffix, options, words
 ):
     found = exported(folder / "slide7.frb", suffix, options)
@@ -240,7 +239,7 @@ def test_what_is_exported_is_the_text_as_it_is_now(folder):
     assert read_table(folder / "other.lut").rounding == 1.0
 
 
-def test_what_cannot_be_exported_is_refused_in_words(folder):
+def test_what_cannot_be_exported_is_refused_in_words(folder, monkeypatch):
     def refused(text, suffix, options=None):
         with pytest.raises(fuzzyarm.FuzzyarmError) as error:
             files_of(Session(str(folder / "x.frb"), text), suffix, options or {}, lambda _: None)
@@ -264,6 +263,8 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
         assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
     offered = [kind for kind in EXPORTS if kind != ".js"]  # an .mjs is the same
     assert kinds_of(Session("x.frb", servo)) == offered
+    monkeypatch.setattr("fuzzyarm.apps.designer.exports.IN_PAGE", True)
+    assert kinds_of(Session("x.frb", servo)) == [each for each in offered if each != ".fmu"]
 
 
 def test_the_numbers_of_latex_are_those_of_the_table(folder):
@@ -305,6 +306,16 @@ def test_tables_and_texts_of_the_language_are_imported_as_they_are(folder):
     assert converted_file("x/y.frb", PD7.encode()) == {
         "name": "y.frb", "text": PD7, "findings": [],
     }  # fmt: skip
+
+
+def test_samples_are_put_into_the_folder_for_fit(client, folder):
+    data = b"lift,pressure,flow\n1,2,3\n2,2,4.5\n"
+    with socket_of(client) as socket:
+        asked = {"what": "import", "name": "valve.csv", "data": base64.b64encode(data).decode()}
+        socket.send_text(json.dumps({"do": "folder", "id": 7, **asked}))
+        answer = heard(socket, lambda each: each["is"] == "answer")
+    assert (answer["samples"], "open" in answer) == ("valve.csv", False)
+    assert (folder / "valve.csv").read_bytes() == data
 
 
 def test_scripts_large_files_and_other_things_are_not_imported():

@@ -12,24 +12,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from budget import cases
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from needs import requires
 
 from fuzzyarm.apps.designer import open_files, requests
 from fuzzyarm.apps.designer.assets import PAGE, asset, index_page, modules
 from fuzzyarm.apps.designer.changes import ChangeError, applied, difference, merged
-from fuzzyarm.apps.designer.mailed_page import NotWrittenError, page_of, page_of_text, script_source
 from fuzzyarm.apps.designer.shared import ConflictError, SharedText
 from fuzzyarm.base.shipped_files import shipped
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.sets import straight_pieces
-from fuzzyarm.language import parse, write
 from fuzzyarm.language.edit import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.language.model.rulebase import Shape
 from fuzzyarm.language.model.shapes import membership_function, polyline
-from tests.strategies import rulebases
 
 TOKEN = "a" * 32
 PD7 = shipped("pd7.frb").read_text()
@@ -724,49 +720,7 @@ def test_a_surface_is_computed_beside_and_its_question_is_not_trusted(client, tm
             assert news(**wrong)[-1]["end"] == "failed", wrong
 
 
-# --- pages without a server ---
-
-
-def test_no_page_is_made_of_what_is_not_a_rule_base():
-    for name in ("servo.frb", "thesis-6.1.lut"):
-        with pytest.raises(NotWrittenError):
-            page_of(shipped(name))
-
-
-@settings(max_examples=cases(6, 200), suppress_health_check=list(HealthCheck))
-@given(rulebases(odd_names=True, decorated=True))
-def test_a_page_is_made_of_any_rule_base(rulebase):
-    text = write(rulebase)
-    assert parse(text).rulebase is not None
-    assert page_of_text(text, Path("any.frb")).endswith("</html>\n")
-
-
-@pytest.mark.parametrize("name", ["tipper.frb", "pd7.frb", "balance.frb"])
-def test_a_page_knows_where_the_shape_of_each_term_goes(name):
-    page = page_of(shipped(name))
-    data = json.loads(page.partition('id="start">')[2].partition("</script>")[0])
-    text, places = data["text"], data["places"]
-    rulebase = parse(text).rulebase
-    terms = {(v.name, term.name): term for v in (*rulebase.inputs, *rulebase.outputs)
-             for term in v.terms if term.shape.parameters}  # fmt: skip
-    assert {(place["variable"], place["term"]) for place in places} == set(terms)
-    for place in places:
-        shape = terms[place["variable"], place["term"]].shape
-        words = f"{shape.kind} {' '.join(map(repr, shape.parameters))}"
-        written = text[: place["from"]] + place["before"] + words + text[place["to"] :]
-        assert parse(written).rulebase == rulebase, written
-
-
-def test_a_page_is_made_of_a_rule_base_whose_inputs_do_not_matter():
-    text = """rulebase constant
-input e -1 .. 1
-output u 0 .. 1
-terms e: triangles N P
-term u A: linear 0.4
-inference u: defuzzifier weighted-average
-rule if e is N or e is P then u is A
-"""
-    assert "linear 0.4" in page_of_text(text, Path("constant.frb"))
+# --- the page ---
 
 
 def test_no_word_of_the_page_stands_twice():
@@ -775,12 +729,6 @@ def test_no_word_of_the_page_stands_twice():
     names = [name.strip() for name in names if name[2:3].isalpha()]
     assert len(names) == len(set(names)), sorted(n for n in names if names.count(n) > 1)
     assert len(names) > 60
-
-
-def test_the_modules_of_a_page_are_one_script():
-    lines = script_source().splitlines()
-    assert [line for line in lines if line.lstrip().startswith(("import ", "export "))] == []
-    assert any("globalThis.fuzzyarm" in line for line in lines)
 
 
 def test_every_word_that_the_page_says_is_there_and_said():

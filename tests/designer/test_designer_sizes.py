@@ -9,7 +9,6 @@ from needs import requires
 from test_designer_page import Served, further, put, until
 
 from fuzzyarm.apps.designer.assets import asset
-from fuzzyarm.apps.designer.mailed_page import page_of
 from fuzzyarm.base.shipped_files import shipped
 
 SPLITS = """
@@ -210,10 +209,4 @@ def test_help_opens_by_its_button_and_its_keys_but_is_typed_in_the_text(served, 
     assert dialog.count() == 0
     assert page.evaluate("designer.text.view.state.doc.toString()").startswith("?")
     page.keyboard.press("Control+z")
-    (tmp_path / "page.html").write_text(page_of(shipped("pd7.frb")))
-    page = context.new_page()
-    page.goto((tmp_path / "page.html").as_uri())
-    page.get_by_role("button", name="Help and keys").click()
-    assert "Design: terms" in page.locator("dialog.help").inner_text()
-    assert "Files" not in page.locator("dialog.help").inner_text()
     context.close()

@@ -24,13 +24,13 @@ ROOT = Path(__file__).resolve().parents[2]
 OFTEN = {
     "check": 8, "fmt": 3, "eval": 10, "show": 6, "plot": 4, "diff": 4, "prove": 4, "compile": 10,
     "convert": 10, "simulate": 14, "sweep": 6, "compare": 1, "learn": 8, "tune": 3,
-    "fit": 3, "validate": 4, "designer": 6, "watch": 2, "new": 2, "shipped": 1, "lsp": 1,
+    "fit": 3, "validate": 4, "watch": 2, "new": 2, "shipped": 1, "lsp": 1,
     "reproduce": 0.5, "cite": 2, "grade": 1, "demo": 0.05, "help": 1,
 }  # fmt: skip
 """How often each command is drawn, in parts.
 
-`identify` searches for minutes by its nature; `playground` asks npm and compiles for another
-platform.
+`identify` searches for minutes by its nature; `designer` serves until its end; `playground` asks
+npm and compiles for another platform.
 """
 
 ODD_NAMES = (
@@ -187,7 +187,6 @@ FILES = frozenset({"FILE", "IN", "MODEL", "A", "B", "CONTROLLER", "DATA"})
 OUTPUTS = {
     "OUT": (".lut", ".h", ".st", ".c", ".mjs", ".json", ".csv", ".npz", ".tex"),
     "FIG": (".svg", ".svg", ".svg", ".png"),
-    "PAGE": (".html",),
     "FILE.csv": (".csv",),
     "FILE.frb": (".frb",),
 }
@@ -266,9 +265,8 @@ class Drawing:
             if each not in options:
                 words += self._positional(each)
         chosen = r.sample(options, min(r.choice((0, 0, 1, 1, 2, 3, 5)), len(options)))
-        wanted = {"--export"} if name == "designer" else set()
         for each in options:
-            if each not in chosen and (each.options.get("required") or wanted & set(each.names)):
+            if each not in chosen and each.options.get("required"):
                 chosen.append(each)
         for each in chosen:
             words += self._option(each)
@@ -377,8 +375,6 @@ class Drawing:
         if self.command == "convert":
             return (RULES, RULES, ".fis", ".fll", ".fcl", ".lut", ".py")
         others = (CONTROL, ".lut", ".fis", ".fll", ".fcl", ".json")
-        if self.command == "designer":
-            others = (CONTROL, ".lut")
         return (RULES, RULES, RULES, RULES, self.r.choice(others))
 
     def _inputs(self) -> list[str]:

@@ -293,7 +293,6 @@ def commands(r: random.Random, text: str) -> Iterator[list[str]]:
     yield ["convert", "x.frb", "x.fis", "--lossy"]
     yield ["convert", "x.frb", "x.fcl", "--lossy"]
     yield ["convert", "x.frb", "x.fll", "--lossy"]
-    yield ["designer", "x.frb", "--export", "x.html"]
 
 
 def main() -> int:

@@ -81,7 +81,7 @@ def test_random_commands_answer():
 
 
 def test_every_command_is_drawn():
-    assert set(OFTEN) - {"help"} | {"identify", "playground"} == set(COMMANDS)
+    assert set(OFTEN) - {"help"} | {"identify", "designer", "playground"} == set(COMMANDS)
 
 
 @pytest.mark.parametrize(

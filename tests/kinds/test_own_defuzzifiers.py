@@ -202,7 +202,6 @@ def test_commands_take_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert main(["eval", str(path), "v=0.1", "w=0.3", "--explain"]) == 0
     assert "lifted-half(51, endpoints)" in capsys.readouterr().out
     assert main(["eval", str(path), "v=0.1", "w=0.3", "--defuzzifier", "late-maximum"]) == 0
-    assert main(["designer", str(path), "--export", str(tmp_path / "own.html")]) == 0
 
 
 # ── what is said of mistakes ─────────────────────────────────────────────────────────

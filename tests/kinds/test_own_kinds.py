@@ -180,7 +180,6 @@ WORKS = [
     ("fmt", "{own}"),
     ("eval", "{own}", *AT),
     ("eval", "{own}", *AT, "--json"),
-    ("designer", "{own}", "--export", "{out}.html"),
     ("eval", "{own}", *AT, "--explain"),
     ("eval", "{own}", *AT, "--explain", "--json"),
     ("eval", "{own}", *AT, "--plot", "{out}.svg"),

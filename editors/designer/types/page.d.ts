@@ -16,7 +16,7 @@ declare namespace Page {
 
   type News = Partial<Messages.JobNews> & { [name: string]: any };
 
-  /** What a pane may do to the text and its folder; a page without a server has `edit` and `numbers` alone. */
+  /** What a pane may do to the text and its folder. */
   interface Hand {
     edit(shapes: Array<Messages.TermShape>): any;
     numbers(variable: string): Promise<any>;

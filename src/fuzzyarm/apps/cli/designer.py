@@ -5,14 +5,10 @@ text, and what is typed is drawn at once. With a folder its files are offered; n
 is read or written. The page is served to this machine only, under an address with a token, which
 is the first line of the output. Ctrl-C ends it.
 
-With --export one page is written that needs neither a server nor a network: the rule base with
-its text, terms, rules, surface and inference, to be mailed or linked.
-
 The view Run runs a controller on a shipped plant, or on one that --plant names; the page has no
 other Python executed.
 
   fuzzyarm designer rulebases/pd7.frb
-  fuzzyarm designer rulebases/pd7.frb --export pd7.html
   fuzzyarm designer servo.frb --plant mine.py:Crane
 """
 
@@ -22,16 +18,7 @@ import argparse
 import contextlib
 from pathlib import Path
 
-from fuzzyarm.apps.cli.command import (
-    FORCE,
-    WordError,
-    argument,
-    command,
-    flag,
-    hush,
-    require_suffix,
-    say,
-)
+from fuzzyarm.apps.cli.command import always, argument, command, flag, hush, say
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.shipped_files import missing_file_hint
 
@@ -42,15 +29,12 @@ class DesignerError(FuzzyarmError, OSError):
 
 def _run(arguments: argparse.Namespace) -> int:
     path = Path(arguments.file)
-    if not path.exists() and (path.suffix or arguments.export is not None):
+    if not path.exists() and path.suffix:
         raise DesignerError(
             f"there is no file {arguments.file}",
             hint=missing_file_hint(path)
             or "`fuzzyarm designer FOLDER` makes new files, in a new folder too",
         )
-    if arguments.export is not None:
-        _export(path, arguments)
-        return 0
     from fuzzyarm.apps.designer.folder import SUFFIXES
     from fuzzyarm.apps.designer.server import serve
 
@@ -78,18 +62,6 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _export(path: Path, arguments: argparse.Namespace) -> None:
-    from fuzzyarm.apps.designer.mailed_page import page_of
-    from fuzzyarm.base.files import write_atomically
-
-    require_suffix(arguments.export, (".html", ".htm"))
-    if path.is_dir():
-        raise WordError(f"{arguments.file} is a folder: a page is made of one file")
-    page = page_of(path)
-    write_atomically(arguments.export, page)
-    say(f"{arguments.export}: {len(page.encode()):,} bytes, needs neither a server nor a network")
-
-
 def _port(text: str) -> int:
     if not text.isdigit() or int(text) > 65535:
         raise argparse.ArgumentTypeError(f"'{text}' is not a port, 0 to 65535")
@@ -114,8 +86,6 @@ COMMANDS = (
             action="append",
             default=[],
         ),
-        argument("--export PAGE", "write one page that needs no server (.html)"),
-        FORCE,
-        rewrites=lambda arguments: arguments.export is None,
+        rewrites=always,
     ),
 )

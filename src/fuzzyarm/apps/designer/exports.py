@@ -1,12 +1,13 @@
 """Exports of the text as it is now: the bytes of the commands, to be downloaded.
 
-Each is what `fuzzyarm compile`, `convert`, `plot` or `designer --export` writes of the same text.
+Each is what `fuzzyarm compile`, `convert`, or `plot` writes of the same text.
 Files that a controller uses are taken as they are saved, and only those of the folder.
 """
 
 from __future__ import annotations
 
 import contextlib
+import sys
 import tempfile
 import threading
 from collections.abc import Callable
@@ -53,6 +54,10 @@ PART: FormField = {
     "default": "all",
 }
 """Which part of a rule base is drawn, as ``fuzzyarm plot --what`` says it."""
+IN_PAGE = sys.platform == "emscripten"
+OF_MACHINE = frozenset({".fmu", ".npz", *PICTURES})
+"""What a C compiler, NumPy or Matplotlib makes: a page with its own Python does not offer it."""
+
 WRITTEN_TABLES = (*TABLES, LATEX)
 
 _SOURCES = tuple(suffix for suffix in EXPORTS if suffix != ".js")
@@ -101,13 +106,18 @@ def _controller(session: Session) -> ControllerText:
 
 
 def kinds_of(session: Session) -> list[str]:
-    """Return the suffixes of what a text can be exported as."""
+    """Return the suffixes of what a text can be exported as, here: a page has no compiler."""
+    kinds = _kinds(session)
+    return [each for each in kinds if each not in OF_MACHINE] if IN_PAGE else kinds
+
+
+def _kinds(session: Session) -> list[str]:
     if not isinstance(session.reading, Reading):
         return [*_SOURCES, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
     if session.reading.parsed.controller is not None:
         return list(_SOURCES)
     tables = (".lut", ".csv", LATEX)
-    return [*_SOURCES, *tables, ".html", ".png", ".svg", *FOREIGN]
+    return [*_SOURCES, *tables, ".png", ".svg", *FOREIGN]
 
 
 def forms_of(session: Session) -> dict[str, list[FormField]]:
@@ -198,10 +208,6 @@ def _sheet(
         files, lines = _table(model, out, how, progress)
         return files, lines, isinstance(model, RuleBase)
     assert isinstance(model, RuleBase)
-    if suffix == ".html":
-        from fuzzyarm.apps.designer.mailed_page import page_of_text
-
-        return [_offered(out, page_of_text(session.text, Path(session.path)))], [], False
     return *_conversion(session, model, out), False
 
 

@@ -55,6 +55,9 @@ __all__ = [
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
 
+SAMPLES = ".csv"
+"""Of a file of samples; a table has this suffix too, and a first line that says so."""
+
 IMPORTS = (*READABLE, *TABLES)
 """Files that are taken where they are dropped."""
 
@@ -384,7 +387,7 @@ class Workspace:
 
     def _demand_free(self, name: str) -> None:
         path = self.beside(name, Path(name).suffix.lower())
-        if path.name != name or path.suffix.lower() not in SUFFIXES:
+        if path.name != name or path.suffix.lower() not in (*SUFFIXES, SAMPLES):
             raise OutsideError(f"'{printable(name)}' is not the name of a file that is opened")
         if name.casefold() in self._taken():
             raise OutsideError(f"'{name}' already exists")
@@ -461,7 +464,7 @@ def converted_file(name: str, data: bytes) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         path = Path(folder) / clean_name(name, suffix)
         path.write_bytes(data)
-        if suffix in SUFFIXES:
+        if suffix in SUFFIXES or (suffix == SAMPLES and b"fuzzyarm-table" not in data[:200]):
             return {"name": path.name, "text": read_text(path), "findings": []}
         if suffix in TABLES:
             text = table_as(read_table(path), ".lut")

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.designer import requests
 from fuzzyarm.apps.designer.faults import LOG, error_of, internal_words
-from fuzzyarm.apps.designer.folder import Workspace, converted_file
+from fuzzyarm.apps.designer.folder import SAMPLES, Workspace, converted_file
 from fuzzyarm.apps.designer.jobs import Downloads, WindowJob, Work
 from fuzzyarm.apps.designer.messages import Moved, Names, Opened, Reopened, Unsaved, Updates, Writer
 from fuzzyarm.apps.designer.names import OutsideError, in_words
@@ -122,6 +122,9 @@ class OpenFiles:
     plants : Plants, optional
         What may be run; the shipped ones by default.
     """
+
+    learns = True
+    """Whether its pages have the view Fit."""
 
     def __init__(self, workspace: Workspace, plants: Plants | None = None) -> None:
         self._plants = plants
@@ -326,7 +329,12 @@ class OpenFiles:
         answer = await aside(converted_file, name, data)
         if self.workspace.only is not None:
             return {**answer, "only": True}
+        is_samples = answer["name"].endswith(SAMPLES)  # not opened, but learned from
+        if is_samples and not self.learns:
+            raise OutsideError("samples are learned from by `fuzzyarm fit` and by the designer")
         put = self.workspace.put(answer["name"], answer["text"])
+        if is_samples:
+            put = {"samples": put["open"]}
         return {"findings": answer["findings"], **put, **self.workspace.listing()}
 
     async def _open(self, window: Window, request: requests.Open, _: dict[str, Any]) -> None:

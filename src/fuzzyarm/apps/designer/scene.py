@@ -101,16 +101,20 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
         "rules": _rules(rulebase, whole, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "methods": _methods(rulebase, reading),
-        "missing": [
-            diagnostic.name
-            for diagnostic in reading.parsed.diagnostics
-            if diagnostic.name in INCOMPLETE
-        ],
+        "missing": _missing(rulebase, reading),
         "numbers": numbers,
         "kinds": KINDS,
         "functions": functions.described,  # those of the curves to be drawn among them
         "reason": reason,
     }
+
+
+def _missing(rulebase: RuleBase, reading: Reading) -> list[str]:
+    """Return what a picture still needs; a grid of dots alone has no rules either."""
+    found = [diagnostic.name for diagnostic in reading.parsed.diagnostics]
+    return [name for name in found if name in INCOMPLETE] or (
+        [] if rulebase.rules else ["no-rules"]
+    )
 
 
 def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:

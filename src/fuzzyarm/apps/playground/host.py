@@ -61,6 +61,8 @@ class PageFiles(OpenFiles):
         Where exported files go.
     """
 
+    learns = False
+
     def __init__(self, workspace: Workspace, window: Window, downloads: Downloads) -> None:
         super().__init__(workspace)
         self.windows.append(window)

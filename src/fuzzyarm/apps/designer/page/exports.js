@@ -8,13 +8,7 @@ import { S } from "./strings.js";
 import { Task } from "./task.js";
 
 const TABLES = [".lut", ".csv", ".tex", ".json", ".npz"];
-const GROUPS = {
-  programs: [],
-  tables: TABLES,
-  pictures: [".png", ".svg"],
-  pages: [".html"],
-  others: [".fis", ".fll", ".fcl", ".fml"],
-};
+const GROUPS = { programs: [], tables: TABLES, pictures: [".png", ".svg"], others: [".fis", ".fll", ".fcl", ".fml"] };
 
 /**
  * Suffixes by the group in which they stand; every other one is a program.

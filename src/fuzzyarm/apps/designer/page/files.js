@@ -6,7 +6,6 @@ import { ExportPane } from "./exports.js";
 import { invitation, offers } from "./starts.js";
 import { Pane } from "./pane.js";
 import { S } from "./strings.js";
-import { isTable } from "./table.js";
 
 const WITH_RULES = ["pd", "pi", "single"]; // kinds of new files that have rules
 
@@ -227,6 +226,7 @@ class FolderPane extends Pane {
   taken = async (name, answer, alone) => {
     if (answer.error) return tellAll(S.notImported(name), [answer.error]);
     if (answer.only) return this.instead(name, answer);
+    if (answer.samples) return void (this.said.textContent = clean(S.samplesHere(answer.samples)));
     if (answer.findings.length) await tellAll(S.importedAs(name, answer.open), answer.findings);
     if (alone) this.hand.turnTo(answer.open);
     return null;
@@ -234,7 +234,8 @@ class FolderPane extends Pane {
 
   /** With one file open nothing is written beside it: what was dropped takes the place of its text. */
   instead = async (name, { text, findings, name: made }) => {
-    const same = isTable(made) === isTable(this.hand.file());
+    const kindOf = (file) => file.toLowerCase().match(/\.[^.]*$/)?.[0];
+    const same = kindOf(made) === kindOf(this.hand.file());
     if (!same) return tellAll(S.notImported(name), [S.otherKind(this.hand.file())]);
     const words = [S.replaceText(this.hand.file(), name), ...findings];
     if ((await choose(words.join("\n"), [S.replaceIt])) === 0) this.hand.replace(text);

@@ -6,6 +6,8 @@ import { choicesOf, controlOf, isOptional, quoted, optionsOf, shownDefault, type
 import { S } from "./strings.js";
 
 const JUDGED = { check: "change", choice: "change", lines: "input", text: "input" };
+/** @param {Messages.FormField} field */
+const titleOf = ({ name, title }) => S.fields[name]?.[0] ?? title;
 let forms = 0; // each has ids of its own
 
 export class Form {
@@ -54,8 +56,7 @@ export class Form {
     input.title = field.description ?? "";
     input.dataset.key = `${this.id}-${field.name}`;
     input.addEventListener(JUDGED[kind], () => this.touched(field.name));
-    const [title = field.title] = S.fields[field.name] ?? [];
-    const words = field.unit ? `${title}, ${field.unit}` : title;
+    const words = field.unit ? `${titleOf(field)}, ${field.unit}` : titleOf(field);
     const label = kind === "check" ? el("label", { class: "check" }, input, words) : labelled(words, input);
     label.title = input.title;
     this.rows.set(field.name, { field, input, label });
@@ -163,7 +164,7 @@ export class Form {
   /** Say a mistake beside its field, and nothing beside others; where no field has that name, say so. */
   mark(name, message = "", focus = true) {
     if (focus) this.asked++; // what is still being judged says no more than this
-    for (const [own, { input, label }] of this.rows) {
+    for (const [own, { field, input, label }] of this.rows) {
       label.querySelector(".wrong")?.remove();
       if (own !== name) {
         input.removeAttribute("aria-invalid");
@@ -174,7 +175,13 @@ export class Form {
       input.setAttribute("aria-invalid", "true");
       input.setAttribute("aria-describedby", id);
       input.closest("details")?.setAttribute("open", "");
-      label.append(el("span", { class: "wrong", id, role: "alert", textContent: clean(message) }));
+      // The words are those of the command; here the option has a title.
+      const words = field.option ? message.replaceAll(field.option, titleOf(field)) : message;
+      const wrong = el("span", { class: "wrong", id, role: "alert", textContent: clean(words) });
+      label.append(wrong);
+      const beyond =
+        wrong.getBoundingClientRect().right - label.closest(".pane, dialog").getBoundingClientRect().right + 9;
+      if (beyond > 0) wrong.style.left = `${-beyond}px`;
       if (focus) input.focus();
     }
     return this.rows.has(name);

@@ -11,7 +11,7 @@ import { S } from "./strings.js";
 
 /**
  * A view stands beside the text, one at a time; from two on there are tabs. Its panes are classes, made of the store and
- * of what a hand may do, with an element `section`. A view that is `drawn` needs a sound rule base. This one stands in the page without a server as well.
+ * of what a hand may do, with an element `section`. A view that is `drawn` needs a sound rule base.
  */
 export const DESIGN = {
   name: "design",
@@ -32,7 +32,7 @@ export class Frame {
    * @param {Page.Store} store
    * @param {Page.Hand} hand
    */
-  constructor(store, hand, text, controls, shownViews = [DESIGN]) {
+  constructor(store, hand, text, controls, shownViews) {
     this.store = store;
     this.hand = hand;
     this.shownViews = shownViews;
@@ -110,7 +110,7 @@ export class Frame {
   mark = () => {
     const words = this.shownViews.map(({ name, title }) => (this.store.works.has(name) ? S.atWork(title) : title));
     this.tabs.forEach((tab, i) => {
-      const why = this.shownViews[i].why?.(this.hand.file()) ?? "";
+      const why = this.shownViews[i].why?.(this.hand, this.store) ?? "";
       tab.textContent = words[i];
       tab.setAttribute("aria-selected", String(i === this.shown));
       tab.setAttribute("aria-disabled", String(Boolean(why)));
@@ -125,7 +125,7 @@ export class Frame {
 
   /** A hand has chosen a view: where panes are below each other, it is brought into sight. */
   press = (to) => {
-    const why = this.shownViews[to].why?.(this.hand.file());
+    const why = this.shownViews[to].why?.(this.hand, this.store);
     if (why) return void this.hand.say(why);
     this.turn(to);
     if (this.more) this.more.open = false;

@@ -81,7 +81,7 @@ export class RulesPane extends Pane {
     const seen = this.body.scrollTop;
     this.body.replaceChildren(...(outputs.length ? [this.methods.element] : []));
     const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
-    grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells <= MOST_CELLS, k)));
+    grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, cells <= MOST_CELLS, k)));
     const sentences = rules
       .map((rule, number) => /** @type {const} */ ([rule, number]))
       .filter(([rule]) => !rule.inGrid);
@@ -97,8 +97,7 @@ export class RulesPane extends Pane {
           textContent: this.store.scene.missing.includes("no-rules") ? S.noRulesYet : S.tooManyRules,
         }),
       );
-    if (this.attempt && isReady) this.body.append(this.composing());
-    if (this.change && isReady) this.body.append(this.writer(this.fresh, S.newRule));
+    if (isReady) this.body.append(this.composing(), this.writer(this.fresh, S.newRule));
     this.body.scrollTop = seen;
     refocus();
     this.light();

@@ -202,8 +202,8 @@ class RunView {
     if (news.end) {
       Object.assign(this.state, { job: null, ready: null, paused: false });
       this.picture.close();
-      if (news.end === "failed") this.form.note(news.message, true);
-      this.form.mark(news.field ?? "", news.message);
+      const isMarked = this.form.mark(news.field ?? "", news.message);
+      if (news.end === "failed") this.form.note(isMarked ? "" : news.message, true);
     } else this.HEARD[news.news]?.(news);
     if (news.end || news.news === "ready") this.form.running(this.state);
   };
@@ -365,7 +365,6 @@ class RunForm extends Pane {
   note = (words, bad = false) => {
     this.said.textContent = words;
     this.said.classList.toggle("error", bad);
-    this.said.hidden = !words;
   };
 
   /** Take back a note, where it is still there. */

@@ -23,7 +23,7 @@ import { Task } from "./task.js";
 export const isTable = (name) => /\.lut$/i.test(name);
 
 /** Why a view has nothing to do with a file; empty where it has. */
-export const noTables = (file) => (isTable(file) ? S.noTables : "");
+export const noTables = ({ file }) => (isTable(file()) ? S.noTables : "");
 
 /** The cells of a table, page by page; a cell leads to its number in the text. */
 class CellsPane extends Pane {
@@ -317,6 +317,7 @@ export const TABLE = {
   title: S.tables,
   drawn: false,
   further: true,
+  why: (_hand, { diagram }) => (diagram && !diagram.isSystem ? S.ownTable : ""),
   panes: [CellsPane, ErrorPane],
   splits: [{ key: "table-rows", vertical: false, at: 1, usual: 0.4 }],
 };
