@@ -123,7 +123,7 @@ def test_a_certificate_knows_the_sensors(capsys, tmp_path):
     ("words", "status", "said"),
     [
         (["--stable", "--for", "1s"], 2, "--stable is for all time"),
-        (["--from", START], 2, "--from goes with --stable, --map or --for"),
+        (["--from", START], 2, "--from goes with --stable or --for"),
         (["--with", "J in 1 .. 2"], 2, "--with goes with --stable, --map or --for"),
         (["--claim", "stable", "--from", START], 2, "--from is part of --claim"),
         (["--claim", "stable", "--for", "1s"], 2, "--for gives a claim"),

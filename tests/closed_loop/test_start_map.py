@@ -13,6 +13,8 @@ from fuzzyarm.base.errors import UsageError
 from fuzzyarm.plant import find_plant
 from fuzzyarm.proof.claim.problem import ClaimError
 from fuzzyarm.proof.loop import StartMap
+from fuzzyarm.proof.loop.cover import Cover
+from fuzzyarm.proof.loop.enclosure import Intervals
 from fuzzyarm.proof.loop.follower import Box
 from fuzzyarm.proof.loop.planes import RulePlanes
 from fuzzyarm.proof.loop.start_map import MappedBox, _remaining
@@ -94,7 +96,7 @@ def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved
         "axis a\n  e = error of y\n  p = e * 2\n  drive push = p\n"
     )
     plant = find_plant(str(tmp_path / "cliff.py"))
-    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=30.0)
+    found = fuzzyarm.prove(tmp_path / "hold.frb", plant=plant, map=True, budget=6.0)
     # y' = y/2 + u with |u| ≤ 1 comes back from |y| < 2 and from nowhere else.
     for box in found.boxes:
         near, far = min(map(abs, (*box.low, *box.high))), max(map(abs, (*box.low, *box.high)))
@@ -103,8 +105,8 @@ def test_a_run_beyond_the_bound_refutes_and_a_loop_that_diverges_is_never_proved
         if box.verdict == "refuted":
             assert far >= 2.0
             assert near >= 1.9
-    assert found.share("proved") >= 0.45
-    assert found.share("refuted") >= 0.45
+    assert found.share("proved") >= 0.4
+    assert found.share("refuted") >= 0.4
 
 
 def test_a_journal_is_gone_on_with(tmp_path: Path, servo: StartMap) -> None:
@@ -172,3 +174,66 @@ def test_options_of_a_map_go_with_it() -> None:
     request = ProveRequest(files=(str(SERVO),), plant="motor", stable=True, over="x in 0 .. 1")
     with pytest.raises(UsageError, match="--over goes with --map"):
         fuzzyarm.prove(request)
+
+
+def test_a_cover_holds_only_what_is_proved() -> None:
+    generator = np.random.default_rng(5)
+    window = Box((-1.3, 0.1), (0.7, 9.1), (0, 0))
+    boxes, parts = [window], []
+    for _ in range(300):
+        box = boxes.pop(int(generator.integers(len(boxes))))
+        if sum(box.halvings) > 9:
+            parts.append(box)
+        else:
+            boxes += box.halves(int(generator.integers(2)))
+    cover = Cover(window)
+    proved = [*parts, *boxes[::2]]
+    for box in proved:
+        cover.add(box.low, box.high)
+    lows = np.array([box.low for box in proved])
+    highs = np.array([box.high for box in proved])
+    low = generator.uniform(window.low, window.high, (400, 2)).T
+    asked = Intervals(low, low + generator.uniform(0.0, 0.3, (2, 400)))
+    held = cover.holds(asked)
+    assert 0 < held.sum() < len(held)
+    for k in np.flatnonzero(held):
+        at = generator.uniform(asked.low[:, k], asked.high[:, k], (20, 2))
+        within = (lows <= at[:, None]) & (at[:, None] <= highs)
+        assert within.all(axis=2).any(axis=1).all()
+
+
+def test_what_is_proved_is_a_goal_where_the_loop_remembers_nothing() -> None:
+    """Pole and cart, in a small window: own dynamics and rules, all runs come to rest."""
+    window = {"x": (0.4, 0.6), "v": (0.0, 0.1), "theta": (0.0, 0.05), "omega": (0.0, 0.1)}
+    found = fuzzyarm.prove(
+        fuzzyarm.shipped("cartpole.frb"), plant="cartpole", map=True, over=window, budget=30.0
+    )
+    assert found.share("proved") > 0.9
+    boxes = [box for box in found.boxes if box.verdict == "proved"]
+    states = np.array([end for box in boxes for end in (box.low, box.high)])
+    for _ in range(1200):
+        states = _cartpole_period(states)
+    assert np.abs(states).max() < 1e-3
+
+
+def _cartpole_period(states: np.ndarray) -> np.ndarray:
+    """20 ms of the pole under its rules: 2/3 of lean and fall while neither is large."""
+    x, v, theta, omega = states.T
+    lean, fall = 6.0 * theta + 0.3 * x, 1.5 * omega + 0.6 * v
+    assert max(np.abs(lean).max(), np.abs(fall).max()) < 0.75
+    force = np.clip(10.0 * 2.0 / 3.0 * (lean + fall), -10.0, 10.0)
+
+    def rates(s: np.ndarray) -> np.ndarray:
+        _, v, theta, omega = s.T
+        sine, cosine = np.sin(theta), np.cos(theta)
+        push = (force + 0.05 * omega**2 * sine) / 1.1
+        turn = (9.8 * sine - cosine * push) / (0.5 * (4.0 / 3.0 - 0.1 * cosine**2 / 1.1))
+        return np.stack([v, push - 0.05 * turn * cosine / 1.1, omega, turn], axis=1)
+
+    for _ in range(4):
+        a = rates(states)
+        b = rates(states + 0.0025 * a)
+        c = rates(states + 0.0025 * b)
+        d = rates(states + 0.005 * c)
+        states = states + 0.005 / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    return states

@@ -46,6 +46,8 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
     """Map the starts of a loop, and draw the map while it fills."""
     from fuzzyarm.proof.loop.orders import map_of
 
+    if request.certificate is not None:
+        raise UsageError("--certificate goes with a claim about a loop", hint="--claim, --stable")
     with _filling(request) as watch:
         found = map_of(request, controller, watch)
     if request.json:

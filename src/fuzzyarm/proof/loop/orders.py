@@ -147,10 +147,8 @@ def wants_loop(request: ProveRequest) -> bool:
             if request.claim is not None:
                 raise UsageError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
             if not required:
-                also = "" if word == "from" else "--map, "
-                raise UsageError(
-                    f"--{word} goes with --stable, {also}or --for".replace(", or", " or")
-                )
+                modes = "--stable or --for" if word == "from" else "--stable, --map or --for"
+                raise UsageError(f"--{word} goes with {modes}")
     if request.stable and request.duration is not None:
         raise UsageError("--stable is for all time: --for goes with --claim, or alone")
     return bool(required)

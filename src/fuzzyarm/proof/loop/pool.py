@@ -41,16 +41,15 @@ SIDE_BY_SIDE = 192
 AT_LEAST = 48
 """Boxes that are taken in at once, while there are as many."""
 
-SPLIT, WIDE, MOST_HALVINGS = 0.15, 0.5, 14
-"""A box is halved on its way where what is not due to its starts is more than a share of its width,
-which is more than so much of the goal; and how often in all."""
+SPLIT, HARMLESS, MOST_HALVINGS = 0.5, 0.7, 14
+"""A box is halved on its way where what is not due to its starts is more than a share of the width
+that it had at first, and more than so much of the goal; and how often in all."""
 
 MOST_CUTS = 3
 """Times that a box is halved on its way: what is not due to its starts has added up until then."""
 
 HOPELESS = 2.0
 """Times what is due to the starts, that all else may be in a box that is halved on its way."""
-
 
 Goal = Callable[[Forms, Mapping[str, Number], int], Nearness]
 """Tells of states, memory and the number of dimensions."""
@@ -79,6 +78,7 @@ class _Swarm:
     doubtful: NDArray[np.int64]  # since when a run may have been beyond a bound; 0: none was
     weight: Vector  # (dimensions, boxes)
     cuts: NDArray[np.int64]  # how often a box was halved on its way
+    width: Vector  # in its first period, in units of the goal
 
     def part(self, which: NDArray[np.int64]) -> _Swarm:
         """Return some of them."""
@@ -91,6 +91,7 @@ class _Swarm:
             self.doubtful[which],
             self.weight[:, which],
             self.cuts[which],
+            self.width[which],
         )
 
     def joined(self, other: _Swarm) -> _Swarm:
@@ -114,6 +115,7 @@ class _Swarm:
             np.concatenate([self.doubtful, other.doubtful]),
             np.concatenate([self.weight, other.weight], axis=1),
             np.concatenate([self.cuts, other.cuts]),
+            np.concatenate([self.width, other.width]),
         )
 
 
@@ -211,7 +213,7 @@ class Pool:
         swarm = _Swarm(
             states, constants, memory, list(boxes), np.zeros(batch, dtype=np.int64),
             np.zeros(batch, dtype=np.int64), np.ones((self.count, batch)),
-            np.zeros(batch, dtype=np.int64),
+            np.zeros(batch, dtype=np.int64), np.ones(batch),
         )  # fmt: skip
         return self._advanced(swarm, first=True)
 
@@ -245,7 +247,7 @@ class Pool:
         self.steps += 1
         later = _Swarm(
             states, swarm.constants, memory, swarm.boxes, swarm.ages + 1, swarm.doubtful,
-            near.starts, swarm.cuts,
+            near.starts, swarm.cuts, swarm.width,
         )  # fmt: skip
         return self._left(later, near, at)
 
@@ -294,7 +296,9 @@ class Pool:
         )
         due = near.starts.sum(axis=0)
         width = due + near.rest
-        cut = (width > WIDE) & ~(near.rest <= SPLIT * width) & ~(lost | arrived | old)
+        swarm.width = np.where(swarm.ages > 1, swarm.width, width)
+        allowed = np.maximum(HARMLESS, SPLIT * swarm.width)
+        cut = ~(near.rest <= allowed) & ~(lost | arrived | old)
         halvings = np.array([sum(box.halvings) for box in swarm.boxes])
         hopeless = np.asarray(cut & (~(near.rest <= HOPELESS * due) | (halvings >= self.most)))
         hopeless = hopeless | (cut & (swarm.cuts >= MOST_CUTS))
@@ -340,6 +344,7 @@ class Pool:
         for upper in (False, True):
             half = swarm.part(np.arange(len(swarm.boxes)))
             half.cuts = half.cuts + 1
+            half.width = 0.5 * half.width
             sign = 0.5 if upper else -0.5
             half.states = _narrowed(half.states, ways, sign)
             half.constants = {n: _narrowed(x, ways, sign) for n, x in half.constants.items()}

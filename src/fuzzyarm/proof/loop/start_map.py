@@ -37,6 +37,7 @@ from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import loop_sentence, problem_of
 from fuzzyarm.proof.loop.algebra import Number
+from fuzzyarm.proof.loop.cover import Cover
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Nearness
 from fuzzyarm.proof.loop.form_maker import FormMaker
@@ -253,6 +254,26 @@ class _Worker:
         self.pool.most = HALVINGS * len(self.pool.follower.names)
         self.first = self.pool.follower.first
         self.middle = self._rest()
+        self.known: set[MappedBox] = set()
+        self.cover = self._cover(problem)
+
+    def _cover(self, problem: LoopProblem) -> Cover | None:
+        """Return what is proved so far, where a run that comes into it is as one that starts."""
+        names = self.haven.loop.names
+        whole = tuple(self.pool.follower.names) == tuple(problem.states) == tuple(names)
+        remembers = self.pool.control[1].memory or problem.text.model.every > 1
+        if not whole or remembers or not Cover.fits(len(names)):
+            return None
+        cover = Cover(self.first)
+        # A cell is in the region where its corners are: V is convex.
+        grids = np.meshgrid(*cover.edges, indexing="ij")
+        corners = np.stack([grid.ravel() for grid in grids])
+        values = self.haven.values(Forms.at(corners), {}).reshape(grids[0].shape) <= 1.0
+        for axis in range(values.ndim):
+            start = (slice(None),) * axis
+            values = values[(*start, slice(None, -1))] & values[(*start, slice(1, None))]
+        cover.add_cells(values)
+        return cover
 
     def _rest(self) -> NDArray[np.float64]:
         """Return the place of rest in the window."""
@@ -267,7 +288,17 @@ class _Worker:
         """Return how near to the region boxes are."""
         near = self.haven.nearness(states, memory, count)
         fixed = self.haven.fixed(memory, states.shape[1])
+        if self.cover is not None:
+            held = self.cover.holds(states.bounds)
+            return near._replace(value=np.where(held, 0.0, np.where(fixed, near.value, np.inf)))
         return near._replace(value=np.where(fixed, near.value, np.inf))
+
+    def learn(self, boxes: Sequence[MappedBox]) -> None:
+        """Take in what is proved already."""
+        for box in boxes:
+            if self.cover is not None and box.verdict == PROVED and box not in self.known:
+                self.known.add(box)
+                self.cover.add(box.low, box.high)
 
     def tiles(self) -> list[Box]:
         """Return the parts of the window to begin with."""
@@ -306,7 +337,9 @@ class _Mapping:
 
     def _push(self, box: Box, reason: str) -> None:
         self.count += 1
-        key = sum(box.halvings), self.worker.distance(box), self.count
+        # Large ones first; but backward from rest where what is proved is a goal.
+        size = sum(box.halvings) if self.worker.cover is None else 0
+        key = size, self.worker.distance(box), self.count
         heapq.heappush(self.queue, (*key, box, reason))
 
     def run(self, seconds: float) -> None:
@@ -349,6 +382,7 @@ class _Mapping:
             else:
                 self._probe(box, fate.reason)
         if decided:
+            self.worker.learn(decided)
             self.heard(decided)
 
     def _probe(self, box: Box, reason: str) -> None:
@@ -368,11 +402,15 @@ def _worker_of(content: bytes) -> _Worker:
     return _Worker(unpacked(content))
 
 
-def _piece(content: bytes, boxes: Sequence[Box], seconds: float) -> tuple[list[MappedBox], float]:
+def _piece(
+    content: bytes, boxes: Sequence[Box], known: Sequence[MappedBox], seconds: float
+) -> tuple[list[MappedBox], float]:
     """Map boxes in another process; return them, and the seconds of work."""
     begun = time.process_time()
     found: list[MappedBox] = []
-    _worker_of(content).mapped(boxes, seconds - (time.process_time() - begun), found.extend)
+    worker = _worker_of(content)
+    worker.learn(known)
+    worker.mapped(boxes, seconds - (time.process_time() - begun), found.extend)
     return found, time.process_time() - begun
 
 
@@ -527,6 +565,7 @@ class _Map:
     def _searched(self, case: _Case) -> None:
         worker = _Worker(case)
         todo = _without(worker.tiles(), self.boxes)
+        worker.learn(self.boxes)
         if self.workers == 1 or len(todo) < 2:
             worker.mapped(todo, self.stop.left, self._heard)
             self.work = self.stop.spent
@@ -550,7 +589,8 @@ class _Map:
                 if not parts:
                     break
                 share = left[slot] / math.ceil(len(parts) / self.workers)
-                task = executor.submit(_piece, content, parts.pop(0), max(share, 0.0))
+                known = [box for box in self.boxes if box.verdict == PROVED]
+                task = executor.submit(_piece, content, parts.pop(0), known, max(share, 0.0))
                 under_way[task] = slot
             for task in wait(under_way, return_when=FIRST_COMPLETED).done:
                 slot = under_way.pop(task)

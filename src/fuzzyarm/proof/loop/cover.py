@@ -1,0 +1,97 @@
+"""What of a window of states is proved so far, as somewhere for further boxes to arrive.
+
+Where a loop remembers nothing and its window has all states of the plant, a run that comes into a
+proved box is as one that starts there. So the union of what is proved is a goal, which grows
+backward from rest. It is kept as cells of a grid, each wholly proved or not; a box is in it where
+the sum over its cells, read from a table of partial sums, is their number.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.proof.loop.enclosure import Intervals
+from fuzzyarm.proof.loop.follower import Box
+
+__all__ = ["Cover"]
+
+HALVINGS = {1: 12, 2: 8, 3: 6, 4: 5, 5: 4}
+"""By the number of states: how often each side of the window is halved for the cells."""
+
+
+class Cover:
+    """The proved cells of a window.
+
+    Parameters
+    ----------
+    window : Box
+        The window: sides are halved as a box is.
+    """
+
+    def __init__(self, window: Box) -> None:
+        self.low, self.high = np.array(window.low), np.array(window.high)
+        self.count = 1 << HALVINGS[len(window.low)]
+        self.edges = [self._edges(k, window) for k in range(len(window.low))]
+        self.filled = np.zeros((self.count,) * len(self.edges))
+        self.sums = np.zeros((self.count + 1,) * len(self.edges), dtype=np.int64)
+        self.is_new = False
+
+    @staticmethod
+    def fits(dimensions: int) -> bool:
+        """Tell whether so many states have a grid."""
+        return dimensions in HALVINGS
+
+    def _edges(self, way: int, window: Box) -> NDArray[np.float64]:
+        """Return the ends of cells along a side, rounded as those of halved boxes are."""
+        ends = [window.low[way], window.high[way]]
+        while len(ends) <= self.count:
+            middles = [0.5 * a + 0.5 * b for a, b in pairwise(ends)]
+            ends = [x for pair in zip(ends, middles, strict=False) for x in pair] + ends[-1:]
+        return np.array(ends)
+
+    def add(self, low: tuple[float, ...], high: tuple[float, ...]) -> None:
+        """Take in a proved box of the window, made by halving it."""
+        shares = []
+        for edges, a, b in zip(self.edges, low, high, strict=True):
+            part = np.diff(np.clip(edges, a, b)) / np.diff(edges)
+            shares.append(part)
+        places = [np.flatnonzero(part) for part in shares]
+        block = np.ix_(*places)
+        whole = shares[0][places[0]]
+        for part, place in zip(shares[1:], places[1:], strict=True):
+            whole = np.multiply.outer(whole, part[place])
+        self.filled[block] += whole
+        self.is_new = True
+
+    def add_cells(self, inside: NDArray[np.bool_]) -> None:
+        """Take in whole cells."""
+        self.filled[inside] = 1.0
+        self.is_new = True
+
+    def holds(self, box: Intervals) -> NDArray[np.bool_]:
+        """Tell which boxes are wholly in proved cells; of shape (states, boxes)."""
+        if self.is_new:
+            # Parts of a cell are disjoint: halves of halves, far more than what shares are rounded.
+            whole = (self.filled >= 1.0 - 2.0**-20).astype(np.int64)
+            for axis in range(whole.ndim):
+                whole = np.cumsum(whole, axis=axis)
+            self.sums[(slice(1, None),) * whole.ndim] = whole
+            self.is_new = False
+        firsts, lasts = [], []
+        inside = np.ones(box.low.shape[1], dtype=bool)
+        for k, edges in enumerate(self.edges):
+            inside &= (box.low[k] >= edges[0]) & (box.high[k] <= edges[-1])
+            # The cells from the last edge that is not above the lower end to the first not below.
+            first = np.searchsorted(edges, box.low[k], side="right") - 1
+            last = np.searchsorted(edges, box.high[k], side="left")
+            firsts.append(np.clip(first, 0, self.count - 1))
+            lasts.append(np.clip(np.maximum(last, first + 1), 1, self.count))
+        number = np.prod([b - a for a, b in zip(firsts, lasts, strict=True)], axis=0)
+        total = np.zeros(len(inside), dtype=np.int64)
+        for ends in product((0, 1), repeat=len(self.edges)):
+            index = tuple((firsts, lasts)[end][k] for k, end in enumerate(ends))
+            total += (-1) ** (len(ends) - sum(ends)) * self.sums[index]
+        return np.asarray(inside & (total == number))
