@@ -512,4 +512,66 @@ def test_a_signal_that_may_not_be_a_number_is_named(tmp_path, silence, found):
     )
     doubts = [doubt for doubt in check_file(path).diagnostics if doubt.name == "no-rule-fires"]
     assert [doubt.name for doubt in doubts] == found
+    ends = ": drives stay as before"
     assert all("fires at e = -6: d is not a number" in doubt.message for doubt in doubts)
+    assert all(doubt.message.endswith(ends) for doubt in doubts)
+    text = path.read_text().replace("  drive", "  sum = integral of d, within 0 .. 9\n  drive")
+    path.write_text(text)
+    named = [d.message for d in check_file(path).diagnostics if d.name == "no-rule-fires"]
+    assert all(message.endswith(": drives and integral sum stay as before") for message in named)
+    assert len(named) == len(found)
+
+
+MANY = """controller servo "a DC motor"
+use pd7 from "pd7.frb"
+use nothing from "gone.frb"
+period 1 ms
+gain G_e  = 5000 "1/rad"
+gain G_ce = 0.5  "ms/rad"
+gain G_e = 3
+axis shaft
+  e  = error of position * G_e
+  ex = error of position * G_x
+  ce = error of speed * G_ce
+  f  = foo of e
+  g = = 3
+  l  = lag of e
+  u  = rules pd7(e, ce)
+  u2 = rules pd7(e)
+  u3, u4 = rules pd7(e, ce)
+  w = integral of q, within 5 .. 1
+  of = u3 * 2 + ex
+  drive voltage = u * 0.3 + of
+"""
+
+
+def test_independent_mistakes_are_found_at_once(tmp_path):
+    path = tmp_path / "many.frb"
+    path.write_text(MANY)
+    found = [(d.line, d.name) for d in check_file(path).diagnostics]
+    assert found == [
+        (3, "missing-file"), (7, "duplicate-name"), (10, "unknown-signal"), (11, "unknown-port"),
+        (12, "trailing-text"), (13, "unexpected-token"), (14, "incomplete-statement"),
+        (15, "range-mismatch"), (16, "wrong-count"), (17, "wrong-count"), (18, "unknown-signal"),
+        (18, "bad-range"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["servo", "stfc", "heater", "soc-table", "cfaf", "hfie", "tanks"])
+def test_nothing_is_found_that_follows_from_a_mistake(tmp_path, name):
+    source = shipped(f"{name}.frb")
+    lines = source.read_text().splitlines()
+    before = {(d.line, d.name) for d in check_file(source).diagnostics}
+    begun = next(k for k, line in enumerate(lines) if line.startswith("axis"))
+    for k in range(begun + 1, len(lines)):
+        if " = " in lines[k] and not lines[k].lstrip().startswith("#"):
+            head, comment, rest = lines[k].partition("#")
+            body, comma, options = head.rstrip().partition(",")
+            if "(" in body and ")" not in body:  # a comma of a call
+                body, comma, options = head.rstrip(), "", ""
+            wrong = f"{body} * no_such_gain{comma}{options} {comment}{rest}"
+            path = tmp_path / f"{name}.frb"
+            path.write_text("\n".join([*lines[:k], wrong, *lines[k + 1 :], ""]))
+            found = {(d.line, d.name) for d in check_file(path).diagnostics}
+            assert (k + 1, "unknown-signal") in found
+            assert found - {(k + 1, "unknown-signal")} <= before

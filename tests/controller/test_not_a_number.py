@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from fuzzyarm import load, shipped, simulate, tune
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.control.controllers.catalogue import controller
+from fuzzyarm.control.controllers.floats import ReferenceRun
+from fuzzyarm.control.controllers.period import PortValue
 from fuzzyarm.control.controllers.text import PortError, with_files
 from fuzzyarm.control.loop import Options, Sensor
 from fuzzyarm.exchange.export.steps import steps_of
@@ -75,6 +77,99 @@ def test_a_skipped_period_leaves_no_trace(compiled, values, lost):
     for k, value in enumerate(values):
         assert found[k] == last or k in kept
         last = found[k] if not math.isnan(value) else last
+
+
+GAP = """rulebase gap
+input e -10 .. 10
+output u -1 .. 1
+term e N: trapezoid -10 -10 -2 -1
+term e P: trapezoid 1 2 10 10
+term u N: singleton -1
+term u P: singleton 1
+inference defuzzifier weighted-average
+rule if e is N then u is N
+rule if e is P then u is P
+
+controller c
+period 10 ms
+axis a
+  e = error of x
+  v = rate of e, filter 0.1 s
+  before = delayed of e, time 30 ms
+  slow = lag of e, time 50 ms
+  u = rules gap(e)
+  i = integral of u, within -2 .. 2
+  s = integral of u, anti-windup back 40 ms
+  on = relay of e, width 1, levels 0 .. 1
+  drive u = u + v + i + s + before + slow + on, within -5 .. 5, slew 100
+  drive w = i, within -2 .. 2, on nan 1.5
+"""
+
+
+@ENGINES
+@settings(max_examples=cases(20, 100), deadline=None)
+@given(
+    values=st.lists(
+        st.one_of(st.sampled_from([math.nan, math.inf, -math.inf, 0.0, 0.5]), st.floats(-5, 5)),
+        min_size=1, max_size=30,
+    )
+)  # fmt: skip
+def test_a_period_in_which_no_rule_fires_leaves_no_trace(compiled, values):
+    text = made(GAP)
+    run, without = text.run(compiled=compiled), text.run(compiled=compiled)
+    reference = ReferenceRun(text)
+    last = {"u": 0.0}
+    count = 0
+    for value in values:
+        found = run.step({"x": -value}, {"x": 0.0})
+        given = {PortValue("measured", "a", "x"): -value, PortValue("reference", "a", "x"): 0.0}
+        assert {("a", port): drive for port, drive in found.items()} == reference.step(given)
+        if not abs(value) > 1.0 or math.isinf(value):
+            count += 1
+            assert found == {"u": last["u"], "w": 1.5}
+        else:
+            last = without.step({"x": -value}, {"x": 0.0})
+            assert found == last
+    assert run.skipped == {"a": count}
+    assert all(map(math.isfinite, run.state[1:] if count < len(values) else ()))
+
+
+@ENGINES
+def test_an_integral_of_what_has_no_value_stays(compiled):
+    level = GAP.replace("e = error of x", "e = measured x").replace(", anti-windup back 40 ms", "")
+    _, run = drives(level, [4.5, 4.5, 0.5, 4.5], compiled=compiled)
+    assert run.skipped == {"a": 1}
+    assert run.signal("a", "i") == pytest.approx(0.03)
+    assert run.signal("a", "s") == pytest.approx(0.03)
+
+
+@ENGINES
+def test_lessons_of_a_skipped_period_are_forgotten(compiled):
+    text = load(shipped("soc-table.frb"))
+    run, other = text.run(compiled=compiled), text.run(compiled=compiled)
+    draw = np.random.default_rng(3)
+    ports = list(run.inputs)
+    zero = dict.fromkeys(run.references, 0.0)
+    # A difference of two infinities is not a number; the second axis goes on with its own values.
+    lost = dict.fromkeys(ports, math.inf)
+    for k in range(40):
+        values = {port: draw.normal() for port in ports}
+        if k % 5 == 4:
+            run.step(lost, zero | dict.fromkeys(zero, math.inf))
+        assert run.step(values, zero) == other.step(values, zero)
+    counts = {guard.count for guard in run.program.guards.values()}
+    for cell, a, b in zip(run.program.memory(), run.state[1:], other.state[1:], strict=True):
+        assert a == b or cell in counts
+    assert set(run.skipped.values()) == {8}
+
+
+@ENGINES
+@pytest.mark.parametrize("value", [math.inf, -math.inf])
+def test_an_infinity_is_not_remembered(compiled, value):
+    found, run = drives(SERVO, [1.0, 2.0, value, 3.0], compiled=compiled)
+    without, _ = drives(SERVO, [1.0, 2.0, 3.0], compiled=compiled)
+    assert found == [*without[:2], without[1], without[2]]
+    assert run.skipped == {"a": 1}
 
 
 @ENGINES
@@ -199,7 +294,8 @@ def test_a_run_tells_what_was_skipped(tmp_path):
     )
     run = simulate(text, plant=Failing(), step=1.0)
     assert (run.skipped, run.lost, run.periods, run.notes) == ({"a": 10}, {}, 100, ())
-    assert run.gaps == ["axis a skipped 10 of 100 periods: a value that it reads was not a number"]
+    (gap,) = run.gaps
+    assert gap.startswith("axis a skipped 10 of 100 periods: a value was not a number")
     assert np.isfinite(run.drives["u"]).all()
 
 
@@ -244,10 +340,8 @@ def test_a_value_outside_the_limits_is_a_finding():
 
 def test_the_steps_of_an_axis_have_a_guard():
     steps = steps_of(load(shipped("stfc.frb")))
-    assert [guard.axis for guard, *_ in steps.guards] == ["joint1", "joint2"]
-    blocks = list(steps.blocks())
-    assert all(block.guard is not None for block in blocks)
-    assert [step for block in blocks for step in block.steps] == steps.steps
+    assert [block.guard.axis for block in steps.blocks] == ["joint1", "joint2"]
+    assert [step for block in steps.blocks for step in block.steps] == steps.steps
 
 
 class Moving(Failing):
@@ -367,7 +461,8 @@ def test_the_command_tells_what_was_skipped(tmp_path, monkeypatch, capsys):
     assert main(run) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[-2:] == [
-        "axis a skipped 10 of 100 periods: a value that it reads was not a number",
+        "axis a skipped 10 of 100 periods: a value was not a number, or infinite where it is"
+        " remembered",
         "x was not a number in 10 of 100 samples: metrics are those of the others",
     ]
     assert main([*run, "--json"]) == 0

@@ -446,7 +446,7 @@ class Review(NamedTuple):
 
 
 def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Review:
-    """Check the text of a ``.frb`` file: mistakes first; without any, doubts and expectations.
+    """Check the text of a ``.frb`` file: mistakes; without any in the rules, doubts and expectations.
 
     Never raises, whatever the text. A controller is checked on a plant, if one is given;
     otherwise on the shipped one that has its axes.
@@ -480,17 +480,10 @@ def check_parsed(
     """Check a text that has been parsed already; see :func:`check_text`."""
     diagnostics, doubts = list(parsed.diagnostics), list[Diagnostic]()
     # Doubts about a controller beside a rule base are judged with those of the rules, below.
-    if parsed.controller is not None:
-        diagnostics, doubts = _of_controller(parsed, path, on)
-    elif parsed.whole is not None:  # errors in the rules must not hide a missing file
-        from pathlib import Path
-
-        from fuzzyarm.control.controllers.text import used_files
-
-        _, faults = used_files(parsed.whole, Path(path).parent, path)
-        diagnostics = sorted((*diagnostics, *faults), key=_position)
+    if parsed.whole is not None:
+        diagnostics, doubts = _of_controller(parsed.whole, parsed, path, on)
     if parsed.rulebase is None:
-        if parsed.controller is not None:
+        if parsed.whole is not None:
             diagnostics = sorted(
                 (*diagnostics, *judged(doubts, parsed.document, path)), key=_position
             )
@@ -507,16 +500,26 @@ def _position(finding: Diagnostic) -> tuple[object, str]:
 
 
 def _of_controller(
-    parsed: Parsed, path: str, on: PlantOf | None
+    model: ControllerModel, parsed: Parsed, path: str, on: PlantOf | None
 ) -> tuple[list[Diagnostic], list[Diagnostic]]:
-    """Return the errors of a controller and its files, and the findings that may be silenced."""
+    """Return the errors of a controller and its files, and the findings that may be silenced.
+
+    Of a text with mistakes they are those of its sound part: none follows from another mistake.
+    """
     from pathlib import Path
 
-    from fuzzyarm.control.controllers.findings import doubts_of
-    from fuzzyarm.control.controllers.text import with_files
+    from fuzzyarm.control.controllers.findings import doubts_of, sound_part
+    from fuzzyarm.control.controllers.text import used_files, with_files
 
-    assert parsed.controller is not None
-    controller, faults = with_files(parsed.controller, Path(path).parent, path)
+    folder = Path(path).parent
+    sound: ControllerModel | None = model
+    if parsed.controller is None:
+        sound = sound_part(model, parsed.document, parsed.diagnostics)
+    if sound is None:
+        return [*parsed.diagnostics, *used_files(model, folder, path)[1]], []
+    controller, faults = with_files(sound, folder, path)
+    if sound is not model:  # the line that teaches may be one with a mistake
+        faults = [fault for fault in faults if fault.name != "no-learner"]
     diagnostics = [*parsed.diagnostics, *faults, *doubts_of(controller, *(on or ()))]
     doubts = [diagnostic for diagnostic in diagnostics if diagnostic.name in CHECKS]
     return [diagnostic for diagnostic in diagnostics if diagnostic.name not in CHECKS], doubts

@@ -131,6 +131,7 @@ def _roots() -> Iterator[Root]:
         yield Root(drives_of_laws, "fifff", stored)
         yield Root(controller_kernel.step, "if", stored)
         yield Root(controller_kernel.step_guarded, "if", stored)
+        yield Root(controller_kernel.settle, "if", stored)
         yield Root(text_law, LAW_ARRAYS, stored)
         for kernel in (law_kernel, *(law.kernel for law in LAWS)):
             yield Root(law_at_address, LAW_ARRAYS, {**stored, "law_kernel": kernel})

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Protocol, TypeVar
 
 from fuzzyarm.base.diagnostic import Diagnostic, Related, Severity, Span
 from fuzzyarm.base.names import near_hint
@@ -28,7 +29,16 @@ from fuzzyarm.language.check.coverage import silent_point
 from fuzzyarm.language.check.search import GaveUpError
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.document import Document
-from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, GainModel, SignalLine
+from fuzzyarm.language.model.controller import (
+    Axes,
+    ControllerModel,
+    Drive,
+    GainModel,
+    Learn,
+    Line,
+    SignalLine,
+    Zoom,
+)
 from fuzzyarm.language.model.rulebase import Output, RuleBase
 from fuzzyarm.language.model.units import (
     dimension,
@@ -37,9 +47,18 @@ from fuzzyarm.language.model.units import (
     unit_text,
     unlike,
 )
+from fuzzyarm.language.statements import Broken
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
 from fuzzyarm.symbolic.operations import Interval
+
+
+class _Spanned(Protocol):
+    @property
+    def span(self) -> Span: ...
+
+
+P = TypeVar("P", bound=_Spanned)
 
 # --- Which plant ---
 
@@ -132,6 +151,73 @@ def doubts_of(
     # Axes that share their lines share their findings.
     once = dict.fromkeys(replace(diagnostic, path=text.path) for diagnostic in diagnostics)
     return sorted(once, key=lambda finding: (finding.span, finding.name))
+
+
+CHANGING = {"zoom", "learn", "drive", "axis", "period", "set-point", "partner", "controller"}
+"""Statements without which others mean something else."""
+
+
+def sound_part(
+    model: ControllerModel, document: Document, findings: Iterable[Diagnostic]
+) -> ControllerModel | None:
+    """Return a controller without the lines that have mistakes, and what depends on these.
+
+    What is found in the rest does not follow from a mistake. None where one is in the head or in
+    no line: then all may follow from it.
+    """
+    wrong = [finding.span for finding in findings if finding.is_error]
+    nodes = [statement.node for statement in document.statements]
+    broken = [x for x in nodes if isinstance(x, Broken) and x.keyword not in CHANGING]
+    lines = [line for _, line in model.lines()]
+    parts: list[_Spanned] = [*model.gains, *model.uses, *model.claims, *lines, *broken]
+    if not all(any(_is_in(span, part.span) for part in parts) for span in wrong):
+        return None
+
+    def sound(parts: Iterable[P]) -> tuple[P, ...]:
+        return tuple(x for x in parts if not any(_is_in(span, x.span) for span in wrong))
+
+    gains, uses = sound(model.gains), sound(model.uses)
+    known = {part.name for part in (*gains, *uses, *model.partners, *model.rulebases)}
+    axes = tuple(replace(axes, lines=_sound_lines(axes, sound(axes.lines), known))
+                 for axes in model.axes)  # fmt: skip
+    return replace(model, axes=axes, gains=gains, uses=uses, claims=())
+
+
+def _sound_lines(axes: Axes, sound: Sequence[Line], known: set[str]) -> tuple[Line, ...]:
+    """Return the lines that read only what is known; what others change is not."""
+    known, ports = set(known), set[str]()
+    lines: list[Line] = []
+    for line in axes.lines:
+        if any(line is x for x in sound) and set(_needed_by(line)) <= known:
+            lines.append(line)
+            known |= set(line.names if isinstance(line, SignalLine) else ())
+        elif isinstance(line, Drive):
+            ports.add(line.port)
+        else:
+            known -= {*(line.signals if isinstance(line, Zoom) else ()),
+                      *((line.table,) if isinstance(line, Learn) else ())}  # fmt: skip
+    # Drives of a port add up: without one of them the others say nothing of it.
+    return tuple(x for x in lines if not (isinstance(x, Drive) and x.port in ports))
+
+
+def _needed_by(line: Line) -> Iterator[str]:
+    """Yield the names that a line needs: signals, gains, rule bases and tables."""
+    if isinstance(line, SignalLine | Drive):
+        yield from line.reads()
+    if isinstance(line, SignalLine) and line.source is not None:
+        if line.source.record.of == "call":
+            yield line.source.name
+        yield from line.source.gains()
+    elif isinstance(line, Zoom):
+        yield from (*line.signals, *(x for x in (line.by, line.inside) if isinstance(x, str)))
+    elif isinstance(line, Learn):
+        yield from (line.table, line.judge, *line.inputs)
+        yield from (x for x in (line.rate, line.bound) if isinstance(x, str))
+
+
+def _is_in(inner: Span, outer: Span) -> bool:
+    begin, end = outer[:2], outer[2:]
+    return begin <= inner[:2] and inner[2:] <= end
 
 
 # --- Ranges of signals, and universes ---
@@ -231,16 +317,16 @@ def _made(look_up: LookUp) -> tuple[Related, ...]:
 
 
 def _without_rule(text: ControllerText) -> Iterator[Diagnostic]:
-    """Yield outputs of rule bases that are NaN at some point, because no rule fires there."""
-    for _, line in text.model.lines():
+    """Yield signals of rule bases that are not a number at some point, for no rule fires there."""
+    for axes, line in text.model.lines():
         if not isinstance(line, SignalLine) or line.source is None:
             continue
         for sheet in text.sheets.get(line.source.name, ()):
             if isinstance(sheet, RuleBase):
-                yield from _not_a_number(line, line.source.name, sheet)
+                yield from _not_a_number(axes, line, line.source.name, sheet)
 
 
-def _not_a_number(line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diagnostic]:
+def _not_a_number(axes: Axes, line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diagnostic]:
     for signal, output in zip(line.names, sheet.outputs, strict=False):
         if output.no_rule == "hold" or not math.isnan(_stated(output)):
             continue
@@ -253,12 +339,22 @@ def _not_a_number(line: SignalLine, name: str, sheet: RuleBase) -> Iterator[Diag
         point = ", ".join(f"{name} = {value:g}" for name, value in at.items())
         yield Diagnostic(
             "no-rule-fires",
-            f"no rule of {name} fires at {point}: {signal} is not a number there, and an integral"
-            " of it goes to its lower bound",
+            f"no rule of {name} fires at {point}: {signal} is not a number there, and a period in"
+            f" which it is not is skipped: {_what_stays(axes)} as before",
             line.span,
             Severity.WARNING,
             hint=f"add a rule to {name}, or define the value there: inference no-rule 0",
         )
+
+
+def _what_stays(axes: Axes) -> str:
+    """Return what an axis leaves as it was in a skipped period: its drives, and what remembers."""
+    memory = [
+        f"{line.source.kind} {line.names[0]}"
+        for line in axes.lines
+        if isinstance(line, SignalLine) and line.source is not None and line.source.record.states
+    ]
+    return f"drives and {', '.join(memory)} stay" if memory else "drives stay"
 
 
 def _stated(output: Output) -> float:

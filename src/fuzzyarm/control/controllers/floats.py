@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from fuzzyarm.control.controllers.period import (
     Algebra,
     Call,
     ControlPeriod,
+    Found,
     Guard,
     Lesson,
     PortValue,
@@ -23,6 +25,7 @@ from fuzzyarm.control.controllers.period import (
 )
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.inference import infer
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.language.model.controller import GainModel
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import RunArithmetic
@@ -55,6 +58,16 @@ def _cell(table: LookupTable, inputs: Sequence[float]) -> int:
     return cell
 
 
+@remembered
+def _silent(sheet: RuleBase) -> RuleBase:
+    """Return a rule base that is NaN where no rule fires and it states no number for that."""
+    outputs = (
+        output if isinstance(output.no_rule, int | float) else replace(output, no_rule=math.nan)
+        for output in sheet.outputs
+    )
+    return replace(sheet, outputs=tuple(outputs))
+
+
 class Floats(Algebra[float]):
     """Floats of a run.
 
@@ -70,6 +83,7 @@ class Floats(Algebra[float]):
         self.signals: dict[tuple[str, str], float] = {}
         self.driven: dict[tuple[str, str], float] = {}
         self.tables: dict[tuple[str, str], _LearningTable] = {}
+        self.tables_before: dict[tuple[str, str], _LearningTable] = {}
 
     # --- numbers ---
 
@@ -108,7 +122,7 @@ class Floats(Algebra[float]):
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, float]) -> list[float]:
         """Return the outputs of a rule base."""
-        return [float(value) for value in infer(sheet, inputs).values()]
+        return [float(value) for value in infer(_silent(sheet), inputs).values()]
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, float]) -> float:
         """Return the value of a lookup table, rounded as a gain."""
@@ -184,9 +198,15 @@ class Floats(Algebra[float]):
     # --- skipped periods ---
 
     def skipped(self, guard: Guard, given: Mapping[PortValue, float]) -> dict[str, float] | None:
-        """Return the drives of an axis with a NaN input; None if it runs."""
-        if not any(math.isnan(given[value]) for value in guard.reads):
-            return None
+        """Return the drives of an axis of which a value is not a number."""
+        if any(math.isnan(given[value]) for value in guard.reads):
+            return self._sent(guard)
+        self.tables_before = {
+            key: deepcopy(table) for key, table in self.tables.items() if key[0] == guard.axis
+        }
+        return None
+
+    def _sent(self, guard: Guard) -> dict[str, float]:
         drives = {}
         for port, sent in guard.sent.items():
             before = self.driven.get((guard.axis, port), guard.idle[port])
@@ -194,9 +214,15 @@ class Floats(Algebra[float]):
         self.driven |= {(guard.axis, port): value for port, value in drives.items()}
         return drives
 
-    def ran(self, guard: Guard, drives: Mapping[str, float]) -> None:
-        """Keep the drives for skipped periods."""
-        self.driven |= {(guard.axis, port): value for port, value in drives.items()}
+    def ran(self, guard: Guard, found: Found[float]) -> dict[str, float] | None:
+        """Return the drives of a period that is skipped after all; else keep those of this one."""
+        values = (*found.signals.values(), *found.drives.values())
+        if any(map(math.isnan, values)) or not all(map(math.isfinite, found.memory.values())):
+            self.tables = {k: v for k, v in self.tables.items() if k[0] != guard.axis}
+            self.tables |= self.tables_before
+            return self._sent(guard)
+        self.driven |= {(guard.axis, port): value for port, value in found.drives.items()}
+        return None
 
 
 class ReferenceRun:

@@ -22,6 +22,9 @@ same instructions (:mod:`fuzzyarm.exchange.export`). A source's state is NaN bef
 
 The first list are the guards. Where a reference or measured value that an axis reads is not a
 number, its instructions are passed over: memory, learned tables and drives stay as they were.
+They are brought back to that where a signal or a drive turns out to be not a number (no rule
+fires, the difference of two infinities) or a memory infinite. Each state has a cell for that,
+its value before; that the rare case is one of these is seen from ``x - x``, summed on the way.
 """
 
 from __future__ import annotations
@@ -45,7 +48,7 @@ INSTRUCTION = 6
     MULTIPLY_BOTH,  # a by b, and that by c
     MULTIPLY_DIVIDE,
     SUBTRACT_MULTIPLY,
-    LIMIT,  # of a; state
+    LIMIT,  # of a; state; whether its excess is remembered
     SLEW,
     UPDATE,  # list, frame, x: the update of a source
     ZOOM,  # list of cells, their number
@@ -56,9 +59,10 @@ INSTRUCTION = 6
     PARTNER,  # list
 ) = range(17)
 
-# State of the limits of a drive, relative to its first cell.
-LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus unlimited value of the last period
-LAST_DRIVE, STEEPEST = range(2)  # of SLEW
+# What the limits of a drive remember, from their state on.
+# BEFORE: its value in the period before, for a period that turns out to be skipped.
+LOW, HIGH, OVER, OVER_BEFORE = range(4)  # of LIMIT; OVER: limited minus wanted value
+LAST_DRIVE, STEEPEST, DRIVE_BEFORE = range(3)  # of SLEW
 
 
 class Remembered(NamedTuple):
@@ -74,34 +78,40 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
 }
 """State cells by instruction; all others after the first are constants."""
 
-# The list of UPDATE: address of the update; number of results (value, then states); whether they
-# are rounded; end of the frame; number of fetched arguments, then for each its target in the frame
-# and its source cell. The other arguments are constants in the frame
-# (fuzzyarm.control.controllers.updates).
+# The list of UPDATE: its address, how many numbers it fills in (what it gives, then what it
+# remembers), whether these are rounded as stored values are, the end of its frame, how many
+# arguments beside x and the period are fetched, then for each of these where it goes and where it
+# comes from; the others are numbers that stand in the frame (fuzzyarm.control.controllers.updates).
+# Behind the frame is what it remembered before.
 UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
-# LOOK_UP is in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index first) and its
-# length, rate, bound, grid of the table, grid and values of the performance table, whether both
-# grids are equal, the indices of the inputs in the last period (in the one grid, then in the
-# other), then the inputs.
+# LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
+# and its length, rate, bound, grid of the table, grid and values of the performance table,
+# whether both grids are alike, the indices of the inputs in the period before (in the one grid,
+# then in the other), what a lesson has replaced, then the inputs.
 BY, INSIDE, WAIT, ZOOMED = range(4)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE = range(1, 10)
-INDICES, JUDGE_INDICES, LEARN_INPUTS = range(10, 13)
+INDICES, JUDGE_INDICES, REPLACED, LEARN_INPUTS = range(10, 14)
 
-# The list of INFER: begin and end of the block; offsets of the first input and the first result in
-# it; their numbers; then their cells, and for each result whether it holds its value (1) or is NaN
-# (0) where no rule fires.
+# What a lesson has replaced: the cell that it corrected (-1: none) and its value, the index of the
+# ring and the entry there.
+CORRECTED, VALUE_BEFORE, HEAD_BEFORE, ENTRY_BEFORE = range(4)
+
+# The list of INFER: where the block begins and ends; where in it the first input and the first
+# result are; how many of each; then their cells, and for each result whether it holds (1) or is
+# NaN (0) where no rule fires. Behind the cell of one that holds is its value before.
 BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS = range(7)
 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
-# The list of guards: the address of `step_guarded`; number of cells read by any axis, these cells;
-# then for each axis a guard: begin and end of its instructions, the counter of skipped periods,
-# numbers of its input cells and of drives with a value for skipped periods, the input cells, and
-# for each of these drives its cell and the cell of that value. A 0 ends the list.
-WITH_GUARDS, COUNT_ALL, ALL_READ = range(3)
+# The list of guards: the addresses of `step_guarded` and `settle`, how many cells any axis reads
+# and how many drives there are, these cells, of each drive its cell and that of its last value, and
+# for each axis a guard: where its instructions begin and end, the cell that counts the skipped
+# periods, how many cells it reads and how many drives it has, the cells that it reads, and of each
+# drive its cell and that of what it is in a skipped period. After the last guard stands a 0.
+WITH_GUARDS, SETTLE, COUNT_ALL, COUNT_DRIVES, ALL_READ = range(5)
 GUARD_BEGIN, GUARD_END, SKIPPED, COUNT_READ, COUNT_SENT, GUARDED = range(6)
 
 
@@ -117,15 +127,18 @@ def step(k: Any, s: Any) -> None:
         The cells: reference and measured values and the clock are read, drives are written.
     """
     guards = 1 + INSTRUCTION * k[0]
-    # One sum tests all inputs at once: NaN and infinity survive addition.
+    reads = guards + ALL_READ
+    drives = reads + k[guards + COUNT_ALL]
     total = 0.0
-    for i in range(guards + ALL_READ, guards + ALL_READ + k[guards + COUNT_ALL]):
+    for i in range(reads, drives):
         total += s[k[i]]
-    if total - total != 0.0:  # NaN or infinity among the inputs: test each axis
-        # By address: a rare way, compiled into every loop, would slow the other one down.
+    for i in range(drives, drives + 2 * k[guards + COUNT_DRIVES], 2):
+        s[k[i + 1]] = s[k[i]]
+    # By address: a rare way, compiled into every loop, would slow the other one down.
+    if total - total != 0.0:  # a value that is not a number, or infinities: the guards will see
         call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
-        return
-    run(k, s, 1, guards)
+    elif run(k, s, 1, guards) != 0.0:
+        call(k[guards + SETTLE], k[0 : len(k)], s[0 : len(s)])
 
 
 @kernel
@@ -133,35 +146,114 @@ def step_guarded(k: Any, s: Any) -> None:
     """Run the axes without NaN inputs."""
     at = 1
     end = 1 + INSTRUCTION * k[0]
-    guard = end + ALL_READ + k[end + COUNT_ALL]
-    # Instructions outside the guards (axes without ports, sums of shared drives) always run.
+    guard = end + ALL_READ + k[end + COUNT_ALL] + 2 * k[end + COUNT_DRIVES]
     while k[guard + GUARD_BEGIN] > 0:
         run(k, s, at, k[guard + GUARD_BEGIN])
         at = k[guard + GUARD_END]
-        if not skips(k, s, guard):
-            run(k, s, k[guard + GUARD_BEGIN], at)
+        if lacks_number(k, s, guard + GUARDED, k[guard + COUNT_READ]):
+            skip(k, s, guard)
+        elif run(k, s, k[guard + GUARD_BEGIN], at) != 0.0:
+            settle_one(k, s, guard)
         guard += GUARDED + k[guard + COUNT_READ] + 2 * k[guard + COUNT_SENT]
     run(k, s, at, end)
 
 
 @kernel
-def skips(k: Any, s: Any, guard: int) -> bool:
-    """Whether an axis skips this period; then count it, and write its drives."""
-    reads = guard + GUARDED
-    if not lacks_number(k, s, reads, k[guard + COUNT_READ]):
-        return False
-    sends = reads + k[guard + COUNT_READ]
-    # Pairs of drive and value; a drive without a pair keeps its last value.
-    for i in range(sends, sends + 2 * k[guard + COUNT_SENT], 2):
-        s[k[i]] = s[k[i + 1]]
-    s[k[guard + SKIPPED]] += 1.0
-    return True
+def settle(k: Any, s: Any) -> None:
+    """Take the period of each axis back that has found something that is not a number."""
+    at = 1
+    end = 1 + INSTRUCTION * k[0]
+    guard = end + ALL_READ + k[end + COUNT_ALL] + 2 * k[end + COUNT_DRIVES]
+    while k[guard + GUARD_BEGIN] > 0:
+        at = k[guard + GUARD_END]
+        settle_one(k, s, guard)
+        guard += GUARDED + k[guard + COUNT_READ] + 2 * k[guard + COUNT_SENT]
+    run(k, s, at, end)  # which adds up the drives of axes with an input in common
 
 
 @kernel
-def run(k: Any, s: Any, begin: int, end: int) -> None:
-    """Carry out the instructions from one index of the code to another."""
+def settle_one(k: Any, s: Any, guard: int) -> None:
+    """Take the period of an axis back unless all it has found are numbers, its memory finite."""
+    drives = guard + GUARDED + k[guard + COUNT_READ]
+    found = True
+    for i in range(drives, drives + 2 * k[guard + COUNT_SENT], 2):
+        found = found and not math.isnan(s[k[i]])
+    for at in range(k[guard + GUARD_BEGIN], k[guard + GUARD_END], INSTRUCTION):
+        found = found and can_last(k, s, at)
+    if found:
+        return
+    for at in range(k[guard + GUARD_BEGIN], k[guard + GUARD_END], INSTRUCTION):
+        take_back(k, s, at)
+    skip(k, s, guard)
+
+
+@kernel
+def skip(k: Any, s: Any, guard: int) -> None:
+    """Count a skipped period of an axis, and send what is sent instead."""
+    sends = guard + GUARDED + k[guard + COUNT_READ]
+    for i in range(sends, sends + 2 * k[guard + COUNT_SENT], 2):
+        s[k[i]] = s[k[i + 1]]
+    s[k[guard + SKIPPED]] += 1.0
+
+
+@kernel
+def can_last(k: Any, s: Any, at: int) -> bool:
+    """Whether the signal that an instruction stores is a number, and what it remembers finite."""
+    what, a, state = k[at], k[at + 2], k[at + 3]
+    total = 0.0
+    if what == UPDATE:
+        for i in range(state + 1, state + k[a + FILLED]):
+            total += s[i] - s[i]
+    elif what == LIMIT and k[at + 4] != 0:
+        total = s[state + OVER] - s[state + OVER]
+    elif what == SLEW:
+        total = s[state + LAST_DRIVE] - s[state + LAST_DRIVE]
+    return total == 0.0 and not (k[at + 5] != 0 and math.isnan(s[k[at + 1]]))
+
+
+@kernel
+def take_back(k: Any, s: Any, at: int) -> None:
+    """Bring what an instruction remembers back to the period before."""
+    what, a, state = k[at], k[at + 2], k[at + 3]
+    if what == UPDATE:
+        before = k[a + FRAME_END] - 1 - state
+        for i in range(state + 1, state + k[a + FILLED]):
+            s[i] = s[i + before]
+    elif what == LIMIT:
+        s[state + OVER] = s[state + OVER_BEFORE]
+    elif what == SLEW:
+        s[state + LAST_DRIVE] = s[state + DRIVE_BEFORE]
+    elif what == INFER:
+        results = k[a + COUNT_RESULTS]
+        first = a + INFER_CELLS + k[a + COUNT_INPUTS]
+        for i in range(first, first + results):
+            if k[i + results] == 1:
+                s[k[i]] = s[k[i] + 1]
+    elif what == LEARN:
+        unlearn(k, s, a, int(s[k[at + 1]]))
+
+
+@kernel
+def unlearn(k: Any, s: Any, at: int, cell: int) -> None:
+    """Bring a table that learns back to the period before."""
+    replaced = k[at + REPLACED]
+    if s[replaced + CORRECTED] >= 0.0:
+        s[int(s[replaced + CORRECTED])] = s[replaced + VALUE_BEFORE]
+    s[k[at + VISITS] + cell] -= 1.0
+    if k[at + DELAY] > 0:
+        head = k[at + RING]
+        s[head] = s[replaced + HEAD_BEFORE]
+        s[head + 1 + int(s[head])] = s[replaced + ENTRY_BEFORE]
+
+
+@kernel
+def run(k: Any, s: Any, begin: int, end: int) -> float:
+    """Carry out the instructions from one index of the code to another.
+
+    Returns 0, or NaN where one of them gives an infinity or what is not a number.
+    """
     at = begin
+    total = 0.0
     single = s[SINGLE] != 0.0
     for _ in range((end - begin) // INSTRUCTION):
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
@@ -171,8 +263,12 @@ def run(k: Any, s: Any, begin: int, end: int) -> None:
             value = combined(what, s[a], s[b], s[c])
         else:
             value = consulted(k, s, what, a, b, c, single)
-        s[into] = stored(value, single) if k[at + 5] != 0 else value
+        if k[at + 5] != 0:
+            value = stored(value, single)
+        s[into] = value
+        total += value - value
         at += INSTRUCTION
+    return total
 
 
 @kernel
@@ -241,18 +337,17 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -
 
 @kernel
 def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
-    """Return a source's output, followed by its new state."""
-    # The frame: value and states, then operand, period and the other arguments. The update reads
-    # the frame after its value and writes its begin: the slices overlap in the states, so it reads
-    # all arguments before it writes.
-    filled = frame + k[at + FILLED]
+    """Return what a source gives in this period; what it remembers stands behind that."""
+    filled, end = frame + k[at + FILLED], k[at + FRAME_END]
+    for i in range(frame + 1, filled):
+        s[i - frame - 1 + end] = s[i]
     s[filled] = s[x]
     s[filled + 1] = s[PERIOD]
     pair = at + FETCHES
     for _ in range(k[at + FETCHED]):
         s[k[pair]] = s[k[pair + 1]]
         pair += 2
-    call(k[at + UPDATES], s[frame + 1 : k[at + FRAME_END]], s[frame:filled])
+    call(k[at + UPDATES], s[frame + 1 : end], s[frame:filled])
     if k[at + ROUNDED] != 0:
         for i in range(frame, filled):
             s[i] = stored(s[i], single)
@@ -266,6 +361,7 @@ def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
 def limited(s: Any, x: float, state: int) -> float:
     """Return x within its limits; store the difference for anti-windup."""
     y: float = min(max(x, s[state + LOW]), s[state + HIGH])
+    s[state + OVER_BEFORE] = s[state + OVER]
     s[state + OVER] = y - x
     return y
 
@@ -276,6 +372,7 @@ def slewed(s: Any, x: float, state: int) -> float:
     before = s[state + LAST_DRIVE]
     most = s[state + STEEPEST] * s[PERIOD]
     y: float = min(max(x, before - most), before + most)
+    s[state + DRIVE_BEFORE] = before
     s[state + LAST_DRIVE] = y
     return y
 
@@ -317,9 +414,12 @@ def infer(k: Any, s: Any, at: int, address: int) -> None:
     results = k[at + COUNT_RESULTS]
     for i in range(results):
         value = block[k[at + FIRST_RESULT] + i]
-        # NaN means that no rule fires: an output with hold keeps its last value.
-        if not (math.isnan(value) and k[cell + inputs + results + i] == 1):
-            s[k[cell + inputs + i]] = value
+        into = k[cell + inputs + i]
+        if k[cell + inputs + results + i] == 1:
+            s[into + 1] = s[into]
+            if math.isnan(value):
+                value = s[into]
+        s[into] = value
 
 
 # --- Learning tables; look-up is defined in table/lookup.py ---
@@ -341,12 +441,18 @@ def learn(k: Any, s: Any, at: int, single: bool) -> int:
     # The ring holds the cells of the last `delay` periods; its oldest entry is overwritten below.
     responsible = float(cell) if delay == 0 else s[oldest]
     gain, bound = s[k[at + GAIN]], s[k[at + BOUND]]
+    replaced = k[at + REPLACED]
+    s[replaced + CORRECTED] = -1.0
     if responsible >= 0.0 and gain != 0.0:  # none is, before the first delay is over
         corrected = k[at + VALUES] + int(responsible)
+        s[replaced + CORRECTED] = float(corrected)
+        s[replaced + VALUE_BEFORE] = s[corrected]
         value = stored(s[corrected] + gain * s[k[at + JUDGE] + judged], single)
         s[corrected] = min(max(value, -bound), bound)
     s[k[at + VISITS] + cell] += 1.0
     if delay > 0:
+        s[replaced + HEAD_BEFORE] = s[head]
+        s[replaced + ENTRY_BEFORE] = s[oldest]
         s[oldest] = float(cell)
         following = s[head] + 1.0  # a division by the delay would cost as much as all the rest
         s[head] = following if following < delay else 0.0

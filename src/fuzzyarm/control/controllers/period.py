@@ -49,6 +49,7 @@ __all__ = [
     "Algebra",
     "Call",
     "ControlPeriod",
+    "Found",
     "Guard",
     "Lesson",
     "PortValue",
@@ -113,6 +114,26 @@ class Guard(NamedTuple):
     reads: tuple[PortValue, ...]
     idle: Mapping[str, float]
     sent: Mapping[str, float | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Found(Generic[T]):
+    """What an axis has found in one period.
+
+    The period is skipped, as one whose values are not numbers, where a signal or a drive is not a
+    number or a memory not finite.
+
+    Attributes
+    ----------
+    signals, drives : dict
+        By name, and by port.
+    memory : dict
+        For the next period, by the name of the memory.
+    """
+
+    signals: Mapping[str, T]
+    drives: Mapping[str, T]
+    memory: Mapping[str, T]
 
 
 @dataclass(frozen=True, eq=False)
@@ -392,6 +413,10 @@ class Algebra(Generic[T]):
         """Return a signal rounded for storage, as read by later lines."""
         return value
 
+    def demand(self, line: Drive, value: T) -> T:
+        """Return the value of a drive's line before its limits."""
+        return value
+
     def drive(self, axis: str, line: Drive, value: T) -> T:
         """Return the value of a drive's line, limits included."""
         return value
@@ -402,8 +427,9 @@ class Algebra(Generic[T]):
         """Return the drives of a skipped axis; None if it runs."""
         return None
 
-    def ran(self, guard: Guard, drives: Mapping[str, T]) -> None:
-        """Note the drives of an axis at the end of its lines."""
+    def ran(self, guard: Guard, found: Found[T]) -> dict[str, T] | None:
+        """Return the drives of an axis whose period turns out to be skipped; None: it counts."""
+        return None
 
 
 class ControlPeriod(Generic[T]):
@@ -478,16 +504,17 @@ class ControlPeriod(Generic[T]):
     def _one_axis(self) -> dict[str, T]:
         guard = guard_of(self.axes, self.axis, self.algebra.hold)
         self.signals, self._drives = {}, dict[str, T]()
+        memory = [cell for cell in self.cells.values() if cell.axis == self.axis]
         sent = self.algebra.skipped(guard, self._given)
-        if sent is not None:
-            for cell in self.cells.values():
-                if cell.axis == self.axis:
-                    self._after[cell.name] = self.state(cell)
-            return sent
-        for line in self.axes.lines:
-            self._line(line)
-        self.algebra.ran(guard, self._drives)
-        return self._drives
+        if sent is None:
+            for line in self.axes.lines:
+                self._line(line)
+            after = {c.name: self._after[c.name] for c in memory if c.name in self._after}
+            sent = self.algebra.ran(guard, Found(self.signals, self._drives, after))
+        if sent is None:
+            return self._drives
+        self._after |= {cell.name: self.state(cell) for cell in memory}
+        return sent
 
     # --- memory ---
 
@@ -558,7 +585,7 @@ class ControlPeriod(Generic[T]):
 
     def _drive(self, line: Drive) -> None:
         algebra = self.algebra
-        value = demand = self.sum(line.products)
+        value = demand = algebra.demand(line, self.sum(line.products))
         if line.within is not None:
             value = algebra.limit(demand, *line.within)
             excess = _of_drive(self.axis, line, "excess")

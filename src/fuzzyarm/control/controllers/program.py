@@ -102,14 +102,15 @@ class Guard:
     reads : tuple of int
         Cells of references and measured values; where one is not a number, the axis is skipped.
     drives : dict
-        By cell of a drive, its value in a skipped period; None: the last one.
+        Of the cell of each drive, that of what it is sent in a skipped period: of its last value,
+        or of a number.
     """
 
     begin: int
     end: int
     count: int
     reads: tuple[int, ...]
-    drives: Mapping[int, float | None]
+    drives: Mapping[int, int]
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ class ControllerCode:
     updates : dict
         By the first cell of their frame, the sources with an update.
     guards : dict
-        The :class:`Guard` of each axis with measured or reference inputs.
+        Of each axis its :class:`Guard`.
     """
 
     code: list[int]
@@ -286,6 +287,7 @@ class _Writer:
         self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
         self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
         self.guards: dict[str, Guard] = {}
+        self.last_drives: dict[int, int] = {}  # by the cell of a drive, that of its last value
         self.drives = self._drive_cells()
         self.scratch = self._cell(0.0)  # of values that have no name
         self.axis = ""
@@ -329,7 +331,7 @@ class _Writer:
                 begun.add(cell)
 
     def _guard(self, axes: Axes, begin: int) -> None:
-        """Put the instructions of an axis into a guard, if it reads anything."""
+        """Put the instructions of an axis into a guard."""
         reads = tuple(
             cells[self.axis, port]
             for cells, kind in (
@@ -337,28 +339,29 @@ class _Writer:
             )
             for port in axes.ports(kind)
         )  # fmt: skip
-        drives: dict[int, float | None] = {}
+        drives: dict[int, int] = {}
         for port, (idle, sent) in skipped_drives(axes, self.arithmetic.hold).items():
             cell = self.drives[self.axis, port]
             start = self.wiring.starts.get((self.axis, port))
             self.cells[cell] = idle if start is None else self.arithmetic.hold(start)
-            drives[cell] = sent
-        if reads:
-            end, count = 1 + len(self.code), self._cell(0.0)
-            self.guards[self.axis] = Guard(begin, end, count, reads, drives)
+            self.last_drives[cell] = self._cell(self.cells[cell])
+            drives[cell] = self.last_drives[cell] if sent is None else self._number(sent)
+        end, count = 1 + len(self.code), self._cell(0.0)
+        self.guards[self.axis] = Guard(begin, end, count, reads, drives)
 
     def _guard_list(self) -> list[int]:
         """Return the list of guards, the first of all lists."""
         cells = dict.fromkeys(cell for guard in self.guards.values() for cell in guard.reads)
         stored = stored_single if self.arithmetic.single else stored_double
-        address = address_of(
-            to.step_guarded, "if", {"stored": stored}, compiled=self.arithmetic.compiled
-        )
-        items = [address, len(cells), *cells]
+        addresses = [
+            address_of(function, "if", {"stored": stored}, compiled=self.arithmetic.compiled)
+            for function in (to.step_guarded, to.settle)
+        ]
+        last = [cell for pair in self.last_drives.items() for cell in pair]
+        items = [*addresses, len(cells), len(self.last_drives), *cells, *last]
         for guard in self.guards.values():
-            sends = [(cell, self._number(x)) for cell, x in guard.drives.items() if x is not None]
-            items += [guard.begin, guard.end, guard.count, len(guard.reads), len(sends)]
-            items += [*guard.reads, *(cell for pair in sends for cell in pair)]
+            items += [guard.begin, guard.end, guard.count, len(guard.reads), len(guard.drives)]
+            items += [*guard.reads, *(cell for pair in guard.drives.items() for cell in pair)]
         return [*items, 0]
 
     def _finished(self) -> ControllerCode:
@@ -535,7 +538,8 @@ class _Writer:
         filled = 1 + len(kind.states)
         numbers = [settings.get(name, 0.0) for name in kind.inputs]
         constants = [float(x) if not isinstance(x, str) else 0.0 for x in numbers]
-        frame = self._cell(0.0, *kind.starts(options), *constants)
+        states = kind.starts(options)
+        frame = self._cell(0.0, *states, *constants, *states)
         self.updates[frame] = kind
         fetches = [
             (cell, arguments[name])
@@ -589,9 +593,10 @@ class _Writer:
     def _write_drive(self, line: Drive, first: set[int]) -> None:
         cell = self._sum(line.products)
         if line.within is not None:
-            cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line))
+            remembers = int(id(line) in self.limits)
+            cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line), remembers)
         if line.slew is not None:
-            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, line.slew))
+            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, line.slew, 0.0))
         port = self.drives[self.axis, line.port]
         # The first drive of a port sets it, the others add to it, in the order of the text.
         if port in first:
@@ -603,7 +608,7 @@ class _Writer:
     def _limit_state(self, drive: Drive) -> int:
         low, high = drive.within or (-math.inf, math.inf)
         if id(drive) not in self.limits:
-            self.limits[id(drive)] = self._cell(low, high, 0.0)
+            self.limits[id(drive)] = self._cell(low, high, 0.0, 0.0)
         return self.limits[id(drive)]
 
     # --- Rule bases and tables ---
@@ -625,8 +630,11 @@ class _Writer:
         self.parts.append(numbers)
         self.parts_size += len(numbers)
         holds = [output.no_rule == "hold" for output in rulebase.outputs]
-        # Before any rule has fired there is no value to hold.
-        results = [self._cell(math.nan if holds_output else 0.0) for holds_output in holds]
+        # Before a rule has fired there is no value to hold.
+        results = [
+            self._cell(math.nan, math.nan) if holds_output else self._cell(0.0)
+            for holds_output in holds
+        ]
         self.inferences[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
         self._do(to.INFER, self.scratch, 0, address)
@@ -693,6 +701,7 @@ class _Writer:
         tables = [grid, judge_grid, judge.values, int(alike)]
         numbers = [self._operand(line.rate), self._operand(line.bound)]
         last_indices = [self._cell(*[0.0] * len(inputs)) for _ in range(2)]
+        last_indices.append(self._cell(-1.0, 0.0, 0.0, 0.0))
         ring_and_rate = [ring, line.delay, *numbers]
         self._list(2, [place.values, visits, *ring_and_rate, *tables, *last_indices, *inputs])
         self.cell_signal[line.table, self.index] = (inputs, cell)

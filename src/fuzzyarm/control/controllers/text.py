@@ -634,7 +634,7 @@ class ControllerRun:
 
     @property
     def skipped(self) -> dict[str, int]:
-        """Number of skipped periods of each axis: one of its inputs was NaN."""
+        """How many periods each axis has skipped: a value was not a number."""
         return self.program.skipped(self._cells)
 
     def signal(self, axis: str, name: str) -> float:

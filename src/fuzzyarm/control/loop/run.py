@@ -197,7 +197,8 @@ class Run(Plotted):
     along : bool
         Whether it followed a trajectory of the plant.
     skipped : mapping of str to int
-        For each axis with skipped periods, their number: a value that the axis reads was NaN.
+        Of each axis of the controller that skipped some: the control periods in which a value that
+        it reads or finds was not a number, or infinite where it is remembered.
     periods : int
         Number of control periods.
     """
@@ -288,7 +289,7 @@ class Run(Plotted):
         """Skipped periods and lost samples in words."""
         return [
             f"axis {axis} skipped {count} of {self.periods} periods: "
-            "a value that it reads was not a number"
+            "a value was not a number, or infinite where it is remembered"
             for axis, count in self.skipped.items()
         ] + [
             f"{label} was not a number in {count} of {self.samples} samples: "

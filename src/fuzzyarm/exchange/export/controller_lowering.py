@@ -17,6 +17,7 @@ from fuzzyarm.exchange.export.steps import (
     Block,
     Find,
     LearningTable,
+    Pick,
     Set,
     Step,
     Steps,
@@ -40,6 +41,7 @@ from fuzzyarm.exchange.export.typed_program import (
     Called,
     Cast,
     Element,
+    Fires,
     Function,
     Line,
     Member,
@@ -74,9 +76,23 @@ _REMARKS = {
 """What members are for, by their role."""
 
 
-def controller_program(steps: Steps, *, pointers: bool = False, endless: bool = True) -> Program:
-    """Return a controller as a program, without its test."""
-    return _Lowering(steps, Program(pointers=pointers, endless=endless)).lowered()
+def controller_program(
+    steps: Steps, *, pointers: bool = False, endless: bool = True, flags: bool = False
+) -> Program:
+    """Return a controller as a program, without its test.
+
+    Parameters
+    ----------
+    steps : Steps
+        The controller.
+    pointers : bool
+        Whether it is for a language with pointers.
+    endless : bool
+        Whether the language has infinite numbers.
+    flags : bool
+        Whether a rule base has a flag where it has no number: the language has no NaN.
+    """
+    return _Lowering(steps, Program(pointers=pointers, endless=endless), flags).lowered()
 
 
 @dataclass
@@ -100,11 +116,15 @@ class _Lowering:
 
     steps: Steps
     program: Program
+    flags: bool = False
     parameters: dict[str, Variable] = field(default_factory=dict)
     local: dict[str, Variable] = field(default_factory=dict)
     known: dict[str, Node] = field(default_factory=dict)
     kinds: dict[str, Kind] = field(default_factory=dict)
     held: dict[str, str] = field(default_factory=dict)
+    fired: list[Node] = field(default_factory=list)
+    lessons: list[Line] = field(default_factory=list)
+    taught: dict[str, tuple[Node, Node, Node]] = field(default_factory=dict)
 
     def lowered(self) -> Program:
         """Return the program."""
@@ -151,7 +171,7 @@ class _Lowering:
             self.local[LAST] = Variable("last", TRUTH)
 
     def _declare_drives(self) -> None:
-        for guard, *_ in self.steps.guards:
+        for guard in (block.guard for block in self.steps.blocks):
             for name, sent in guard.drives.items():
                 drive = self.steps.variables[name]
                 if sent is None:
@@ -209,28 +229,34 @@ class _Lowering:
             yield Assign(LAST, ended if self.program.pointers else symbol(ENDS) | ended)
             yield Assign(LEFT, where(symbol(LAST), at(self.steps.model.every), left - at(1)))
         self.uses = self.steps.uses()
-        for block in self.steps.blocks():
+        for block in self.steps.blocks:
             yield from self._block(block)
 
     def _block(self, block: Block) -> Iterator[Line]:
-        """Yield the statements of a block, in the condition of its guard."""
+        """Yield the statements of an axis: what they leave behind stands in its conditions."""
+        guard = block.guard
+        for name, value in guard.sent.items():
+            yield Assign(name, constant(rounded([value], self.outer, "a drive").tolist()[0]))
         inner: list[Line] = []
+        self.fired, self.lessons = [], []
         for step, following in zip_longest(block.steps, block.steps[1:]):
             inner += self._step(step, following)
-        inner += [Assign(first_of(axis), Truth(False)) for axis in block.begun]
-        guard = block.guard
-        if guard is None:
-            yield from inner
-            return
-        otherwise = tuple(
-            Assign(name, constant(rounded([value], self.outer, "a drive").tolist()[0]))
-            for name, value in guard.sent.items()
-        )
-        condition = self._plain(guard.condition)
-        yield When(condition, tuple(inner), otherwise, ALL_NUMBERS)
+        lasting = [*self.lessons, *(line for step in block.lasting for line in self._set(step))]
+        if guard.axis in self.steps.needs_first:
+            lasting.append(Assign(first_of(guard.axis), Truth(False)))
+        settled = guard.settled
+        for fires in self.fired:
+            settled = fires if settled is None else settled & fires
+        inner = [*inner, *self._when(settled, lasting, "so is what was found")]
+        yield from self._when(guard.condition, inner, ALL_NUMBERS)
         for name in guard.drives:
             if name in self.held:
                 yield Assign(name, symbol(self.held[name]))
+
+    def _when(self, condition: Node | None, lines: list[Line], remark: str) -> list[Line]:
+        if condition is None:
+            return lines
+        return [When(self._plain(condition), tuple(lines), (), remark)]
 
     def _step(self, step: Step, following: Step | None) -> list[Line]:
         if isinstance(step, Set):
@@ -243,8 +269,15 @@ class _Lowering:
             inputs = tuple(self._read(name) for name in step.inputs)
             value, kind = Called(self._cell(step.grid), inputs), INDEX
         else:
-            value, kind = Element(step.table, symbol(step.cell)), self.outer
+            value, kind = self._picked(step), self.outer
         once = isinstance(following, Set) and self.uses.get(step.target) == 1
+        if isinstance(step, Ask) and self._may_be_silent(step):
+            fires = f"fires {step.target}"
+            self.local[fires] = Variable("fires", TRUTH)
+            self.fired.append(symbol(fires))
+            self._local(step.target, kind)
+            key = f"routine {step.routine}"
+            return [Assign(step.target, value), Assign(fires, Fires(key))]
         if once and kind is not INDEX and step.target in symbols(following.value):  # type: ignore[union-attr]
             self.known[step.target] = cast(value, kind, self.wide)
             return []
@@ -305,6 +338,10 @@ class _Lowering:
         number = cast(Called(key, tuple(numbers)), routine.kind, self.wide)
         return replace(unscaled(core.output, symbol("number")), {"number": number}), self.wide
 
+    def _may_be_silent(self, query: Ask) -> bool:
+        """Whether a flag says that a rule base has no value."""
+        return self.flags and self.program.functions[f"routine {query.routine}"].may_be_silent
+
     def _cell(self, grid: str) -> str:
         """Return the key of the function that finds a cell of a table that learns."""
         key = f"cell {grid}"
@@ -322,11 +359,13 @@ class _Lowering:
         judges = self.program.array(lesson.judge, self.outer, values.tolist(), judge.shape[-1])
         judged = cast(Element(judges, symbol(lesson.judged)), self.outer, self.wide)
         number = sum(name.startswith("responsible") for name in self.local)
-        names = {role: f"{role} {number}" for role in ("responsible", "rate", "value")}
         cells = _cell_kind(table)
-        for role, kind in (("responsible", cells), ("rate", self.wide), ("value", self.wide)):
+        kinds = {"responsible": cells, "rate": self.wide, "teaches": TRUTH, "value": self.wide,
+                 "corrected": self.outer}  # fmt: skip
+        names = {role: f"{role} {number}" for role in kinds}
+        for role, kind in kinds.items():
             self.local[names[role]] = Variable(role, kind)
-        responsible, rate_name, value = (symbol(name) for name in names.values())
+        responsible, rate_name, teaches, value, corrected = map(symbol, names.values())
         before, rate = self._value(lesson.rate)
         more, bound = self._value(lesson.bound)
         place = cast(responsible, cells, INDEX)
@@ -340,18 +379,36 @@ class _Lowering:
         yield from (*before, *more)
         yield Assign(names["responsible"], taken)
         yield Assign(names["rate"], rate)
-        teaches = (Whole(0, cells) <= responsible) & ~apply("equal", rate_name, 0.0)
-        yield When(teaches, (
-            Assign(names["value"], added),
-            Store(key, place, cast(limited, self.wide, self.outer)),
-        ), remark="none is, before the first delay is over" if table.delay else "")  # fmt: skip
+        yield Assign(names["value"], constant(0.0))
+        is_known = Whole(0, cells) <= responsible
+        yield Assign(names["teaches"], is_known & ~apply("equal", rate_name, 0.0))
+        remark = "none is, before the first delay is over" if table.delay else ""
+        yield When(teaches, (Assign(names["value"], added),), remark=remark)
+        yield Assign(names["corrected"], cast(limited, self.wide, self.outer))
+        self.taught[key] = teaches, place, corrected
+        self.lessons += self._lesson(table, key, cell)
+
+    def _lesson(self, table: LearningTable, key: str, cell: Node) -> Iterator[Line]:
+        """Yield what a lesson leaves behind: the corrected value, the visit, the ring."""
+        teaches, place, corrected = self.taught[key]
+        yield When(teaches, (Store(key, place, corrected),))
         visits = f"{key} visits"
         yield Store(visits, cell, Element(visits, cell) + Whole(1, COUNT))
         if table.delay:
             following = symbol(f"{key} next")
-            yield Store(f"{key} ring", following, cast(cell, INDEX, cells))
+            yield Store(f"{key} ring", following, cast(cell, INDEX, _cell_kind(table)))
             later = where(following + at(1) < at(table.delay), following + at(1), at(0))
             yield Assign(following.name, later if table.delay > 1 else at(0))
+
+    def _picked(self, step: Pick) -> Node:
+        """Return the value of a cell, as a lesson of this period corrects it."""
+        cell = symbol(step.cell)
+        value: Node = Element(step.table, cell)
+        if step.table not in self.taught:
+            return value
+        teaches, place, corrected = self.taught[step.table]
+        picked: Node = where(teaches & apply("equal", place, cell), corrected, value)
+        return picked
 
 
 def _cell_kind(table: LearningTable) -> Kind:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from dataclasses import replace as with_values
 from functools import cached_property, reduce
@@ -22,6 +22,7 @@ from fuzzyarm.control.controllers.period import (
     Algebra,
     Call,
     ControlPeriod,
+    Found,
     Lesson,
     PortValue,
     Remembered,
@@ -218,17 +219,27 @@ class Guard(NamedTuple):
         Symbols of its ports; where one is not a number, the steps are skipped.
     drives : dict of str to float or None
         By the symbol of each drive, what it is in a skipped period; None: its last value.
+    numbers, finite : tuple of str
+        Symbols that have to be numbers, and finite, at the end of the steps: else they leave
+        nothing behind.
     """
 
     axis: str
     reads: tuple[str, ...]
     drives: Mapping[str, float | None]
+    numbers: tuple[str, ...]
+    finite: tuple[str, ...]
 
     @property
-    def condition(self) -> Node:
+    def condition(self) -> Node | None:
         """Whether all values that it reads are numbers."""
-        numbers: list[Node] = [op.equal(symbol(name), symbol(name)) for name in self.reads]
-        return reduce(lambda a, b: a & b, numbers)
+        return _all([_is_number(name) for name in self.reads])
+
+    @property
+    def settled(self) -> Node | None:
+        """Whether the period counts: what is found are numbers, what is remembered is finite."""
+        finite: list[Node] = [op.equal(symbol(x) - symbol(x), 0.0) for x in self.finite]
+        return _all([*map(_is_number, self.numbers), *finite])
 
     @property
     def sent(self) -> dict[str, float]:
@@ -236,15 +247,21 @@ class Guard(NamedTuple):
         return {name: value for name, value in self.drives.items() if value is not None}
 
 
+def _is_number(name: str) -> Node:
+    found: Node = op.equal(symbol(name), symbol(name))
+    return found
+
+
+def _all(conditions: Sequence[Node]) -> Node | None:
+    return reduce(lambda a, b: a & b, conditions) if conditions else None
+
+
 class Block(NamedTuple):
-    """Steps in order, all of one axis where they have a guard.
+    """The steps of an axis in order, and what they leave behind in a period that counts."""
 
-    `begun` are the axes of whose first period these are the last steps.
-    """
-
-    guard: Guard | None
+    guard: Guard
     steps: tuple[Step, ...]
-    begun: tuple[str, ...]
+    lasting: tuple[Set, ...]
 
 
 @dataclass
@@ -279,8 +296,8 @@ class Steps:
         Whether it matters when a set point ends.
     needs_first : dict of str to None
         Axes for which it matters which period is the first one.
-    guards : list of (Guard, int, int)
-        Each with the range of its steps.
+    blocks : list of Block
+        One for each axis.
     """
 
     model: ControllerModel
@@ -295,24 +312,17 @@ class Steps:
     judges: dict[str, LookupTable] = field(default_factory=dict)
     needs_last: bool = False
     needs_first: dict[str, None] = field(default_factory=dict)
-    guards: list[tuple[Guard, int, int]] = field(default_factory=list)
+    blocks: list[Block] = field(default_factory=list)
 
     def uses(self) -> Counter[str]:
         """Count how often each symbol is read."""
-        return Counter(name for step in self.steps for name in _reads(step))
-
-    def blocks(self) -> Iterator[Block]:
-        """Yield all steps, by their guards."""
-        at, left = 0, dict(self.needs_first)
-        for guard, begin, end in self.guards:
-            if at < begin:
-                yield Block(None, tuple(self.steps[at:begin]), ())
-            begun = (guard.axis,) if guard.axis in left else ()
-            left.pop(guard.axis, None)
-            yield Block(guard, tuple(self.steps[begin:end]), begun)
-            at = end
-        if at < len(self.steps) or left:
-            yield Block(None, tuple(self.steps[at:]), tuple(left))
+        lasting = (step for block in self.blocks for step in block.lasting)
+        return Counter(
+            [
+                *(name for step in (*self.steps, *lasting) for name in _reads(step)),
+                *(x for block in self.blocks for x in block.guard.numbers + block.guard.finite),
+            ]
+        )
 
     def of_sort(self, sort: str) -> list[StepVariable]:
         """Return the variables of a sort, in order."""
@@ -379,6 +389,9 @@ class Lines(Algebra[Node]):
         self.unseen: set[str] = set()  # states that are NaN before the first period
         self.locals = 0
         self.pending: list[tuple[str, Node, bool]] = []
+        self.lasting: list[tuple[str, Node, bool]] = []  # of this axis, for its end
+        self.numbers: dict[str, Node] = {}  # what has to be a number, and what it is made of
+        self.finite: list[Node] = []  # what has to be finite
         self.states: dict[str, str] = {}  # by the name of a memory
         self.routine_names: dict[tuple[int, str], str] = {}
         self.responsible: dict[str, tuple[tuple[str, ...], str]] = {}
@@ -446,7 +459,7 @@ class Lines(Algebra[Node]):
         """Take a memory down, to be set with what is stored next."""
         variable = self.begins(cell)
         assert isinstance(variable, Symbol)
-        self.pending.append((variable.name, value, False))
+        self.pending.append((variable.name, value, cell.what != "slew"))
         return value
 
     def signal(self, axis: str, name: str, value: Node, *, rounded: bool = True) -> Node:
@@ -455,6 +468,7 @@ class Lines(Algebra[Node]):
         target = symbol(variable.symbol)
         if value is not target:
             self.result.variables.setdefault(variable.symbol, variable)
+            self.numbers[variable.symbol] = value
             self._store([(variable.symbol, value, rounded)])
         return target
 
@@ -469,26 +483,44 @@ class Lines(Algebra[Node]):
             # It is not rounded again: it is kept as it is.
             self.result.variables[key] = self.result.variables[key]._replace(wide=True)
             writes.append((key, value, False))
+        # What lasts of a signal is its value before.
+        for index, (state, value, known) in enumerate(self.lasting):
+            if any(value is symbol(key) for key, _, _ in writes):
+                self.lasting[index] = state, self._set(self._local(), value), known
         self._store(writes)
         return dict(signals)
+
+    def demand(self, line: Drive, value: Node) -> Node:
+        """Return what is asked of a drive: it has to be a number, which limits may hide."""
+        limited = line.within is not None or line.slew is not None
+        return self._number(value) if limited else value
 
     def drive(self, axis: str, line: Drive, value: Node) -> Node:
         """Set a local variable to the value of a drive's line."""
         local = self._local(f"{axis}_{line.port}")
+        if line.within is None and line.slew is None:
+            self.numbers[local] = value
         self._store([(local, value, False)])
         return symbol(local)
 
     def _store(self, writes: list[tuple[str, Node, bool]]) -> None:
-        """Add the steps that write values and pending memory: each value is of the time before."""
-        writes, self.pending = [*writes, *self.pending], []
-        values = [value for _, value, _ in writes]
+        """Add the steps that write values: each is of the time before; memory lasts later."""
+        pending, self.pending = self.pending, []
+        values = [value for _, value, _ in (*writes, *pending)]
         while (node := _shared(values)) is not None:
             name = self._local()
             self._set(name, node)
             values = [substituted(value, node, symbol(name)) for value in values]
+        for (state, whole, has_to_be), value in zip(pending, values[len(writes) :], strict=True):
+            plain = isinstance(value, Symbol | Constant)
+            kept = value if plain else self._set(self._local(), value)
+            self.lasting.append((state, kept, has_to_be))
+            if has_to_be and not self._is_finite(whole):
+                self.finite.append(kept)
+                self.numbers[f"{state} next"] = whole
         set_before: set[str] = set()
         ready = []
-        for (target, _, rounded), value in zip(writes, values, strict=True):
+        for (target, _, rounded), value in zip(writes, values, strict=False):
             safe = set_before.isdisjoint(symbols(value))
             ready.append((target, value if safe else self._set(self._local(), value), rounded))
             set_before.add(target)
@@ -544,7 +576,7 @@ class Lines(Algebra[Node]):
         for state in self.unseen & set(symbols(root)):
             nan = unseen(symbol(state))
             if nan in postorder(root):
-                root = substituted(root, nan, self._first(state) | nan)
+                root = substituted(root, nan, self._first(state))
         self.result.needs_last |= LAST in symbols(root)
         return root
 
@@ -569,21 +601,60 @@ class Lines(Algebra[Node]):
     def skipped(self, guard: AxisGuard, given: Mapping[PortValue, Node]) -> None:
         """Begin an axis."""
         self.first_step = len(self.result.steps)
+        self.lasting, self.numbers, self.finite = [], {}, []
 
-    def ran(self, guard: AxisGuard, drives: Mapping[str, Node]) -> None:
-        """Set the drives of an axis; a sum is rounded once."""
+    def ran(self, guard: AxisGuard, found: Found[Node]) -> None:
+        """End an axis: what lasts is set where its period counts; a sum is rounded once."""
         sent: dict[str, float | None] = {}
-        for port, value in drives.items():
+        drives: list[Set] = []
+        for port, value in found.drives.items():
             name = StepVariable("drive", guard.axis, port).symbol
-            if guard.reads:
-                variable = self.result.variables[name]
-                self.result.variables[name] = variable._replace(start=guard.idle[port])
+            variable = self.result.variables[name]
+            self.result.variables[name] = variable._replace(start=guard.idle[port])
             sent[name] = guard.sent[port]
-            self._set(name, value, rounded=True)
-        if guard.reads:
-            reads = tuple(StepVariable(*value).symbol for value in guard.reads)
-            guarded = Guard(guard.axis, reads, sent)
-            self.result.guards.append((guarded, self.first_step, len(self.result.steps)))
+            # A sum of several lines is one more value that has to be a number.
+            drives.append(Set(name, self._number(value), rounded=True))
+        reads = tuple(StepVariable(*value).symbol for value in guard.reads)
+        lasting = [*self._memory(), *drives]
+        finite = dict.fromkeys(x.name for x in self.finite if isinstance(x, Symbol))
+        guarded = Guard(guard.axis, reads, sent, self._not_implied(), tuple(finite))
+        steps = tuple(self.result.steps[self.first_step :])
+        self.result.blocks.append(Block(guarded, steps, tuple(lasting)))
+
+    def _memory(self) -> Iterator[Set]:
+        """Yield the steps that set what lasts, in an order in which none reads what is new."""
+        set_before: set[str] = set()
+        # A row of values that are handed on is set from its end.
+        for state, value, _ in reversed(self.lasting):
+            safe = set_before.isdisjoint(symbols(value))
+            yield Set(state, value if safe else self._set(self._local(), value))
+            set_before.add(state)
+
+    def _number(self, x: Node) -> Node:
+        """Return the variable of a value that has to be a number."""
+        if isinstance(x, Constant | Symbol):  # signals have to be
+            return x
+        name = self._local("demand")
+        self.numbers[name] = x
+        return self._set(name, x)
+
+    def _not_implied(self) -> tuple[str, ...]:
+        """Return what has to be seen to be a number, beside what is seen to be finite."""
+        left: list[str] = []
+        implied = {x.name for x in self.finite if isinstance(x, Symbol)}
+        for name, value in reversed(self.numbers.items()):
+            seen = name in implied or name.endswith(" next")
+            if not seen and _NONE in _endless(value, self._known()):
+                left.append(name)
+            implied |= _carried(value)
+        return tuple(reversed(left))
+
+    def _is_finite(self, value: Node) -> bool:
+        """Whether a value is finite, by its form, where signals are numbers."""
+        return not _endless(value, self._known())
+
+    def _known(self) -> set[str]:
+        return set(self.states.values())
 
     # --- rule bases ---
 
@@ -789,6 +860,44 @@ class Lines(Algebra[Node]):
         judge_name = self.names.new(name)
         self.result.judges[judge_name] = table
         return judge_name
+
+
+_CARRYING = {"add", "subtract", "multiply", "divide", "negative", "absolute"}
+"""Operations that are not a number where an argument is not."""
+
+
+def _carried(value: Node) -> set[str]:
+    """Return the symbols of which one that is not a number makes that of a value."""
+    if isinstance(value, Symbol):
+        return {value.name}
+    if isinstance(value, Apply) and value.operation in _CARRYING:
+        return set[str]().union(*map(_carried, value.arguments))
+    return set()
+
+
+_NONE, _LOW, _HIGH = "nan", "-inf", "inf"
+
+
+def _endless(value: Node, states: Collection[str]) -> set[str]:
+    """Return which of NaN, -inf and inf a value may be, by its form; states are finite."""
+    if isinstance(value, Constant):
+        return set() if math.isfinite(value.value) else {_NONE, _LOW, _HIGH}
+    if isinstance(value, Symbol):
+        # Signals and values that are read are numbers, what is found on the way need not be.
+        ways = {_NONE, _LOW, _HIGH} if value.name.startswith("local:") else {_LOW, _HIGH}
+        return set() if value.name in states else ways
+    if not isinstance(value, Apply) or value.operation != "where":
+        return {_NONE, _LOW, _HIGH}
+    condition, then, otherwise = value.arguments
+    ways = _endless(then, states)
+    # Of two that are compared the smaller one is not inf, and neither is NaN.
+    if isinstance(condition, Apply) and condition.operation in {"less", "less_equal"}:
+        small, large = condition.arguments
+        if then is small:
+            ways -= {_NONE, _HIGH}
+        elif then is large:
+            ways -= {_NONE, _LOW}
+    return ways | _endless(otherwise, states)
 
 
 _SUFFIXES = {"slew": "before_slew"}

@@ -35,6 +35,7 @@ from fuzzyarm.exchange.export.typed_program import (
     Cast,
     Count,
     Element,
+    Fires,
     Function,
     Leave,
     Line,
@@ -101,6 +102,11 @@ def flattened(function: Function, program: Program, is_block: Callable[[str], bo
 def result_of(function: str) -> str:
     """Return the symbol of the result of a block that was called."""
     return f"result of {function}"
+
+
+def fired_in(function: str) -> str:
+    """Return the symbol of whether a rule fired in a block that was called."""
+    return f"fired in {function}"
 
 
 @dataclass
@@ -193,6 +199,8 @@ class _Flattening:
             return self._searched(node)
         if isinstance(node, Called):
             return self._called(node)
+        if isinstance(node, Fires):
+            return symbol(fired_in(node.function))
         if isinstance(node, Element):
             return Element(node.array, self._value(node.index, INDEX))
         if isinstance(node, Cast):
@@ -314,7 +322,7 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
         words = {
             f"routine {name}": _routine_words(routine) for name, routine in steps.routines.items()
         }
-        file = _File(controller_program(steps, endless=False), prefix, words)
+        file = _File(controller_program(steps, endless=False, flags=True), prefix, words)
         period = steps.model.period
         use = [f"call it every {period:g} s; gains are inputs, with their values"]
         if steps.needs_last:
@@ -366,6 +374,7 @@ class _File(Printer):
         for key, function in functions.items():
             self.lent[key] = self._lent_to(function)
         self.ports: dict[str, tuple[list[str], str]] = {}  # of blocks: inputs and output
+        self.flags: dict[str, str] = {}  # of blocks, where one says whether a rule fired
 
     def _lent_to(self, function: Function) -> dict[str, int]:
         """Return the constants that a function and those that it calls read, and their sizes."""
@@ -497,6 +506,7 @@ class _Unit(FunctionPrinter):
             self.file.ports[self.key] = inputs, self.rename[RESULT]
             if function.may_be_silent:
                 self._declare_one("VAR_OUTPUT", FIRED, "fired", TRUTH)
+                self.file.flags[self.key] = self.rename[FIRED]
         else:
             self.rename[RESULT] = self.name
         for key in self.times_set:
@@ -559,6 +569,7 @@ class _Unit(FunctionPrinter):
             name = self.instances[key] = self.names.new(f"the_{stem}" if taken else stem)
             self.sections["VAR"].append(f"    {name} : {self.file.called[key]};")
             self.rename[result_of(key)] = f"{name}.{output}"
+            self.rename[fired_in(key)] = f"{name}.{self.file.flags.get(key, '')}"
         values = map(self.language.expression, line.arguments)
         passed = ", ".join(f"{x} := {value}" for x, value in zip(inputs, values, strict=True))
         return f"{self.instances[key]}({passed});"

@@ -186,9 +186,10 @@ def _sample(
         for port, error in errors.items():
             target = values.get(port.symbol.replace("measured:", "reference:"), 0.0)
             values[port.symbol] = float(outside(target - error))
-        for number, (guard, *_) in enumerate(steps.guards):
-            if k in (0, LOST + number):
-                values[guard.reads[k % len(guard.reads)]] = math.nan
+        for number, block in enumerate(steps.blocks):
+            reads = block.guard.reads
+            if k in (0, LOST + number) and reads:
+                values[reads[k % len(reads)]] = math.nan
         return values
 
     return sample

@@ -81,6 +81,13 @@ class Handed(Node):
 
 
 @dataclass(frozen=True, eq=False)
+class Fires(Node):
+    """Whether a rule fired in the last call of a function, where there is no NaN."""
+
+    function: str
+
+
+@dataclass(frozen=True, eq=False)
 class Cast(Node):
     """A value as one of another kind; floats are rounded, or cut off to a whole number."""
 

@@ -211,6 +211,13 @@ class Source:
         """Return an option; None without it."""
         return dict(self.options).get(word)
 
+    def gains(self) -> Iterator[str]:
+        """Yield the gains that its options name."""
+        kinds = self.record.options
+        for word, value in self.options:
+            if isinstance(value, str) and word in kinds and kinds[word].takes == "number":
+                yield value
+
 
 @dataclass(frozen=True, slots=True)
 class SignalLine:
@@ -302,6 +309,10 @@ class Drive:
     slew: float | None = None
     on_nan: float | None = None
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def reads(self) -> Iterator[str]:
+        """Yield the signals, gains and partners that it is made of."""
+        yield from _names_in(self.products)
 
     @property
     def idle(self) -> float:
