@@ -177,7 +177,9 @@ def sound_part(
         return tuple(x for x in parts if not any(_is_in(span, x.span) for span in wrong))
 
     gains, uses = sound(model.gains), sound(model.uses)
-    known = {part.name for part in (*gains, *uses, *model.partners, *model.rulebases)}
+    known = {gain.name for gain in gains} | {use.name for use in uses}
+    known |= {partner.name for partner in model.partners}
+    known |= {rulebase.name for rulebase in model.rulebases}
     axes = tuple(replace(axes, lines=_sound_lines(axes, sound(axes.lines), known))
                  for axes in model.axes)  # fmt: skip
     return replace(model, axes=axes, gains=gains, uses=uses, claims=())

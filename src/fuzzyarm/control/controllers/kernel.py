@@ -137,7 +137,11 @@ def step(k: Any, s: Any) -> None:
     # By address: a rare way, compiled into every loop, would slow the other one down.
     if total - total != 0.0:  # a value that is not a number, or infinities: the guards will see
         call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
-    elif run(k, s, 1, guards) != 0.0:
+        return
+    total = run(k, s, 1, guards)
+    for i in range(drives, drives + 2 * k[guards + COUNT_DRIVES], 2):
+        total += s[k[i]]
+    if total - total != 0.0:
         call(k[guards + SETTLE], k[0 : len(k)], s[0 : len(s)])
 
 
@@ -152,7 +156,8 @@ def step_guarded(k: Any, s: Any) -> None:
         at = k[guard + GUARD_END]
         if lacks_number(k, s, guard + GUARDED, k[guard + COUNT_READ]):
             skip(k, s, guard)
-        elif run(k, s, k[guard + GUARD_BEGIN], at) != 0.0:
+        else:
+            run(k, s, k[guard + GUARD_BEGIN], at)
             settle_one(k, s, guard)
         guard += GUARDED + k[guard + COUNT_READ] + 2 * k[guard + COUNT_SENT]
     run(k, s, at, end)
@@ -250,7 +255,8 @@ def unlearn(k: Any, s: Any, at: int, cell: int) -> None:
 def run(k: Any, s: Any, begin: int, end: int) -> float:
     """Carry out the instructions from one index of the code to another.
 
-    Returns 0, or NaN where one of them gives an infinity or what is not a number.
+    Returns 0, or NaN where a signal or what remembers was an infinity or not a number; at times
+    after an overflow of their sum alone.
     """
     at = begin
     total = 0.0
@@ -263,12 +269,16 @@ def run(k: Any, s: Any, begin: int, end: int) -> float:
             value = combined(what, s[a], s[b], s[c])
         else:
             value = consulted(k, s, what, a, b, c, single)
+            if what == UPDATE:
+                total += value
+            elif what == LIMIT and c != 0:
+                total += s[b + OVER]
         if k[at + 5] != 0:
             value = stored(value, single)
+            total += value
         s[into] = value
-        total += value - value
         at += INSTRUCTION
-    return total
+    return total - total
 
 
 @kernel

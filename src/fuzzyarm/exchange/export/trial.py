@@ -12,6 +12,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -122,8 +123,12 @@ _NO_SIZE = np.array([], np.float64)
 
 _PROBE = 1e-3
 
-_CHOICES = 8
+_CHOICES = 7
 """Errors to choose from in each period."""
+
+_AIMED = 2
+"""How many more are moved so that a rule base or a table reads a value in or beyond its pieces,
+whatever the controller remembers."""
 
 
 def trial(
@@ -140,11 +145,11 @@ def trial(
     draw = np.random.default_rng(seed)
     sample = _sample(steps, draw)
     measured = steps.of_sort("measured")
-    telling = _telling_errors(steps, controller) if controller is not None else {}
+    telling, movers = _telling_errors(steps, controller) if controller is not None else ({}, {})
     errors = {port: telling.get(port.symbol, (_ANY_SIZE, _NO_SIZE)) for port in measured}
     turns = {port: [_in_turn(sizes, draw) for sizes in each] for port, each in errors.items()}
     points = dict.fromkeys(measured, 0.0)
-    places = _Places(steps, controller) if controller is not None else None
+    places = _Places(steps, controller, movers) if controller is not None else None
 
     def moved(*, around: bool, spread: float) -> dict[StepVariable, float]:
         """Return errors that may follow."""
@@ -165,6 +170,9 @@ def trial(
             spread = 10.0 ** draw.uniform(-3.0, 0.0)
         around = (k // _SEGMENT) % 3 == 2 and k % _SEGMENT != 0
         choices = [moved(around=around, spread=spread) for _ in range(_CHOICES if places else 1)]
+        if places is not None:
+            aimed = (places.aimed(x, partial(sample, k), draw) for x in choices[:_AIMED])
+            choices = [*choices, *aimed]
         samples = [sample(k, choice) for choice in choices]
         best = places.visit_best(samples) if places is not None else 0
         points = choices[best]
@@ -205,8 +213,10 @@ class _Places:
     where it has a value for the second time: it is at a limit, which it has to reach itself.
     """
 
-    def __init__(self, steps: Steps, controller: EvaluatedController) -> None:
-        self._controller = controller
+    def __init__(
+        self, steps: Steps, controller: EvaluatedController, movers: Mapping[str, Sequence[str]]
+    ) -> None:
+        self._controller, self._movers = controller, movers
         self._ports = _port_symbols(steps)
         self._readers = list(_read(steps))
         self._names = [name for reader in self._readers for name, _ in reader]
@@ -221,6 +231,32 @@ class _Places:
         best = counts.index(max(counts))
         self._visit(*shown[best])
         return best
+
+    def aimed(
+        self,
+        errors: Mapping[StepVariable, float],
+        sample: Callable[[Mapping[StepVariable, float]], dict[str, float]],
+        draw: np.random.Generator,
+    ) -> dict[StepVariable, float]:
+        """Return errors moved so that one reader reads values drawn from those of its pieces."""
+        moved = dict(errors)
+
+        def reading(name: str, port: StepVariable | None = None, step: float = 0.0) -> float:
+            values = sample(moved if port is None else {**moved, port: moved[port] + step})
+            return self._controller.after([name], *(values[x] for x in self._ports))[0][0]
+
+        reader = self._readers[draw.integers(len(self._readers))] if self._readers else []
+        free = list(moved)
+        for name, points in reader:
+            target, before = draw.choice(points), reading(name)
+            movers = [port for port in free if port.symbol in self._movers[name]]
+            slopes = {port: (reading(name, port, _PROBE) - before) / _PROBE for port in movers}
+            moves = [port for port, x in slopes.items() if x != 0.0 and math.isfinite(x)]
+            if moves:
+                port = max(moves, key=lambda port: abs(slopes[port]))
+                moved[port] += (target - before) / slopes[port]
+                free.remove(port)
+        return moved
 
     def _new(self, reached: set[tuple[object, ...]], driven: set[tuple[int, float]]) -> int:
         """Return how many places were never visited, and drives beyond what they have reached."""
@@ -262,32 +298,43 @@ def _in_turn(sizes: NDArray[Any], draw: np.random.Generator) -> Iterator[float]:
 
 def _telling_errors(
     steps: Steps, controller: EvaluatedController
-) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
-    """Return errors of each measured port, and changes of them, for the values that show most."""
+) -> tuple[dict[str, tuple[NDArray[Any], NDArray[Any]]], dict[str, list[str]]]:
+    """Return errors of each measured port, and changes of them, for the values that show most.
+
+    And of what is read, the ports that move it.
+    """
     ports = _port_symbols(steps)
     wanted = [reads for reader in _read(steps) for reads in reader]
 
-    def values(moved: str) -> list[NDArray[Any]]:
+    def values(moved: str, size: float = _PROBE) -> list[NDArray[Any]]:
         """Return what is read in the period in which a port moves, and in the next one."""
         controller.start()
         found = []
-        for size in (0.0, _PROBE, _PROBE):
-            controller.step(*(-size if port == moved else 0.0 for port in ports))
+        for error in (0.0, size, size):
+            controller.step(*(-error if port == moved else 0.0 for port in ports))
             found.append(np.array([controller.value(name) for name, _ in wanted]))
         return found[1:]
 
     rest, telling = values("")[0], {}
+    movers: dict[str, list[str]] = {name: [] for name, _ in wanted}
     for port in ports:
         slopes, later = ((found - rest) / _PROBE for found in values(port))
         errors, changes = [_NO_SIZE], [_NO_SIZE]
-        for slope, stays, start, (_, points) in zip(slopes, later, rest, wanted, strict=True):
+        for k, (slope, stays, (_, points)) in enumerate(zip(slopes, later, wanted, strict=True)):
             if slope != 0.0 and math.isfinite(slope):
+                movers[wanted[k][0]].append(port)
                 kind = errors if abs(stays) > 1e-3 * abs(slope) else changes
-                kind.append((points - start) / slope)
+                sizes = (points - rest[k]) / slope
+                kind.append(sizes)
+                # Far from rest a signal may grow otherwise: it is magnified near it, or limited.
+                largest = float(sizes[np.argmax(np.abs(sizes))])
+                far = (values(port, largest)[0][k] - rest[k]) / largest if largest else slope
+                if far != 0.0 and math.isfinite(far) and abs(far - slope) > 0.01 * abs(slope):
+                    kind.append((points - rest[k]) / far)
         sizes, moved = (np.unique(np.concatenate(each)) for each in (errors, changes))
         telling[port] = (sizes if sizes.size else _ANY_SIZE), moved
     controller.start()
-    return telling
+    return telling, movers
 
 
 def _read(steps: Steps) -> Iterator[list[tuple[str, NDArray[Any]]]]:
