@@ -446,7 +446,7 @@ class Review(NamedTuple):
 
 
 def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Review:
-    """Check the text of a ``.frb`` file: mistakes; of sound rules, doubts and expectations.
+    """Check the text of a ``.frb`` file: mistakes first; without any, doubts and expectations.
 
     Never raises, whatever the text. A controller is checked on a plant, if one is given;
     otherwise on the shipped one that has its axes.

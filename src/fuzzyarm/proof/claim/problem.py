@@ -46,14 +46,11 @@ class LoopProofError(FuzzyarmError, ValueError):
 
 
 class LostRunError(LoopProofError):
-    """All runs of a set have no value, or are beyond the bound of a port: for certain.
+    """All runs of a set are beyond the bound of a port at the end of a period: for certain."""
 
-    They are so at the begin of the period in which it is raised, or `at_end`.
-    """
-
-    def __init__(self, where: str, *, at_end: bool = False) -> None:
+    def __init__(self, where: str) -> None:
         super().__init__(f"all runs from some starts are {where}")
-        self.where, self.at_end = where, at_end
+        self.where = where
 
 
 class ClaimError(LoopProofError):

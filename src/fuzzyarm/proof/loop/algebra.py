@@ -192,8 +192,6 @@ class Zonotopes(LoopAlgebra[Number]):
 def _demand_inside(x: Forms, variable: Variable) -> None:
     """Refuse a signal of a rule base that may be outside its range, where there is no value."""
     bounds, where = x.bounds, f"outside the range of '{variable.name}', where there is no value"
-    if (bounds.high < variable.low).any() or (bounds.low > variable.high).any():
-        raise LostRunError(where)
     if (bounds.low < variable.low).any() or (bounds.high > variable.high).any():
         raise EnclosureError(f"a run may be {where}")
 

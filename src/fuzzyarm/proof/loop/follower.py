@@ -378,7 +378,7 @@ class Follower:
         if lost.any():
             name = self.labels[int(lost.argmax())]
             where = f"beyond the bound of '{name}', {self.limits[lost.argmax()]:g}"
-            raise LostRunError(where, at_end=True)
+            raise LostRunError(where)
         over = ~(at.size[:count] <= limits).all(axis=1)
         if over.any():
             name = self.labels[int(over.argmax())]

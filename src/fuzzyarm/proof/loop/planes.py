@@ -34,8 +34,7 @@ from numpy.typing import NDArray
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.proof.claim.problem import LostRunError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.loop.plane_grid import HALVINGS, PlaneGrid, cells_of
-from fuzzyarm.proof.map.arithmetic import FLOATS
+from fuzzyarm.proof.map.arithmetic import FLOATS, Stop
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.map.bounds import WIDENED, UnprovableError
 from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written
@@ -309,7 +308,7 @@ class RulePlanes:
             raise EnclosureError(f"an input of '{self.output}' is outside its range")
         assert pieces.error is not None
         if self.prover.no_rule is None and not (pieces.lower.any() or pieces.error.any()):
-            raise LostRunError(f"where no rule of '{self.output}' fires")
+            raise EnclosureError(f"no rule of '{self.output}' fires, where its drive stays")
         slopes, offset = np.zeros(len(centre)), 0.0
         for round_number in range(ROUNDS + 1):
             slopes, offset = self._plane(pieces, centre, radius, middle)

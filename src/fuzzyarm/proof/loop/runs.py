@@ -153,7 +153,7 @@ def _enclosed_breach(
     try:
         course = follower.follow([follower.first])
     except LostRunError as error:
-        time = (follower.reached + error.at_end) * decimal(problem.period)
+        time = (follower.reached + 1) * decimal(problem.period)
         is_in_time = not claim.output or decimal(claim.begin) <= time < _last(claim)
         return f"the run is {error.where}, after {float(time):.6g} s" if is_in_time else None
     except (FuzzyarmError, EnclosureError):
