@@ -59,9 +59,9 @@ from fuzzyarm.symbolic.nodes import Node, apply, constant, replace, symbol, symb
 from fuzzyarm.symbolic.op import where
 from fuzzyarm.symbolic.printing import Assign, variables
 
-__all__ = ["ALL_NUMBERS", "controller_program"]
+__all__ = ["ALL_NUMBERS", "SETTLED", "controller_program"]
 
-ALL_NUMBERS = "all are numbers"
+ALL_NUMBERS, SETTLED = "all are numbers", "so is what was found"
 """Remark of the condition under which an axis does its period."""
 
 ENDS, LEFT = "set point ends", "periods left"
@@ -247,7 +247,7 @@ class _Lowering:
         settled = guard.settled
         for fires in self.fired:
             settled = fires if settled is None else settled & fires
-        inner = [*inner, *self._when(settled, lasting, "so is what was found")]
+        inner = [*inner, *self._when(settled, lasting, SETTLED)]
         yield from self._when(guard.condition, inner, ALL_NUMBERS)
         for name in guard.drives:
             if name in self.held:

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.exchange.export.controller_lowering import ALL_NUMBERS, controller_program
+from fuzzyarm.exchange.export.controller_lowering import ALL_NUMBERS, SETTLED, controller_program
 from fuzzyarm.exchange.export.controllers import ControllerProgram
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.numbers import ST_TYPES, ExportError, Kind, st_literal, st_number
@@ -429,12 +429,14 @@ ERROR = "error of the block"
 
 def _with_error(step: Function) -> Function:
     """Return the step with an output that is true in a period which an axis skips."""
-    body: list[Line] = [
-        line._replace(otherwise=(*line.otherwise, Assign(ERROR, Truth(True))))
-        if isinstance(line, When) and line.remark == ALL_NUMBERS
-        else line
-        for line in step.body
-    ]
+
+    def told(line: Line) -> Line:
+        if not isinstance(line, When) or line.remark not in {ALL_NUMBERS, SETTLED}:
+            return line
+        then, otherwise = tuple(map(told, line.then)), (*line.otherwise, Assign(ERROR, Truth(True)))
+        return line._replace(then=then, otherwise=otherwise)
+
+    body: list[Line] = list(map(told, step.body))
     return replace(step, body=[Assign(ERROR, Truth(False)), *body]) if body != step.body else step
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase, Variable
-from fuzzyarm.proof.claim.problem import LostRunError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.period import LoopAlgebra
 from fuzzyarm.proof.loop.planes import PlaneBand, RulePlanes, TablePlanes, Zonotope

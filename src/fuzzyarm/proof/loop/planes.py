@@ -32,9 +32,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.language.model.rulebase import RuleBase
-from fuzzyarm.proof.claim.problem import LostRunError
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.map.arithmetic import FLOATS, Stop
+from fuzzyarm.proof.loop.plane_grid import HALVINGS, PlaneGrid, cells_of
+from fuzzyarm.proof.map.arithmetic import FLOATS
 from fuzzyarm.proof.map.bernstein import Quotients, lattice, vertices_of
 from fuzzyarm.proof.map.bounds import WIDENED, UnprovableError
 from fuzzyarm.proof.map.prover import Prover, QuotientProblem, written

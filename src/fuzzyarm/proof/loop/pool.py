@@ -267,7 +267,7 @@ class Pool:
         return self.follower._fewer(states, memory, self.count, algebra, SYMBOLS)
 
     def _fate(self, swarm: _Swarm, end: str, error: Exception) -> Fate:
-        at_end = isinstance(error, LostRunError) and error.at_end
+        at_end = isinstance(error, LostRunError)
         words = error.where if isinstance(error, LostRunError) else str(error)
         return Fate(
             swarm.boxes[0],
