@@ -43,7 +43,7 @@ WRITTEN = {
     ],
     ("convert", "OUT"): [
         *(f"convert tipper.frb o.{x}" for x in ("fis", "fll", "fcl", "fml")),
-        "convert tipper.fis o.frb", "convert thesis-6.1.lut o.frb",
+        "convert tipper.fis o.frb",
     ],
     ("plot", "-o"): [f"plot pd7.frb -o o.{x}" for x in ("png", "svg", "pdf")],
     ("simulate", "-o"): [f"simulate servo.frb {RUN} --sweep J=0.01..0.02:2 -o o.csv"],

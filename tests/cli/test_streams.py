@@ -97,6 +97,7 @@ def of_every_command(name="x" + HOSTILE):
         ["playground", "nothing.txt", "-o", "site"],
         ["prove", PD7, "--range"],
         ["prove", hostile],
+        ["margins", hostile],
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],
