@@ -551,7 +551,7 @@ def test_independent_mistakes_are_found_at_once(tmp_path):
     found = [(d.line, d.name) for d in check_file(path).diagnostics]
     assert found == [
         (3, "missing-file"), (7, "duplicate-name"), (10, "unknown-signal"), (11, "unknown-port"),
-        (12, "trailing-text"), (13, "unexpected-token"), (14, "incomplete-statement"),
+        (12, "unknown-source"), (13, "unexpected-token"), (14, "incomplete-statement"),
         (15, "range-mismatch"), (16, "wrong-count"), (17, "wrong-count"), (18, "unknown-signal"),
         (18, "bad-range"),
     ]  # fmt: skip
