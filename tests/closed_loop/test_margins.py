@@ -16,7 +16,7 @@ from fuzzyarm.plant.own import starting_at
 from fuzzyarm.proof.claim.problem import loop_problem
 from fuzzyarm.proof.loop import LoopProofError
 from fuzzyarm.proof.loop.linearised import linearised
-from fuzzyarm.proof.loop.margins import changed, drive_margins, late_radius, margins_of
+from fuzzyarm.proof.loop.margins import changed, drive_margins, late_radius, margins_of, rule_gains
 
 H = 0.02
 
@@ -230,7 +230,7 @@ def test_no_gain_of_the_rules_is_worse_than_the_worst(name, plant, set_point, sh
     problem = loop_problem(load(shipped(name)), find_plant(plant), set_point=set_point)
     loop = linearised(problem)
     for drive in loop.drives:
-        worst = drive_margins(loop, drive, share).worst
+        worst = drive_margins(loop, drive, rule_gains(loop, share)).worst
         rng = np.random.default_rng(1)
         for _ in range(25):
             values = [rng.uniform(gain.low, gain.high) for gain in worst.gains]

@@ -25,7 +25,7 @@ OFTEN = {
     "check": 8, "fmt": 3, "eval": 10, "show": 6, "plot": 4, "diff": 4, "prove": 4, "compile": 10,
     "convert": 10, "simulate": 14, "sweep": 6, "compare": 1, "learn": 8, "tune": 3,
     "fit": 3, "validate": 4, "watch": 2, "new": 2, "shipped": 1, "lsp": 1,
-    "reproduce": 0.5, "cite": 2, "grade": 1, "demo": 0.05, "help": 1,
+    "reproduce": 0.5, "margins": 2, "cite": 2, "grade": 1, "demo": 0.05, "help": 1,
 }  # fmt: skip
 """How often each command is drawn, in parts.
 
@@ -228,6 +228,7 @@ WORDS = {
 SHORT = {
     "tune": ["--evals", "6", "--unseen", "2", "--workers", "1", "--time", "3s"],
     "prove": ["--budget", "1"],
+    "margins": ["--budget", "1"],
     "reproduce": ["--runs", "1"],
     "watch": ["--once"],
     "fit": ["--rules", "4", "--folds", "2"],

@@ -30,7 +30,7 @@ from workers import HUNG, Outcome, Worker  # noqa: E402
 
 from fuzzyarm.language import parse  # noqa: E402
 
-DIVERGES = {"simulate", "sweep", "compare", "learn", "tune", "reproduce", "demo"}
+DIVERGES = {"simulate", "margins", "sweep", "compare", "learn", "tune", "reproduce", "demo"}
 """Commands with a loop, which may end with 3."""
 
 UNDECIDED = {"prove", "check", "demo"}

@@ -235,6 +235,7 @@ NO_RULE_BASE = {
     "identify",
     "learn",
     "lsp",
+    "margins",
     "playground",
     "new",
     "reproduce",

@@ -29,6 +29,7 @@ from fuzzyarm.proof.loop.sampled_plant import require_still
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import slopes_at
+from fuzzyarm.proof.stop import Stop, TimeOverError
 from fuzzyarm.symbolic.evaluation import evaluate, gradient
 from fuzzyarm.symbolic.nodes import Node, symbols
 from fuzzyarm.table import LookupTable
@@ -39,6 +40,10 @@ Vector = NDArray[np.float64]
 
 STEP = 1e-4
 """Half of the difference that a slope is taken over, as a share of a range."""
+
+
+EXACTLY = 5.0
+"""Processor seconds that the exact slopes of an output may take, before differences do."""
 
 
 @dataclass(frozen=True)
@@ -327,8 +332,9 @@ def _exact_slopes(
     if not isinstance(sheet, RuleBase):
         return None
     try:
-        slopes = slopes_at(Prover(sheet, output), at)
-    except UnprovableError:
+        with Stop(EXACTLY):
+            slopes = slopes_at(Prover(sheet, output), at)
+    except (UnprovableError, TimeOverError):
         return None
     found = []
     for name in names:

@@ -37,6 +37,7 @@ from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope, 
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.prover import Prover
 from fuzzyarm.proof.map.sector import NoSectorError, form_text, sector
+from fuzzyarm.proof.stop import Stop, TimeOverError
 
 __all__ = [
     "DriveMargins",
@@ -163,6 +164,7 @@ def margins(
     sensors: Mapping[str, Sensor] | None = None,
     connect: Mapping[str, str] | None = None,
     share: float = 1.0,
+    budget: float = 60.0,
 ) -> dict[str, DriveMargins]:
     """Return the margins of a loop, opened at each drive in turn.
 
@@ -182,6 +184,8 @@ def margins(
         From names of the controller to ports of the plant, where they differ.
     share : float
         Of the ranges of the rule bases' inputs, around rest, over which their gains are bounded.
+    budget : float
+        Processor seconds that those bounds may take; without them margins are at rest only.
 
     Returns
     -------
@@ -209,7 +213,8 @@ def margins(
         connect=connect,
     )  # fmt: skip
     linear = linearised(problem)
-    return {".".join(drive): drive_margins(linear, drive, share) for drive in linear.drives}
+    gains = rule_gains(linear, share, Stop(budget))
+    return {".".join(drive): drive_margins(linear, drive, gains) for drive in linear.drives}
 
 
 # --- one loop ---
@@ -375,8 +380,10 @@ def late_radius(loop: OpenLoop, delay: float) -> float:
 # --- all gains of the rules ---
 
 
-def drive_margins(linear: LinearisedLoop, drive: Address, share: float = 1.0) -> DriveMargins:
-    """Return the margins at a drive: at rest, and the least over the gains of the rules.
+def drive_margins(
+    linear: LinearisedLoop, drive: Address, gains: tuple[RuleGain, ...] = ()
+) -> DriveMargins:
+    """Return the margins at a drive: at rest, and the worst over gains of the rules.
 
     Parameters
     ----------
@@ -384,8 +391,8 @@ def drive_margins(linear: LinearisedLoop, drive: Address, share: float = 1.0) ->
         The loop.
     drive : (str, str)
         Axis and port.
-    share : float
-        Of the ranges of the rule bases' inputs, around rest, over which gains count.
+    gains : tuple of RuleGain, optional
+        As from :func:`rule_gains`.
 
     Raises
     ------
@@ -399,38 +406,41 @@ def drive_margins(linear: LinearisedLoop, drive: Address, share: float = 1.0) ->
             " are flat there",
             hint="other set points, as in --at temperature=21",
         )
-    gains = rule_gains(linear, share)
-    return DriveMargins(
-        drive, loop, margins_of(loop), _worst(linear, drive, gains) if gains else None
-    )
+    worst = _worst(linear, drive, gains) if gains else None
+    return DriveMargins(drive, loop, margins_of(loop), worst)
 
 
-def rule_gains(linear: LinearisedLoop, share: float = 1.0) -> tuple[RuleGain, ...]:
+def rule_gains(
+    linear: LinearisedLoop, share: float = 1.0, stop: Stop | None = None
+) -> tuple[RuleGain, ...]:
     """Return the gains of all rule bases, bounded; empty where one of them has no bounds.
 
     Along the sum of its inputs that its slopes at rest have, a rule base is one gain times that
     sum, within its sector; where it has none, a gain for each input, within the bounds of its
     slopes. See :mod:`fuzzyarm.proof.map.sector`.
     """
-    found: list[RuleGain] = []
+    try:
+        with stop or Stop():
+            return tuple(_gains(linear, share, stop))
+    except (UnprovableError, TimeOverError):
+        return ()
+
+
+def _gains(linear: LinearisedLoop, share: float, stop: Stop | None) -> Iterator[RuleGain]:
     for (_, output), group in groupby(
         enumerate(linear.slopes), key=lambda pair: (id(pair[1].sheet), pair[1].output)
     ):
         slopes = list(group)
         sheet, at = slopes[0][1].sheet, slopes[0][1].at
         if not isinstance(sheet, RuleBase):
-            return ()
-        prover = Prover(sheet, output)
+            raise UnprovableError("a table")
+        prover = Prover(sheet, output, stop=stop)
         region = {
             v.name: (at[v.name] - share * (at[v.name] - v.low),
                      at[v.name] + share * (v.high - at[v.name]))
             for v in sheet.inputs
         }  # fmt: skip
-        try:
-            found += _sector_gain(prover, region, slopes) or _slope_gains(prover, region, slopes)
-        except UnprovableError:
-            return ()
-    return tuple(found)
+        yield from _sector_gain(prover, region, slopes) or _slope_gains(prover, region, slopes)
 
 
 _Slopes = Sequence[tuple[int, RuleSlope]]
@@ -460,6 +470,8 @@ def _slope_gains(
     found = []
     for index, slope in slopes:
         bounds = prover.slope(region, slope.input)
+        if not math.isfinite(bounds.high - bounds.low):
+            raise UnprovableError(f"time ran out before '{slope.output}' was bounded")
         words = f"{prover.rulebase.name}, slope along {slope.input}"
         found.append(RuleGain(words, ((index, 1.0),), bounds.low, bounds.high))
     return found

@@ -27,7 +27,7 @@ from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, 
 from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.linearised import linearised
-from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins
+from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins, rule_gains
 from fuzzyarm.proof.loop.start_map import MAP_BUDGET, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
@@ -406,7 +406,8 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
     )  # fmt: skip
     claim = claim_of(asked)
     linear = linearised(problem_of(text, claim, **setup_of(asked, claim)))
-    return [drive_margins(linear, drive, request.share) for drive in linear.drives]
+    gains = rule_gains(linear, request.share, Stop(request.budget))
+    return [drive_margins(linear, drive, gains) for drive in linear.drives]
 
 
 def map_of(
