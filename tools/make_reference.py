@@ -198,7 +198,7 @@ PURPOSES = {
     ),
     "Evaluate, tabulate, prove": (
         "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof.map", "fuzzyarm.proof.loop",
-        "fuzzyarm.proof.claim", "fuzzyarm.apps.grading",
+        "fuzzyarm.proof.claim", "fuzzyarm.proof.check", "fuzzyarm.apps.grading",
     ),
     "Controllers, plants, runs": (
         "fuzzyarm.control.controllers", "fuzzyarm.plant", "fuzzyarm.base.picture",

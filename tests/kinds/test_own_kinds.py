@@ -231,6 +231,7 @@ QUICK = ("sampled", "and", "hedge")
 NO_RULE_BASE = {
     "compare",
     "demo",
+    "designer",
     "grade",
     "identify",
     "learn",
