@@ -147,6 +147,15 @@ def test_a_function_gives_the_bits_of_numpy(what):
         assert plain(SAME[what](own)) == plain(SAME[what](np))
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["bool_", "uint8", "int8", "int16", "int32", "uint32", "int64", "intp", "uintp", "float32"],
+)
+def test_a_kind_is_that_of_numpy(name):
+    found, expected = (x.zeros(1, getattr(x, name)).dtype for x in (own, np))
+    assert (found.name, found.itemsize) == (expected.name, expected.itemsize)
+
+
 def test_a_view_shares_its_memory():
     array = own.zeros((3, 4))
     array[1:, ::2] = 7.0

@@ -71,7 +71,6 @@ def stand_in() -> tuple[ModuleType, ModuleType]:
     vars(module).update(
         ndarray=array.ndarray,
         intp=kinds.int64,
-        uintp=kinds.int64,
         complex128=_Any,
         dtype=kinds.dtype,
     )
