@@ -61,7 +61,8 @@ def test_every_source_drives_the_same_bits_in_structured_text(tmp_path, word, pr
     names = [f"{port.sort}_{port.name}" for port in ports(steps)]
     for row, drives in zip(vectors.inputs, vectors.expected, strict=True):
         block.run(**dict(zip(names, row, strict=True)))
-        assert [float(value) for value in block.outputs().values()] == list(drives)
+        found = {name: float(value) for name, value in block.outputs().items()}
+        assert [value for name, value in found.items() if name != "error"] == list(drives)
 
 
 @pytest.mark.parametrize("word", ["deadband", "hysteresis", WORD])

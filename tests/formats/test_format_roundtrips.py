@@ -339,6 +339,7 @@ def test_any_model_is_written_or_refused_and_what_is_written_is_read(
         imported = parse(text, suffix)
         names = {d.name for d in imported.errors}
         assert names <= {
+            *(["no-rules"] if text is lossy.text else []),  # all of them may be lost
             "set-as-value",
             "value-as-set",
             "not-monotonic",

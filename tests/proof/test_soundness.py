@@ -349,11 +349,14 @@ def test_halves_of_running_sums_between_two(seed: int) -> None:
     other = nearest_half_bounds(positions, lower, upper)
     for _ in range(30):
         weights = _between(draw, lower, upper).tolist()
-        for bounds, function in ((one, half_of), (other, nearest_half_of)):
-            total, found = function(positions.tolist(), weights, count)
-            assert not total > 0.0 or bounds[0] <= found <= bounds[1], function
+        halves = [
+            (one, *half_of(positions.tolist(), weights, count, next_to)) for next_to in (0, 1)
+        ]
+        halves.append((other, *nearest_half_of(positions.tolist(), weights, count)))
+        for bounds, total, found in halves:
+            assert not total > 0.0 or bounds[0] <= found <= bounds[1]
     exact = halving_bounds(positions, positions, upper + 0.1, upper + 0.1)
-    total, found = half_of(positions.tolist(), (upper + 0.1).tolist(), count)
+    total, found = half_of(positions.tolist(), (upper + 0.1).tolist(), count, 0)
     assert total > 0.0
     assert float(exact[0]) <= found <= float(exact[1])
 

@@ -35,7 +35,7 @@ class MarginsRequest(Request):
         Limits(0.0, 1.0, is_open=True),
     )
     budget: float = option(
-        "--budget SECONDS", "processor seconds that bounds of the rules' gains may take, 60 by"
-        " default; without bounds margins are at rest only", 60.0, Limits(0.0, is_open=True),
+        "--budget SECONDS", "processor seconds that bounds of the rules' gains may take;"
+        " without bounds margins are at rest only", 60.0, Limits(0.0, is_open=True),
         unit="seconds",
     )  # fmt: skip
