@@ -19,7 +19,7 @@ from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.call import prove
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.margins import DriveMargins, Margins, margins
-from fuzzyarm.proof.loop.start_map import MappedBox, StartMap, map_starts
+from fuzzyarm.proof.loop.start_map import MappedBox, MapSearch, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
@@ -32,6 +32,7 @@ __all__ = [
     "EnclosureError",
     "LoopProofError",
     "LoopVerdict",
+    "MapSearch",
     "MappedBox",
     "Margins",
     "StartMap",

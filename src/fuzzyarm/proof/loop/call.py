@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, Literal, TypedDict, overload
+from typing import Any, Literal, TypedDict, Unpack, overload
 
 from fuzzyarm.base import above
 from fuzzyarm.base.keywords import ArgumentError, demand_alone, demand_arguments, wrong_argument
@@ -21,7 +21,7 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.claim.text import claimed_plant, read_claim
 from fuzzyarm.proof.loop.orders import Proof, proofs_of
-from fuzzyarm.proof.loop.start_map import MAP_BUDGET, StartMap, map_starts
+from fuzzyarm.proof.loop.start_map import MAP_BUDGET, MapSearch, StartMap, map_starts
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.proof.map import verdicts
 from fuzzyarm.proof.map.verdicts import Verdict
@@ -36,7 +36,19 @@ _LOOP_WORDS = re.compile(r"\s*(?:prove\s+)?(stable|on)\b")
 """How a statement on a loop begins."""
 
 
-class ProveKeywords(TypedDict, total=False):
+class _MapKeywords(TypedDict, total=False):
+    """Keywords of `prove` that count for a map of starts, besides the plant."""
+
+    connect: Mapping[str, str] | None
+    sensors: Mapping[str, Sensor] | None
+    budget: float
+    tell: Tell | None
+    over: str | Mapping[str, tuple[float, float]]
+    workers: int
+    resume: str | os.PathLike[str] | None
+
+
+class ProveKeywords(_MapKeywords, total=False):
     """Keywords of `prove`.
 
     Attributes
@@ -75,18 +87,11 @@ class ProveKeywords(TypedDict, total=False):
     """
 
     plant: str | Plant | None
-    connect: Mapping[str, str] | None
-    sensors: Mapping[str, Sensor] | None
-    budget: float
     tolerance: float | None
     exact: bool
     continuous: bool
-    tell: Tell | None
     trust: bool
     map: bool
-    over: str | Mapping[str, tuple[float, float]]
-    workers: int
-    resume: str | os.PathLike[str] | None
 
 
 OF_RULES = ("tolerance", "budget", "exact", "tell")
@@ -116,13 +121,7 @@ def prove(
     *,
     plant: str | Plant,
     map: Literal[True],
-    over: str | Mapping[str, tuple[float, float]] = "",
-    connect: Mapping[str, str] | None = None,
-    sensors: Mapping[str, Sensor] | None = None,
-    budget: float = MAP_BUDGET,
-    workers: int = 1,
-    resume: str | os.PathLike[str] | None = None,
-    tell: Tell | None = None,
+    **keywords: Unpack[_MapKeywords],
 ) -> StartMap: ...
 
 
@@ -268,11 +267,14 @@ def _map_of(
     if tell is not None:
         watch = lambda found: tell(found.statement, len(found.boxes), 1.0 - found.decided)  # noqa: E731
     budget, resume = keywords.get("budget", math.inf), keywords.get("resume")
-    return map_starts(
-        model, claim, plant=loop_plant, connect=keywords.get("connect"),
-        sensors=keywords.get("sensors"), budget=MAP_BUDGET if math.isinf(budget) else budget,
-        workers=keywords.get("workers", 1), watch=watch,
+    search = MapSearch(
+        budget=MAP_BUDGET if math.isinf(budget) else budget,
+        workers=keywords.get("workers", 1),
         journal=None if resume is None else os.fspath(resume),
+    )
+    return map_starts(
+        model, claim, search, plant=loop_plant, connect=keywords.get("connect"),
+        sensors=keywords.get("sensors"), watch=watch,
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.linearised import linearised
 from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins, rule_gains
-from fuzzyarm.proof.loop.start_map import MAP_BUDGET, StartMap, map_starts
+from fuzzyarm.proof.loop.start_map import MAP_BUDGET, MapSearch, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
@@ -420,10 +420,8 @@ def map_of(
         start = read_claim(f"stable from {request.over}", request.plant or "", source).start
         claim = replace(claim, start=start)
     setup = setup_of(request, claim)
-    return map_starts(
-        controller, claim, budget=request.budget or MAP_BUDGET, workers=request.workers or 1,
-        journal=request.resume, watch=watch, **setup,
-    )  # fmt: skip
+    search = MapSearch(request.budget or MAP_BUDGET, request.workers or 1, request.resume)
+    return map_starts(controller, claim, search, watch=watch, **setup)
 
 
 def _told(found: StartMap, tell: Tell) -> None:

@@ -50,7 +50,7 @@ from fuzzyarm.proof.stop import Stop
 from fuzzyarm.requests.journal import WorkJournal, question_of
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["MAP_BUDGET", "MappedBox", "StartMap", "map_starts"]
+__all__ = ["MAP_BUDGET", "MapSearch", "MappedBox", "StartMap", "map_starts"]
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 
@@ -420,17 +420,39 @@ def _piece(
 Watch = Callable[[StartMap], None]
 
 
+@dataclass(frozen=True)
+class MapSearch:
+    """How a map is searched.
+
+    Attributes
+    ----------
+    budget : float
+        Seconds of the processor that each worker may take.
+    workers : int
+        Processes at a time.
+    journal : str, optional
+        A file that gets a line for each box; of the same question, it is gone on with.
+    runs : int
+        Drawn starts, whose runs are simulated.
+    """
+
+    budget: float = MAP_BUDGET
+    workers: int = 1
+    journal: str | None = None
+    runs: int = RUNS
+
+
+DEFAULT_SEARCH = MapSearch()
+
+
 def map_starts(
     text: ControllerText,
     claim: LoopClaim,
+    search: MapSearch = DEFAULT_SEARCH,
     *,
     plant: Plant,
     connect: Mapping[str, str] | None = None,
     sensors: Mapping[str, Sensor] | None = None,
-    budget: float = MAP_BUDGET,
-    workers: int = 1,
-    journal: str | None = None,
-    runs: int = RUNS,
     watch: Watch | None = None,
 ) -> StartMap:
     """Map the starts of a loop: proved, refuted or open.
@@ -442,18 +464,12 @@ def map_starts(
     claim : LoopClaim
         That it is stable, with set points and parameters; its starts are the window, by default
         the ranges of the outputs that are states.
+    search : MapSearch
+        How long, with how many workers.
     plant : Plant
         What it runs.
     connect, sensors
         As for :func:`fuzzyarm.proof.loop.prove_loop`.
-    budget : float
-        Seconds of the processor that each worker may take.
-    workers : int
-        Processes at a time.
-    journal : str, optional
-        A file that gets a line for each box; of the same question, it is gone on with.
-    runs : int
-        Drawn starts, whose runs are simulated.
     watch : callable, optional
         Given the map as far as it is, now and then.
 
@@ -464,20 +480,20 @@ def map_starts(
     LoopProofError
         If nothing is proved about the loop, by name.
     """
-    return _Map(text, claim, plant, connect, sensors, budget, workers, runs, watch).made(journal)
+    return _Map(text, claim, search, plant, connect, sensors, watch).made()
 
 
 class _Map:
     """A map in the making."""
 
     def __init__(
-        self, text: ControllerText, claim: LoopClaim, plant: Plant,
+        self, text: ControllerText, claim: LoopClaim, search: MapSearch, plant: Plant,
         connect: Mapping[str, str] | None, sensors: Mapping[str, Sensor] | None,
-        budget: float, workers: int, runs: int, watch: Watch | None,
+        watch: Watch | None,
     ) -> None:  # fmt: skip
-        self.begun, self.stop = time.monotonic(), Stop(budget)
+        self.begun, self.stop = time.monotonic(), Stop(search.budget)
         self.text, self.plant, self.connect, self.sensors = text, plant, connect, sensors
-        self.budget, self.workers, self.runs, self.watch = budget, workers, runs, watch
+        self.search, self.workers, self.watch = search, search.workers, watch
         start = claim.start or tuple(self._ranges(claim))
         self.claim = replace(claim_of_stability(claim), start=start)
         self.problem = problem_of(text, self.claim, plant=plant, connect=connect, sensors=sensors)
@@ -503,11 +519,11 @@ class _Map:
                     raise ClaimError(f"'{name}' has no range", hint=f"--over '{name} in -1 .. 1'")
                 yield name, port.low, port.high
 
-    def made(self, journal: str | None) -> StartMap:
+    def made(self) -> StartMap:
         """Return the whole map."""
         verdict = prove_loop(
             self.text, claim_of_stability(self.claim), plant=self.plant, connect=self.connect,
-            sensors=self.sensors, budget=0.5 * self.budget,
+            sensors=self.sensors, budget=0.5 * self.search.budget,
         )  # fmt: skip
         self.work += verdict.work
         self.region = verdict
@@ -519,15 +535,15 @@ class _Map:
             self.text, self.claim, self.plant, self.connect, self.sensors, verdict.certificate
         )
         try:
-            if journal is not None:
-                self._open(journal)
+            if self.search.journal is not None:
+                self._open(self.search.journal)
             self._searched(case)
         except EnclosureError as error:
             raise LoopProofError(str(error)) from error
         finally:
             if self.journal is not None:
                 self.journal.close()
-        if self.runs:
+        if self.search.runs:
             self._draw()
         return self._map()
 
@@ -639,7 +655,7 @@ class _Map:
         values = {name: span.low for name, span in problem.parameters.items()}
         duration = max(problem.plant.duration or 0.0, 1000 * problem.period)
         lost = []
-        for _ in range(self.runs):
+        for _ in range(self.search.runs):
             start = {n: float(generator.uniform(s.low, s.high)) for n, s in problem.start.items()}
             try:
                 run = run_of(problem, start, values, duration=duration)
