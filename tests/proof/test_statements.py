@@ -175,7 +175,7 @@ def test_what_goes_by_boxes_has_no_slopes_and_says_why(
         ("e in 1 .. 2, e in 2 .. 3 -> u > 0", "duplicate-setting", None),
         ("e in 1 .. 2 -> u odd", "not-symmetric", None),
         ("u slope e in 3 .. 1", "bad-range", None),
-        ("table lin within 3", "unexpected-token", "linear"),
+        ("table line within 3", "unexpected-token", "linear"),
         ("table linear within 0", "bad-tolerance", None),
     ],
 )

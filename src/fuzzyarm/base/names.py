@@ -28,7 +28,7 @@ def several_nearest(word: str, choices: Iterable[str], most: int = 3) -> list[st
     same = [option for option in options if option.casefold() == key]
     if same or len(word) > 100:
         return same[:1]
-    begun = [option for option in options if len(key) > 2 and option.casefold().startswith(key)]
+    begun = [option for option in options if len(key) > 3 and option.casefold().startswith(key)]
     similar = (option for option in options if abs(len(option) - len(word)) <= _LENGTHS)
     closest = _closest(key, tuple(islice(similar, _MOST)))
     return list(dict.fromkeys([*sorted(begun, key=len), *closest]))[:most]
