@@ -64,18 +64,13 @@ def margins_data(each: DriveMargins) -> dict[str, Any]:
     worst = each.worst
     return {
         "drive": ".".join(each.drive),
-        "nominal": _figures(each.nominal),
-        "worst": None if worst is None else _figures(worst.margins),
+        "nominal": vars(each.nominal),
+        "worst": None if worst is None else vars(worst.margins),
         "gains": []
         if worst is None
         else [{"of": gain.words, "low": gain.low, "high": gain.high} for gain in worst.gains],
         "where": {} if worst is None else {k: list(v) for k, v in worst.where.items()},
     }
-
-
-def _figures(margins: Margins) -> dict[str, Any]:
-    values = vars(margins)
-    return {k: None if v is not None and math.isinf(v) else v for k, v in values.items()}
 
 
 def lines(each: DriveMargins) -> list[str]:

@@ -898,10 +898,6 @@ def _is_nothing(height: Any) -> bool:
     return not any(height) if isinstance(height, tuple) else bool(height.is_zero())
 
 
-def _on_edge(a: Vector, b: Vector, share: fmpq) -> Vector:
-    return tuple(x + share * (y - x) for x, y in zip(a, b, strict=True))
-
-
 def _dot(row: Vector, corner: Vector) -> fmpq:
     return sum((w * x for w, x in zip(row, corner, strict=True) if w), ZERO)
 

@@ -139,6 +139,12 @@ class LoopProblem:
         """Names of the plant's states."""
         return tuple(self.plant.states)
 
+    @property
+    def constants(self) -> dict[str, float]:
+        """Time and parameters by the symbols of the equations: 0, and the middle of an interval."""
+        spans = zip(self.equations.parameters, self.parameters.values(), strict=True)
+        return {"t": 0.0} | {key: 0.5 * span.low + 0.5 * span.high for key, span in spans}
+
     @cached_property
     def equations(self) -> PlantEquations:
         """The equations of the plant; LoopProofError if they cannot be traced."""

@@ -105,12 +105,10 @@ class FormMaker:
 
     def _plant_values(self, states: Mapping[str, Affine]) -> dict[str, Affine]:
         equations, problem = self.equations, self.problem
-        values = {"t": number(0.0)}
+        values = {key: number(value) for key, value in problem.constants.items()}
         values |= {
             key: states[name] for key, name in zip(equations.states, problem.states, strict=True)
         }
-        for key, at in zip(equations.parameters, problem.parameters.values(), strict=True):
-            values[key] = number(0.5 * at.low + 0.5 * at.high)
         return values
 
     @property

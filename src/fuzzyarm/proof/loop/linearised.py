@@ -373,7 +373,7 @@ def _walked(
     unit = np.eye(size)
     z = {name: _Slope(x, unit[k]) for k, (name, x) in enumerate(rest.items())}
     equations = problem.equations
-    values = {k: _Slope(x) for k, x in _parameters(problem).items()}
+    values = {k: _Slope(x) for k, x in problem.constants.items()}
     values |= {k: z[n] for k, n in zip(equations.states, problem.states, strict=True)}
     outputs = {
         address: algebra.expression(root, values)
@@ -389,15 +389,9 @@ def _walked(
     return whole, [_Slope(after[n].value, after[n].by + wide) for n in list(rest)[count:]]
 
 
-def _parameters(problem: LoopProblem) -> dict[str, float]:
-    """Return the time and the parameters of the plant by their symbols, intervals by middles."""
-    spans = zip(problem.equations.parameters, problem.parameters.values(), strict=True)
-    return {"t": 0.0} | {key: 0.5 * span.low + 0.5 * span.high for key, span in spans}
-
-
 def _plant_slopes(problem: LoopProblem, inputs: Vector, rest: Mapping[str, float]) -> Vector:
     equations = problem.equations
-    values = _parameters(problem)
+    values = problem.constants
     values |= {k: rest[n] for k, n in zip(equations.states, problem.states, strict=True)}
     values |= dict(zip(equations.inputs, inputs.tolist(), strict=True))
     every = (*equations.states, *equations.inputs)

@@ -32,7 +32,7 @@ from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Address, Plant
-from fuzzyarm.proof.claim.problem import LoopProofError, loop_problem
+from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError, loop_problem
 from fuzzyarm.proof.loop.linearised import LinearisedLoop, OpenLoop, RuleSlope, linearised
 from fuzzyarm.proof.map.bounds import UnprovableError
 from fuzzyarm.proof.map.prover import Prover
@@ -49,6 +49,7 @@ __all__ = [
     "late_radius",
     "margins",
     "margins_of",
+    "margins_of_problem",
     "rule_gains",
 ]
 
@@ -212,9 +213,14 @@ def margins(
         text, find_plant(plant), set_point=set_point, parameters=parameters, sensors=sensors,
         connect=connect,
     )  # fmt: skip
+    return {".".join(each.drive): each for each in margins_of_problem(problem, share, budget)}
+
+
+def margins_of_problem(problem: LoopProblem, share: float, budget: float) -> list[DriveMargins]:
+    """Return the margins of a loop at each drive; see :func:`margins`."""
     linear = linearised(problem)
     gains = rule_gains(linear, share, Stop(budget))
-    return {".".join(drive): drive_margins(linear, drive, gains) for drive in linear.drives}
+    return [drive_margins(linear, drive, gains) for drive in linear.drives]
 
 
 # --- one loop ---
@@ -362,18 +368,12 @@ def late_radius(loop: OpenLoop, delay: float) -> float:
     late = expm(both * (h - part))[:m, m]
     early = loop.b[:m] - late
     size = n + whole + 1
+    drives = np.eye(size)[n - 1 :]  # of now, and of 1, 2 … periods ago
+    drives[0] = np.concatenate([-loop.c, np.zeros(whole + 1)])
     a = np.zeros((size, size))
     a[:n, :n] = loop.a
-    a[:m, size - 1] += early
-    queue = range(n, size)  # drives of 1, 2 … periods ago
-    now = n + whole - 1 if whole else None
-    if now is None:
-        a[:m, :n] -= np.outer(late, loop.c)
-    else:
-        a[:m, now] += late
-    a[queue[0], :n] = -loop.c
-    for k in queue[1:]:
-        a[k, k - 1] = 1.0
+    a[:m] += np.outer(early, drives[whole + 1]) + np.outer(late, drives[whole])
+    a[n:] = drives[:-1]
     return float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))
 
 

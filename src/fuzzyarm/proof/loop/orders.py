@@ -26,8 +26,7 @@ from fuzzyarm.proof.check.certificate import write_certificate
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
 from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
-from fuzzyarm.proof.loop.linearised import linearised
-from fuzzyarm.proof.loop.margins import DriveMargins, drive_margins, rule_gains
+from fuzzyarm.proof.loop.margins import DriveMargins, margins_of_problem
 from fuzzyarm.proof.loop.start_map import MAP_BUDGET, MapSearch, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
@@ -405,9 +404,8 @@ def margins_of_request(request: MarginsRequest) -> list[DriveMargins]:
         connect=request.connect, sensor_delay=request.sensor_delay,
     )  # fmt: skip
     claim = claim_of(asked)
-    linear = linearised(problem_of(text, claim, **setup_of(asked, claim)))
-    gains = rule_gains(linear, request.share, Stop(request.budget))
-    return [drive_margins(linear, drive, gains) for drive in linear.drives]
+    problem = problem_of(text, claim, **setup_of(asked, claim))
+    return margins_of_problem(problem, request.share, request.budget)
 
 
 def map_of(

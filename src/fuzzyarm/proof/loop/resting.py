@@ -111,10 +111,8 @@ def _motion(
 ) -> list[float]:
     """Return the rates of the plant and the steps of the memory."""
     equations, interface = problem.equations, problem.site.interface
-    values = {"t": 0.0}
+    values = problem.constants
     values |= {k: states[n] for k, n in zip(equations.states, problem.states, strict=True)}
-    for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
-        values[key] = 0.5 * span.low + 0.5 * span.high
     outputs: dict[Address, float] = {
         address: evaluate(root, values)
         for address, root in zip(interface.outputs, equations.outputs, strict=True)
