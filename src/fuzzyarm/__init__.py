@@ -86,7 +86,10 @@ Rooms, each with public names of its own; every one imports only those before it
                         this room.
 """
 
-from __future__ import annotations
+from fuzzyarm import interrupts
+
+if interrupts.is_command():
+    interrupts.leave()
 
 from fuzzyarm.base import above
 from fuzzyarm.base.lazy import lazily

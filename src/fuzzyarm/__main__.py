@@ -2,15 +2,13 @@
 
 import sys
 
-from fuzzyarm.base import interrupts
-
-INTERRUPTED = 130
+from fuzzyarm import interrupts
 
 
 def main() -> int:
     """Run the command of this process; Ctrl-C ends it in one line, while modules load as well."""
     try:
-        interrupts.listen()
+        interrupts.leave()
         from fuzzyarm.apps.cli.main import main as run
 
         status = run()
@@ -20,7 +18,9 @@ def main() -> int:
             raise
         interrupts.ignore()
         sys.stderr.write("fuzzyarm: interrupted\n")
-        return INTERRUPTED
+        status = interrupts.INTERRUPTED
+    if status == interrupts.INTERRUPTED:
+        interrupts.end_interrupted()
     return status
 
 

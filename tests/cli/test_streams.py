@@ -236,10 +236,8 @@ def test_a_full_disk_names_the_output(files, monkeypatch, capsys):
     assert capsys.readouterr().err == "fuzzyarm: standard output: No space left on device\n"
 
 
-INTERRUPTED_IMPORT = """\
+INTERRUPTING = """\
 import signal, sys
-from fuzzyarm.base import interrupts
-from fuzzyarm.__main__ import main
 
 
 class Interrupting:
@@ -253,22 +251,40 @@ class Interrupting:
             raise {error}("broken off") from error
 
 
+sys.modules.pop("typing", None)
 sys.meta_path.insert(0, Interrupting())
-sys.argv[1:] = ["check", {file!r}]
+"""
+
+SCRIPT = """\
+import sys
+from fuzzyarm.__main__ import main
 sys.exit(main())
 """
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("error", ["KeyboardInterrupt", "ImportError", "RuntimeError"])
+@pytest.mark.parametrize("start", ["script", "-m"])
 @pytest.mark.parametrize(
-    "module", ["fuzzyarm.apps.cli.main", "fuzzyarm.apps.cli.check", "fuzzyarm.language"]
+    "module", ["typing", "fuzzyarm.base", "fuzzyarm.apps.cli.eval", "fuzzyarm.inference"]
 )
-def test_ctrl_c_while_modules_load_is_one_line(module, error):
-    script = INTERRUPTED_IMPORT.format(module=module, error=error, file=PD7)
+def test_ctrl_c_is_one_line_from_the_first_module_on(tmp_path, module, start, error):
+    (tmp_path / "sitecustomize.py").write_text(INTERRUPTING.format(module=module, error=error))
+    (tmp_path / "fuzzyarm").write_text(SCRIPT)
+    command = [str(tmp_path / "fuzzyarm")] if start == "script" else ["-m", "fuzzyarm"]
+    ended = subprocess.run(
+        [sys.executable, *command, "eval", PD7, "e=1", "ce=2"], check=False, capture_output=True,
+        text=True, env={**os.environ, "PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (130, "fuzzyarm: interrupted\n")
+
+
+@pytest.mark.slow
+def test_a_program_that_uses_fuzzyarm_keeps_its_ctrl_c():
+    script = "import fuzzyarm, signal; raise SystemExit(signal.getsignal(signal.SIGINT).__name__)"
     command = [sys.executable, "-c", script]
     ended = subprocess.run(command, check=False, capture_output=True, text=True)
-    assert (ended.returncode, ended.stderr) == (130, "fuzzyarm: interrupted\n")
+    assert ended.stderr == "default_int_handler\n"
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ import pytest
 from sources import MODULES, SOURCE, nodes_of, tree
 
 ORDER = (
+    "interrupts",
     "version",
     "base",
     "symbolic",

@@ -19,6 +19,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from typing import TextIO, cast
 
+from fuzzyarm import interrupts
 from fuzzyarm.apps.cli.command import (
     EXIT_INTERRUPTED,
     EXIT_USAGE,
@@ -29,7 +30,6 @@ from fuzzyarm.apps.cli.command import (
     print_findings,
     print_os_error,
 )
-from fuzzyarm.base import interrupts
 from fuzzyarm.base.columns import in_columns
 from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
@@ -256,6 +256,7 @@ def _run(words: list[str]) -> int:
         with announced(f"at work on: {_shortened(words)}"):
             command = find_command(name)
             arguments = _parse(command.parser(), words[1:])
+            interrupts.listen()
             if command.rewrites(arguments):
                 return command.run(arguments)
             with sources_kept(force=getattr(arguments, "force", False)):
