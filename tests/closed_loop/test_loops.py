@@ -19,6 +19,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.language.model.controller import Amount
 from fuzzyarm.plant import Parameter, Plant, Port, find_plant
 from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.check.certificate import sealed
 from fuzzyarm.proof.check.loop import checked_loop
 from fuzzyarm.proof.check.numbers import exact, is_positive_definite
@@ -27,7 +28,6 @@ from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import (
     CertificateError,
     LoopProofError,
-    check_certificate,
     prove_loop,
     read_certificate,
     read_claim,

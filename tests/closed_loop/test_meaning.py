@@ -19,6 +19,7 @@ from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import PlantError, Port, with_parameters
+from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, require_sense
@@ -26,7 +27,6 @@ from fuzzyarm.proof.claim.time import claimed_periods
 from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
-    check_certificate,
     loop_tube,
     prove_loop,
     read_claim,

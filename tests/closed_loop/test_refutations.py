@@ -14,10 +14,10 @@ import pytest
 from fuzzyarm import load_controller, shipped
 from fuzzyarm.apps.cli.main import main
 from fuzzyarm.control.controllers.text import ControllerText
+from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.check.numbers import exact, is_positive_definite
 from fuzzyarm.proof.loop import (
     LoopVerdict,
-    check_certificate,
     prove_loop,
     read_claim,
     write_certificate,

@@ -12,6 +12,7 @@ from scipy.optimize import linprog
 
 import fuzzyarm
 from fuzzyarm.proof import check
+from fuzzyarm.proof.check import check_certificate
 from fuzzyarm.proof.check.certificate import TubeProof, sealed
 from fuzzyarm.proof.check.numbers import precisely
 from fuzzyarm.proof.check.tube import Follower, covered
@@ -19,7 +20,6 @@ from fuzzyarm.proof.claim.text import problem_of
 from fuzzyarm.proof.loop import (
     CertificateError,
     certify_tube,
-    check_certificate,
     read_certificate,
     read_claim,
     write_certificate,
@@ -186,7 +186,7 @@ def test_a_map_is_proved_box_by_box_and_in_order(servo):
     plain = fuzzyarm.prove(servo, "stable", plant="motor").certificate
     whole = replace(plain, regions=(region,), tubes=tubes)
     checked = check.check_certificate(whole, servo)
-    assert checked.proved, checked.against
+    assert checked.proved, checked.reason
     assert "2 boxes" in checked.statement
     assert [words.split(":")[0] for words in checked.words if "theorem" in words] == ["theorem"] * 3
     circle = replace(whole, tubes=(tubes[0]._replace(into=("tubes", (1,))), tubes[1]))

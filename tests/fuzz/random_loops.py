@@ -65,11 +65,11 @@ from fuzzyarm.control.loop.course import Options, Sensor  # noqa: E402
 from fuzzyarm.language.model.claims import LoopClaim  # noqa: E402
 from fuzzyarm.plant.own import find_plant  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
+from fuzzyarm.proof.check import check_certificate  # noqa: E402
 from fuzzyarm.proof.check.certificate import sealed  # noqa: E402
 from fuzzyarm.proof.claim.text import loop_sentence  # noqa: E402
 from fuzzyarm.proof.loop import (  # noqa: E402
     LoopVerdict,
-    check_certificate,
     read_claim,
     write_certificate,
 )

@@ -299,15 +299,13 @@ def _of_file(path: str) -> Iterator[None]:
 
 def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
     """Check a certificate; return what it proves, for the head of a program."""
+    from fuzzyarm.proof.check.checking import check_certificate, proof_words
     from fuzzyarm.proof.claim.text import claimed_plant
-    from fuzzyarm.proof.loop import check_certificate
-    from fuzzyarm.proof.loop.verdicts import proof_words
 
-    verdict = check_certificate(path, controller, trust=trust)
-    if not verdict.proved or verdict.certificate is None:
-        raise WordError(f"{path}: {verdict.reason}")
-    plant = claimed_plant(verdict.certificate.claim, trust=trust)
-    return proof_words(verdict, controller, plant)
+    checked = check_certificate(path, controller, trust=trust)
+    if not checked.proved:
+        raise WordError(f"{path}: {checked.reason}")
+    return proof_words(checked, controller, claimed_plant(checked.claim, trust=trust))
 
 
 def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:

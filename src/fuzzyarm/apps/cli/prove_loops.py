@@ -20,6 +20,7 @@ from fuzzyarm.exchange.files import controller_if_any
 if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.language.model.claims import LoopClaim
+    from fuzzyarm.proof.check import Checked
     from fuzzyarm.proof.loop import LoopVerdict, StartMap, Tube
 
 
@@ -243,8 +244,8 @@ def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
 def check(request: ProveWords) -> int:
     """Do what ``--check`` says."""
     path = request.check or ""
-    from fuzzyarm.proof.loop import CertificateError
-    from fuzzyarm.proof.loop.orders import check_of
+    from fuzzyarm.proof.check import CertificateError
+    from fuzzyarm.proof.check.checking import check_of
 
     controller = None
     if request.files:
@@ -252,14 +253,14 @@ def check(request: ProveWords) -> int:
         if controller is None:
             raise WordError(f"{request.files[0]} is not a controller")
     try:
-        verdict = check_of(request, controller)
+        checked = check_of(request, controller)
     except CertificateError as error:
         raise WordError(str(error)) from error
     if request.json:
-        print_json(loop_data(verdict), 2)
+        print_json(_common_data(checked) | {"evidence": list(checked.words)}, 2)
     else:
-        say(*_lines(path, verdict))
-    return exit_status(verdict.verdict)
+        say(*f"{path}: {checked}\n  {checked.seconds:.2f} s".splitlines())
+    return exit_status(checked.verdict)
 
 
 def _lines(path: str, verdict: LoopVerdict) -> list[str]:
@@ -272,6 +273,17 @@ def _lines(path: str, verdict: LoopVerdict) -> list[str]:
 
 def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
     """Return a verdict on a loop as JSON has it."""
+    return {
+        **_common_data(verdict),
+        "tube": tube_data(verdict.tube),
+        "evidence": list(verdict.evidence),
+        "pieces": verdict.pieces,
+        "line": verdict.line,
+    }
+
+
+def _common_data(verdict: LoopVerdict | Checked) -> dict[str, Any]:
+    """Return what a verdict and a checked certificate share, as JSON has it."""
     certificate = verdict.certificate
     return {
         "property": verdict.statement,
@@ -283,10 +295,10 @@ def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
         "continuous": verdict.continuous,
         "uncertain": list(verdict.uncertain),
         "certificate": None if certificate is None else certificate.seal,
-        "tube": tube_data(verdict.tube),
-        "evidence": list(verdict.evidence),
-        "pieces": verdict.pieces,
+        "tube": None,
+        "evidence": [],
+        "pieces": 0,
         "seconds": round(verdict.seconds, 6),
         "reason": verdict.reason,
-        "line": verdict.line,
+        "line": 0,
     }

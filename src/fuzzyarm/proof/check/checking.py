@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
 from fuzzyarm.language.model.claims import LoopClaim
 from fuzzyarm.plant.own import trusted_plant
-from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.plant import Plant, parameter
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     CertificateError,
@@ -25,12 +27,22 @@ from fuzzyarm.proof.check.numbers import Number, exact, float_above, float_below
 from fuzzyarm.proof.check.region import accepted, outside, region_facts, verified
 from fuzzyarm.proof.check.rules import RuleSurfaces
 from fuzzyarm.proof.check.tube import Arrival, Follower, Haven, covered
-from fuzzyarm.proof.claim.identity import loop_digests
+from fuzzyarm.proof.claim.identity import gain_words, loop_digests
 from fuzzyarm.proof.claim.problem import LoopProblem, LoopProofError
 from fuzzyarm.proof.claim.text import claimed_in, loop_sentence, problem_of
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["Checked", "check_certificate", "follow_box"]
+if TYPE_CHECKING:
+    from fuzzyarm.requests.prove import ProveRequest
+
+__all__ = [
+    "Checked",
+    "check_certificate",
+    "check_of",
+    "follow_box",
+    "proof_words",
+    "region_lines",
+]
 
 PROVED, UNDECIDED = "proved", "undecided"
 
@@ -52,7 +64,7 @@ class Checked(Shown):
         The sentence that follows.
     certificate : Certificate
         Which.
-    against : str
+    reason : str
         Why it does not; empty where it does.
     files : dict of str to str
         SHA-256 of the files that were read, by name.
@@ -60,25 +72,53 @@ class Checked(Shown):
         The loop that was derived, in words.
     theorems : tuple of str
         What was used.
-    facts : dict
-        The region, as a verdict has it.
+    region : dict of str to (float, float)
+        Where each state and each memory can be in the first region; empty where there is none.
+    start_region : dict of str to float
+        By state of the plant, how far from rest the loop may start along it alone.
+    rest : dict of str to float
+        Where the loop rests.
+    fall : float
+        By what share V falls in each period at least.
+    continuous : bool
+        Whether it is of the loop in continuous time only.
+    uncertain : tuple of str
+        What was taken as an unknown gain.
     boxes : int
         How many boxes of starts were followed.
+    seconds : float
+        How long it took.
     """
 
     statement: str
     certificate: Certificate
-    against: str = ""
+    reason: str = ""
     files: Mapping[str, str] = field(default_factory=dict)
     loop: tuple[str, ...] = ()
     theorems: tuple[str, ...] = ()
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    region: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    start_region: Mapping[str, float] = field(default_factory=dict)
+    rest: Mapping[str, float] = field(default_factory=dict)
+    fall: float = 0.0
+    continuous: bool = False
+    uncertain: tuple[str, ...] = ()
     boxes: int = 0
+    seconds: float = field(default=0.0, compare=False)
 
     @property
     def proved(self) -> bool:
         """Whether the statement holds."""
-        return not self.against
+        return not self.reason
+
+    @property
+    def verdict(self) -> str:
+        """``proved`` or ``undecided``."""
+        return PROVED if self.proved else UNDECIDED
+
+    @property
+    def claim(self) -> LoopClaim:
+        """What is claimed."""
+        return self.certificate.claim
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -87,11 +127,32 @@ class Checked(Shown):
         return (*files, *self.loop, *(f"theorem: {words}" for words in self.theorems))
 
     def __repr__(self) -> str:
-        return one_line(self, f"{PROVED if self.proved else UNDECIDED}: {self.statement}")
+        return one_line(self, f"{self.verdict}: {self.statement}")
 
     def __str__(self) -> str:
-        head = f"{PROVED if self.proved else UNDECIDED}: {self.statement}"
-        return "\n  ".join([head, *([self.against] * bool(self.against)), *self.words])
+        lines = [f"{self.verdict}: {self.statement}"]
+        if self.region:
+            lines += region_lines(self.region, self.start_region, continuous=self.continuous)
+        return "\n".join([*lines, *(f"  {x}" for x in (self.reason, *self.words) if x)])
+
+
+def region_lines(
+    region: Mapping[str, tuple[float, float]],
+    start_region: Mapping[str, float],
+    *,
+    continuous: bool = False,
+    arrival: bool = False,
+) -> Iterator[str]:
+    """Yield the reach of a region, a line for each state, below what it is."""
+    if not arrival:
+        how = "in continuous time" if continuous else "as sampled"
+        yield f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
+    for name, (low, high) in region.items():
+        alone = start_region.get(name)
+        words = "" if alone is None else f" (± {alone:.4g} with the others at rest)"
+        yield f"    {name} in {low:.4g} .. {high:.4g}{words}"
+    if not arrival and not start_region:
+        yield "  these are its farthest points; what memory starts as counts as well"
 
 
 def check_certificate(
@@ -128,7 +189,7 @@ def check_certificate(
     PlantError
         If its plant is code that may not run.
     """
-    stop, folder = Stop(budget), Path(".")
+    begun, stop, folder = time.monotonic(), Stop(budget), Path(".")
     if isinstance(certificate, str):
         folder = Path(certificate).parent
         certificate = read_certificate(certificate)
@@ -141,7 +202,7 @@ def check_certificate(
     )  # fmt: skip
     plant = trusted_plant(claim.plant, named, trust=trust) if plant is None else plant
     _require_loop(certificate, text, plant)
-    facts: dict[str, Any] = {}
+    checked = Checked(statement=statement, certificate=certificate)
     try:
         with stop:
             problem = problem_of(
@@ -149,16 +210,44 @@ def check_certificate(
                 plant=plant, sensors=certificate.sensors, connect=certificate.connect,
             )  # fmt: skip
             proof = _Proof(problem, certificate)
-            facts = proof.facts
     except FuzzyarmError as error:
-        against = f"the certificate does not prove it: {error}"
-        return Checked(statement=statement, certificate=certificate, against=against)
+        reason = f"the certificate does not prove it: {error}"
+        return replace(checked, reason=reason, seconds=time.monotonic() - begun)
     if proof.is_map:
         statement += f"; from all starts in {_boxes_words(problem, certificate.tubes)}"
-    return Checked(
-        statement=statement, certificate=certificate, files=certificate.fingerprints,
-        loop=proof.loop, theorems=proof.theorems, facts=facts, boxes=len(certificate.tubes),
+    return replace(
+        checked, statement=statement, files=certificate.fingerprints, loop=proof.loop,
+        theorems=proof.theorems, boxes=len(certificate.tubes), seconds=time.monotonic() - begun,
+        **proof.facts,
     )  # fmt: skip
+
+
+def check_of(request: ProveRequest, text: ControllerText | None) -> Checked:
+    """Check the certificate of a request."""
+    return check_certificate(
+        request.check or "", text, named=request.plant, trust=request.trust,
+        budget=request.budget or math.inf,
+    )  # fmt: skip
+
+
+def proof_words(checked: Checked, text: ControllerText, plant: Plant) -> str:
+    """Return what a certificate proves, where, and of which numbers, for the head of a program."""
+    words = [checked.statement + ("" if checked.continuous else ", as sampled")]
+    if checked.region and not (checked.claim.start or checked.certificate.tubes):
+        reach = [
+            f"{name} in {low:.6g} .. {high:.6g}" for name, (low, high) in checked.region.items()
+        ]
+        words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
+    gains = [f"{gain.name} = {gain_words(gain)}" for gain in text.model.gains]
+    stated = {name for name, _, _ in checked.claim.parameters}
+    numbers = [
+        f"{name} = {number_text(parameter(plant, name).value)}"
+        for name in plant.parameters
+        if name not in stated
+    ]
+    words += [f"gains {', '.join(gains)}"] * bool(gains)
+    words += [f"parameters {', '.join(numbers)}"] * bool(numbers)
+    return "; ".join([*words, f"certificate {checked.certificate.seal}"])
 
 
 class _Proof:
@@ -168,6 +257,7 @@ class _Proof:
         self.problem, self.claim = problem, certificate.claim
         self.surfaces = RuleSurfaces()
         regions, tubes = certificate.regions, certificate.tubes
+        self.facts: dict[str, Any] = {}
         self.is_map = bool(tubes) and not (self.claim.start or self.claim.output)
         if not tubes:
             if len(regions) != 1:

@@ -22,7 +22,7 @@ from fuzzyarm.proof.loop.margins import DriveMargins, Margins, margins
 from fuzzyarm.proof.loop.start_map import MappedBox, MapSearch, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import loop_tube
 from fuzzyarm.proof.loop.tube import Demand, Tube, tube
-from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
+from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
 
 __all__ = [
     "Certificate",
@@ -38,7 +38,6 @@ __all__ = [
     "StartMap",
     "Tube",
     "certify_tube",
-    "check_certificate",
     "claim_text",
     "loop_problem",
     "loop_tube",

@@ -23,6 +23,7 @@ from fuzzyarm.language.statements import TABLE_MODES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.proof.check.certificate import write_certificate
+from fuzzyarm.proof.check.checking import Checked, check_of
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of, read_claim
 from fuzzyarm.proof.loop.boxes import certify_tube
 from fuzzyarm.proof.loop.enclosure import EnclosureError
@@ -30,7 +31,7 @@ from fuzzyarm.proof.loop.margins import DriveMargins, margins_of_problem
 from fuzzyarm.proof.loop.start_map import MAP_BUDGET, MapSearch, StartMap, map_starts
 from fuzzyarm.proof.loop.timed import TUBE_BUDGET, loop_tube
 from fuzzyarm.proof.loop.tube import Tube
-from fuzzyarm.proof.loop.verdicts import LoopVerdict, check_certificate, prove_loop
+from fuzzyarm.proof.loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.proof.map import Bounds, Prover, Verdict, prove_all, sector, slopes_at
 from fuzzyarm.proof.map.controllers import DriveProof, prove_drives
 from fuzzyarm.proof.map.sector import Sector, form_text
@@ -42,7 +43,7 @@ from fuzzyarm.table import compile_table
 
 __all__ = ["Proof", "proofs_of"]
 
-Proof = Verdict | LoopVerdict | DriveProof | Bounds | Sector | Tube | StartMap
+Proof = Verdict | LoopVerdict | Checked | DriveProof | Bounds | Sector | Tube | StartMap
 """What proving gives: by what was asked."""
 
 Tell = Callable[[str, int, float], None]
@@ -92,14 +93,6 @@ def _of_loop(request: ProveRequest, loop: ControllerText, tell: Tell) -> Iterabl
     if not request.stable and request.claim is None:
         return [tube_of(request, loop, tell)[0]]
     return loops_of(request, loop, (claim_of(request),), tell)
-
-
-def check_of(request: ProveRequest, controller: ControllerText | None) -> LoopVerdict:
-    """Check the certificate of a request."""
-    path = request.check or ""
-    return check_certificate(
-        path, controller, named=request.plant, trust=request.trust, budget=budget_of(request)
-    )
 
 
 # --- What goes together ---

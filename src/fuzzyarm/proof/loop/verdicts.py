@@ -15,24 +15,23 @@ from typing import Any
 
 from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.control.loop.run import Run
 from fuzzyarm.language.model.claims import LoopClaim
-from fuzzyarm.plant.plant import Plant, PlantError, parameter
-from fuzzyarm.proof.check import checking
+from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.check.certificate import (
     Certificate,
     RegionProof,
     fingerprints_of,
     sensors_by_name,
 )
+from fuzzyarm.proof.check.checking import region_lines
 from fuzzyarm.proof.check.loop import CheckedLoop, checked_loop
 from fuzzyarm.proof.check.region import refutation, verified
 from fuzzyarm.proof.check.rules import RuleSurfaces
-from fuzzyarm.proof.claim.identity import gain_words, loop_digests
+from fuzzyarm.proof.claim.identity import loop_digests
 from fuzzyarm.proof.claim.problem import ClaimError, LoopProblem
 from fuzzyarm.proof.claim.text import claimed_plant, loop_sentence, problem_of
 from fuzzyarm.proof.loop.enclosure import EnclosureError
@@ -45,7 +44,7 @@ from fuzzyarm.proof.loop.tube import Tube
 from fuzzyarm.proof.loop.witnesses import contradiction
 from fuzzyarm.proof.stop import Stop
 
-__all__ = ["LoopVerdict", "check_certificate", "proof_words", "prove_loop"]
+__all__ = ["LoopVerdict", "prove_loop"]
 
 MOST_CHECKED = 8
 """Proposals that are shown to the checker, the one of the largest region first."""
@@ -145,19 +144,10 @@ class LoopVerdict(Shown):
             if arrival:
                 lines.append("  from there on in an ellipsoid around rest that is never left, in")
         if self.region:
-            how = "in continuous time" if self.continuous else "as sampled"
-            if self.tube is None:
-                lines.append(
-                    f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
-                )
-            for name, (low, high) in self.region.items():
-                alone = self.start_region.get(name)
-                words = "" if alone is None else f" (± {alone:.4g} with the others at rest)"
-                lines.append(f"    {name} in {low:.4g} .. {high:.4g}{words}")
-            if self.tube is None and not self.start_region:
-                lines.append(
-                    "  these are its farthest points; what memory starts as counts as well"
-                )
+            lines += region_lines(
+                self.region, self.start_region, continuous=self.continuous,
+                arrival=self.tube is not None,
+            )  # fmt: skip
         if self.reason:
             lines.append(f"  {self.reason}")
         return "\n".join([*lines, *(f"  {line}" for line in self.evidence)])
@@ -436,79 +426,3 @@ def _sentence(error: Exception) -> str:
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
     return {name: float(value) for name, value in values.items()}
-
-
-def check_certificate(
-    certificate: Certificate | str,
-    text: ControllerText | None = None,
-    plant: Plant | None = None,
-    *,
-    named: str | None = None,
-    trust: bool = False,
-    budget: float = math.inf,
-) -> LoopVerdict:
-    """Check a certificate, without any search.
-
-    Parameters
-    ----------
-    certificate : Certificate or str
-        Or its file.
-    text : ControllerText, optional
-        The controller; by default its file is read, from the folder at hand or from that of the
-        certificate.
-    plant : Plant, optional
-        In place of the one that the claim names.
-    named : str, optional
-        A plant whose code may run, where the claim names the same one.
-    trust : bool, optional
-        Whether the plant of the claim may be code, which is run.
-    budget : float
-        Seconds after which it stays undecided.
-
-    Returns
-    -------
-    LoopVerdict
-        ``proved``, or ``undecided`` with what is wrong.
-
-    Raises
-    ------
-    CertificateError
-        If it is not a certificate, or one of other files.
-    PlantError
-        If its plant is code that may not run.
-    """
-    started = time.monotonic()
-    checked = checking.check_certificate(
-        certificate, text, plant, named=named, trust=trust, budget=budget
-    )
-    return LoopVerdict(
-        statement=checked.statement,
-        verdict=PROVED if checked.proved else UNDECIDED,
-        certificate=checked.certificate,
-        claim=checked.certificate.claim,
-        reason=checked.against,
-        evidence=checked.words,
-        seconds=time.monotonic() - started,
-        **checked.facts,
-    )
-
-
-def proof_words(verdict: LoopVerdict, text: ControllerText, plant: Plant) -> str:
-    """Return what a certificate proves, where, and of which numbers, for the head of a program."""
-    assert verdict.certificate is not None
-    words = [verdict.statement + ("" if verdict.continuous else ", as sampled")]
-    if verdict.region and not verdict.certificate.claim.start:
-        reach = [
-            f"{name} in {low:.6g} .. {high:.6g}" for name, (low, high) in verdict.region.items()
-        ]
-        words.append(f"for starts in an ellipsoid that reaches to {', '.join(reach)}")
-    gains = [f"{gain.name} = {gain_words(gain)}" for gain in text.model.gains]
-    stated = {name for name, _, _ in verdict.certificate.claim.parameters}
-    numbers = [
-        f"{name} = {number_text(parameter(plant, name).value)}"
-        for name in plant.parameters
-        if name not in stated
-    ]
-    words += [f"gains {', '.join(gains)}"] * bool(gains)
-    words += [f"parameters {', '.join(numbers)}"] * bool(numbers)
-    return "; ".join([*words, f"certificate {verdict.certificate.seal}"])
