@@ -38,6 +38,7 @@ demo: $(VENV)/.run
 	@echo "── To type now:"
 	@echo
 	@echo "  $(BIN)/fuzzyarm designer rulebases    the rule bases in a browser; Ctrl-C ends it"
+	@echo "  $(BIN)/fuzzyarm playground -o site    the same as files for any web server"
 	@echo "  source $(BIN)/activate                from then on the command is fuzzyarm"
 
 test: lint unit

