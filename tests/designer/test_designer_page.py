@@ -649,11 +649,25 @@ def test_the_page_outlives_the_server(served, window):
     page.get_by_text("does not answer").wait_for()
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# typed meanwhile\n")
+    # A key before the answer of the new server, which knows the text without it.
+    page.evaluate(
+        """() => {
+          const { text } = designer, { open } = text;
+          text.open = (...said) => {
+            const at = text.view.state.selection.main.head;
+            text.view.dispatch({ changes: { from: at, insert: "# between\\n" }, selection: { anchor: at + 10 } });
+            open(...said);
+          };
+        }"""
+    )
     served.start()
     assert address.startswith(served.address)
     page.get_by_text("does not answer").wait_for(state="hidden")
+    until(lambda: "# between" in text_of(page), "typed")
+    page.keyboard.type("# and later\n")
     page.keyboard.press("Control+s")
-    until(lambda: path.read_text().startswith("# typed meanwhile\n"), "saved")
+    typed = "# typed meanwhile\n# between\n# and later\n"
+    until(lambda: path.read_text().startswith(typed), "saved")
 
 
 def test_a_hostile_file_is_text(served, window):

@@ -43,6 +43,7 @@ export class Desk {
     this.dirty = false;
     this.lost = false;
     this.wants = false; // whether it is to be saved, once the server has the text
+    this.told = undefined; // the text that the server was told of when the file was opened
     this.asked = []; // texts that were to be saved, of which it is not known whether they are
     this.writes = true; // as long as no other window does
     this.latest = null; // findings, which come in front of the picture of the same text
@@ -141,7 +142,7 @@ export class Desk {
         this.saved = message.saved;
         this.writes = message.writes;
         this.back();
-        this.text.open(message);
+        this.text.open(message, this.told);
         this.trySave();
       },
       reopened: (message) => {
@@ -322,6 +323,7 @@ export class Desk {
       return;
     }
     const { epoch, text } = this.text.state();
+    this.told = text;
     const { saved, asked, writes: wrote } = this;
     this.send({ do: "open", ...(epoch ? { epoch, version: this.text.version(), text, saved, asked, wrote } : {}) });
   };

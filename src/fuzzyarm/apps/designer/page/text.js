@@ -247,18 +247,28 @@ export class TextPane {
     this.send();
   };
 
-  /** Start from the server's text. It comes as the change of somebody else, so that undo does not take it back. */
-  open = (message) => {
+  /**
+   * Start from the server's text. It comes as the change of somebody else, so that undo does not take it back. What has
+   * been typed since `sent`, the text that the server was told of, is typed again behind it.
+   */
+  open = (message, sent = this.view.state.doc.toString()) => {
+    const now = this.view.state.doc.toString();
+    const { selection } = this.view.state;
     this.epoch = message.epoch;
     this.sending = false;
-    const change = difference(this.view.state.doc.toString(), message.text);
+    const change = difference(now, message.text);
     // Without an old state of `collab` in between, the new one starts at its version.
     this.view.dispatch({ effects: this.shared.reconfigure([]) });
     this.view.dispatch({ effects: this.shared.reconfigure(collab({ startVersion: message.version - 1 })) });
     this.follow(!this.link.writes());
     const changes = ChangeSet.of(change, this.view.state.doc.length);
     this.view.dispatch(receiveUpdates(this.view.state, [{ clientID: this.epoch, changes }]));
-    this.link.edited(message.text);
+    if (now !== sent) {
+      const theirs = ChangeSet.of(difference(sent, message.text), sent.length);
+      const typed = ChangeSet.of(difference(sent, now), sent.length).map(theirs);
+      this.view.dispatch({ changes: typed, ...(message.text === sent ? { selection } : {}) });
+    }
+    this.link.edited(this.view.state.doc.toString());
     this.check();
   };
 
