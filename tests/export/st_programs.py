@@ -3,7 +3,8 @@
 It knows what the standard says of the statements that are exported, no more; a variable holds
 a value of its type, and a whole number that does not fit is a failure. It is as strict as the
 strictest compiler: nothing is converted by itself, a literal of an LREAL says so, no name is a word
-of the language or of every block, and what a function takes by reference has a type with a name.
+of the language or of every block, and what a function takes by reference has a type with a name. A
+literal of an LREAL outside an array is within single precision, as for matiec.
 """
 
 from __future__ import annotations
@@ -73,6 +74,12 @@ class Whole(int):
     def __truediv__(self, other):
         quotient = abs(int(self)) // abs(int(other))
         return self._of(quotient if (self >= 0) == (other >= 0) else -quotient)
+
+
+def within_single(text):
+    """Whether single precision has the number of a literal as a normal one."""
+    single = np.finfo(np.float32)
+    return float(text) == 0.0 or single.tiny <= abs(float(text)) <= single.max
 
 
 def stored(kind, value):
@@ -169,6 +176,7 @@ class _Unit:
                 assert len(cells) == size
                 values[key] = cells
             elif kind in REALS or kind in WIDTHS or kind == "BOOL":
+                assert not start or kind not in REALS or within_single(start), start
                 values[key] = _literal(kind, start.strip()) if start else stored(kind, 0)
             else:
                 values[key] = self.program.instance(kind)
@@ -331,6 +339,7 @@ class _Expression:
             self._next(")")
             return value
         if token.startswith("LREAL#"):
+            assert within_single(token[6:]), self.text
             return f"float64({token[6:]})", "LREAL"
         if token[0].isdigit():
             return (f"float32({token})", "real") if "." in token else (f"Whole({token})", "integer")

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import ast
 import math
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ClassVar, NamedTuple
@@ -27,7 +26,7 @@ import numpy as np
 
 from fuzzyarm.exchange.export.folding import both, denied, plus, whole_number
 from fuzzyarm.exchange.export.liveness import declared_first, read_in, set_in, without_unread
-from fuzzyarm.exchange.export.numbers import ExportError
+from fuzzyarm.exchange.export.numbers import ExportError, stand_ins
 from fuzzyarm.exchange.export.sets import TABLE_HINT
 from fuzzyarm.exchange.export.typed_program import (
     INDEX,
@@ -124,7 +123,7 @@ class _Walk:
     def __init__(self, walk: DefuzzifierWalk, program: Program) -> None:
         self.walk, self.program = walk, program
         layout = walk.layout
-        limit = math.inf if program.endless else sys.float_info.max
+        limit, self.least = (math.inf, 0.0) if program.endless else stand_ins(layout.floats)
         self.whole = tuple(int(number) for number in layout.whole)
         # Nothing that is compared with an endless number is larger than the largest one.
         self.floats = tuple(
@@ -509,6 +508,7 @@ class _Lowered:
             return Value(Whole(value), Scalar.WHOLE)
         if isinstance(value, float):
             limit = self.whole.limit
+            value = max(value, self.whole.least) if value > 0.0 else value
             return Value(constant(min(max(value, -limit), limit)), Scalar.REAL)
         raise NotTranslatedError(node, "a program")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -56,6 +57,18 @@ class ExportError(FuzzyarmError, ValueError):
 # --- The types of numbers, and numbers as the two languages write them ---
 
 LARGEST = float(np.finfo(np.float32).max)
+
+def stand_ins(numbers: Iterable[float]) -> tuple[float, float]:
+    """Return what stands for infinity, and for the smallest number above 0, beside `numbers`.
+
+    Unless the largest is extreme these are numbers of single precision: some compilers of
+    Structured Text (matiec) take no other literal, not even for an LREAL.
+    """
+    finite = [abs(x) for x in numbers if abs(x) < sys.float_info.max]
+    if 1e-30 <= max(finite, default=1.0) <= 1e30:
+        return LARGEST, 1e-37
+    return sys.float_info.max, 5e-324
+
 
 Kind = type[Any]
 """A type of numbers of NumPy: floating point, or whole numbers of some width."""

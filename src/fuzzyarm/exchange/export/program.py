@@ -8,7 +8,6 @@ parts stand in variables there: the degrees, the firing strengths, the growing h
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzyarm.exchange.export.numbers import stand_ins
 from fuzzyarm.exchange.export.routine import plain
 from fuzzyarm.exchange.export.samples import SampleSums, sample_sums
 from fuzzyarm.exchange.export.sets import (
@@ -74,7 +74,6 @@ from fuzzyarm.symbolic.printing import Assign
 MOST_SAMPLES = 100_000
 """Constants of a centroid over samples."""
 
-LARGEST_DOUBLE = sys.float_info.max
 
 WALKED = frozenset({"top", "area", "ends"})
 """What of numbers is walked over tables."""
@@ -535,7 +534,8 @@ class _Builder:
             )
             if kind.straight or shape.kind in {"s", "z", "arc"}:  # finite throughout
                 return value
-            low, high = constant(-LARGEST_DOUBLE), constant(LARGEST_DOUBLE)
+            limit, _ = stand_ins((model.low, model.high, *shape.parameters))
+            low, high = constant(-limit), constant(limit)
             return where(value > high, model.high, where(value < low, model.low, value))
         try:
             rising = is_rising(output, consequent)
