@@ -46,7 +46,7 @@ _IN_SKETCH = {"setup", "loop", "delay", "millis", "micros", "Serial", "pin"}
 _SECONDS_BETWEEN_LINES = 0.5
 """How often the sketch of a controller prints."""
 
-_SKETCH_CALLS = 12
+_SKETCH_CALLS = 48
 """Calls that are measured, of those of the self-test: a simulated second is a second."""
 
 
@@ -157,7 +157,7 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Boa
     library = routines_c(routines, stem, stem, LIBRARY)
     first = routines[0]
     vectors = first.vectors()
-    rows = [list(row) for row in zip(*vectors.inputs, strict=True)][:_SKETCH_CALLS]
+    rows = _spread([list(row) for row in zip(*vectors.inputs, strict=True)])
     kind = C_TYPES[first.kind]
     names = [f"x_{k}" for k in range(len(first.arguments))]
     globals_ = [f"static volatile {kind} {', '.join([*names, 'result'])};"]
@@ -210,6 +210,11 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Bo
     return _BoardPart(
         stem, words, library, call, sketch, library.printer.ram(), 0, notes, model.period, inputs
     )
+
+
+def _spread(rows: Sequence[list[float]]) -> Sequence[list[float]]:
+    """Return at most so many of them as are measured, first and last ones among them."""
+    return rows[:: -(-len(rows) // _SKETCH_CALLS)]
 
 
 def _function(prototype: str) -> str:

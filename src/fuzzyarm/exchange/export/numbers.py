@@ -58,6 +58,7 @@ class ExportError(FuzzyarmError, ValueError):
 
 LARGEST = float(np.finfo(np.float32).max)
 
+
 def stand_ins(numbers: Iterable[float]) -> tuple[float, float]:
     """Return what stands for infinity, and for the smallest number above 0, beside `numbers`.
 
