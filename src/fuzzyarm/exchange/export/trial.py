@@ -130,6 +130,9 @@ _AIMED = 2
 """How many more are moved so that a rule base or a table reads a value in or beyond its pieces,
 whatever the controller remembers."""
 
+_MOST_CHOSEN = 64
+"""Measured ports up to which errors are chosen: each is moved by itself. Those of more wander."""
+
 
 def trial(
     steps: Steps, periods: int, seed: int = 1, controller: EvaluatedController | None = None
@@ -145,6 +148,7 @@ def trial(
     draw = np.random.default_rng(seed)
     sample = _sample(steps, draw)
     measured = steps.of_sort("measured")
+    controller = controller if len(measured) <= _MOST_CHOSEN else None
     telling, movers = _telling_errors(steps, controller) if controller is not None else ({}, {})
     errors = {port: telling.get(port.symbol, (_ANY_SIZE, _NO_SIZE)) for port in measured}
     turns = {port: [_in_turn(sizes, draw) for sizes in each] for port, each in errors.items()}
