@@ -133,7 +133,7 @@ def test_what_a_script_has_made_by_the_end_of_its_time(
     assert main([*words, "--strict"]) == 1
     assert "error[endless-script]" in capsys.readouterr().err
     assert main(words) == 0
-    assert "within 1 s; what it had made by then is taken" in capsys.readouterr().out
+    assert "within 1 s; the systems made by then are taken" in capsys.readouterr().out
     assert load_rulebase(folder / "engine.frb").name == "one"
 
 
@@ -145,7 +145,7 @@ def test_what_had_computed_before_a_script_failed(
     words = ["convert", script(folder, text)]
     assert main(words) == 0
     said = capsys.readouterr().out
-    assert "ends with ZeroDivisionError: division by zero; what it had made by then" in said
+    assert "ends with ZeroDivisionError: division by zero; the systems made by then" in said
     assert "unused had not computed anything before that and may lack rules; left out" in said
     assert [path.name for path in folder.glob("*.frb")] == ["used.frb"]
     assert main([*words, "--lossy", "--force"]) == 0

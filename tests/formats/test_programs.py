@@ -56,7 +56,7 @@ REFUSED = {
     "03_raw_interp": "interp_membership leave no object that holds rules",
     "05_irrigation_flask": "pip install flask",
     "06_heater_argparse": "the script gets no arguments",
-    "07_library_class": "call what builds it at the end",
+    "07_library_class": "call the function that builds it",
     "11_driver_cv2": "pip install opencv-python",
     "28_fails_before": "the script ends with FileNotFoundError",
 }

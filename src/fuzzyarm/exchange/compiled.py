@@ -38,48 +38,48 @@ _DEFAULTS = {
     **dict.fromkeys((".st", ".xml", ".scl"), "float32"),  # few PLCs have a double
     **dict.fromkeys((".fmu", *MODULES), "float64"),
 }
-"""The precision of source text where none is asked for; elsewhere it is mixed."""
+"""Default precision of source text; elsewhere it is mixed."""
 
 Tell = Callable[[str], None]
-"""Called with the current step, in words."""
+"""Callback with the current step in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Making:
-    """Options for a table, source text or a program; None leaves the choice to the file.
+    """Options for a table, source text or a program; None for the file's own choice.
 
     Attributes
     ----------
     source : str
-        The file that it is made of, for the heads.
+        Name of the source file, for header comments.
     output : str or None
-        Which output, where there are several.
+        Name of the output, if there are several.
     levels : int, sequence of float, mapping of str to either, or None
-        Of the inputs of tables.
+        Levels of the inputs of tables.
     tolerance : float or None
-        Instead of levels: what the smallest even grid has to meet.
+        In place of levels: greatest error of the smallest even grid.
     rounding : float or None
-        Of the values of tables; 0 for none.
+        Rounding of table values; 0 for none.
     mode : str or None
-        How tables are looked up.
+        Lookup mode of tables.
     date : str or None
-        Goes into the provenance of tables.
+        Date in the provenance of tables.
     direct : bool
         Infer the rules, without a table; see `infers`.
     table : bool
-        Look tables up.
+        Look up tables.
     q : int or None
-        15 or 7: tables in whole numbers.
+        15 or 7: tables of integers.
     precision : str or None
-        ``mixed``, ``float32`` or ``float64``; without meaning in whole numbers.
+        ``mixed``, ``float32`` or ``float64``; unused with integers.
     name : str or None
-        Begins every identifier.
+        Prefix of every identifier.
     fmi : int
         Version of FMI.
     platforms : str or None
-        Of an FMU: which machines it runs on, as in ``linux64,win64``.
+        Platforms of an FMU, such as ``linux64,win64``.
     proofs : tuple of str
-        Of a controller: what is proved of it in its loop, for the head.
+        Proved properties of a controller's loop, for the header comment.
     """
 
     source: str = ""
@@ -135,8 +135,8 @@ def _levels(text: str) -> Levels | Mapping[str, Levels]:
 def infers(model: RuleBase | LookupTable, how: Making) -> bool:
     """Return whether source text infers the rules of a model instead of looking a table up.
 
-    Unless it is said, the rules are inferred but where the file has `lookup` settings, or
-    where something is asked of a table.
+    By default rules are inferred, unless the file has `lookup` settings or an option concerns
+    tables.
     """
     if how.direct or not isinstance(model, RuleBase):
         return how.direct
@@ -202,7 +202,7 @@ def routines_for(
         sources = model
     else:
         names = (how.output,) if how.output else tuple(output.name for output in model.outputs)
-        # Without any output `compiled` says what is missing.
+        # Without any output `compiled` raises a clear error.
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         sources = [report.table for report in reports]
     suffix = Path(path).suffix.lower()

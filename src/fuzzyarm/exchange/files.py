@@ -200,9 +200,9 @@ def load_controller(
     if isinstance(model, ControllerText):
         return model.with_gains(gains) if gains else model
     is_rules = isinstance(model, RuleBase)
-    what = f"a {'rule base' if is_rules else 'lookup table'}, not a controller"
+    found = f"a {'rule base' if is_rules else 'lookup table'}, not a controller"
     reader = "load_rulebase" if is_rules else "read_table"
-    raise WrongKindError(os.fspath(path), what, f"fuzzyarm.{reader} reads it")
+    raise WrongKindError(os.fspath(path), found, f"fuzzyarm.{reader} reads it")
 
 
 # --- What a command is given ---
@@ -419,8 +419,8 @@ class Review(NamedTuple):
         return drawing
 
     def __repr__(self) -> str:
-        what = "no model" if self.rulebase is None else repr(self.rulebase)
-        return one_line(self, f"{self.summary}; {what}")
+        content = "no model" if self.rulebase is None else repr(self.rulebase)
+        return one_line(self, f"{self.summary}; {content}")
 
     def __str__(self) -> str:
         """Return every finding with its line and a caret below what is at fault."""

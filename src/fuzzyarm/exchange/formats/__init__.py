@@ -1,7 +1,7 @@
-"""Rule bases of other programs, in and out: FLL, FCL, FIS and FML.
+"""Import and export of other programs' rule bases: FLL, FCL, FIS and FML.
 
-Reading never raises: an :class:`Imported` has the rule base where there is no error, and
-every finding with its position. Writing gives an :class:`Exported` in the same way.
+Reading never raises: an :class:`Imported` holds the rule base, if there is no error, and all
+findings with their positions. Writing returns an :class:`Exported` of the same form.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The numbers of one program beside those of a rule base, at points that stand for all.
+"""Numerical comparison of a rule base with another program, at representative points.
 
-:func:`compare` is the comparison with what somebody else computes, :func:`measure` that of a rule
-base with its own text in another format, read as the program reads it that the text is for.
+:func:`compare` takes the results of another library; :func:`measure` reads a written text back,
+with the meaning of its target program.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from fuzzyarm.language.model.rulebase import Input, Output, RuleBase
 __all__ = ["compare", "comparison_points", "figures_of", "measure"]
 
 SAME = 1e-9
-"""Numbers that are nearer than this, of the range of their output, are the same."""
+"""Equality tolerance, as a share of the output's range."""
 
 SLIGHT = 1e-2
-"""A difference up to this, of the range, is a warning; beyond it is an error."""
+"""Limit between warning and error, as a share of the output's range."""
 
 Measured = Sequence[tuple[Mapping[str, float], Mapping[str, float] | None]]
-"""Points, and the numbers of the library there; None where it raised."""
+"""Points with the library's outputs there; None where it raised."""
 
 # --- Points ---
 
 POINTS = 100
-"""Points at which numbers are compared."""
+"""Number of points of a comparison."""
 
 _BEYOND = 0.1
-"""How far beyond its range an input is tried, of the width."""
+"""Distance beyond the range of an input at some points, as a share of its width."""
 
 
 def comparison_points(rulebase: RuleBase, beyond: float = _BEYOND) -> list[dict[str, float]]:
-    """Return points of the inputs: corners, the centre, then all over the ranges and beside.
+    """Return points of the inputs: corners, the centre, then spread over the ranges and beyond.
 
-    Evenly and in no order, so that the first of them are a fair choice too. They follow the
-    additive recurrence of the generalised golden ratio (M. Roberts, *The Unreasonable
-    Effectiveness of Quasirandom Sequences*, 2018).
+    A low-discrepancy sequence, so that any first part of it is evenly spread too: the additive
+    recurrence of the generalised golden ratio (M. Roberts, *The Unreasonable Effectiveness of
+    Quasirandom Sequences*, 2018).
     """
     inputs = rulebase.inputs
     count = len(inputs)
@@ -71,7 +71,7 @@ def _between(variable: Input, share: float) -> float:
     return variable.low + share * (variable.high - variable.low)
 
 
-# --- Its numbers beside ours ---
+# --- Outputs of a library beside ours ---
 
 
 def compare(
@@ -82,19 +82,18 @@ def compare(
     lossy: bool = False,
     strict: bool = False,
 ) -> tuple[Diagnostic, ...]:
-    """Return a finding for each output: that its numbers are the same, or by how much they differ.
+    """Return a finding for each output: the same numbers, or the greatest difference.
 
     Parameters
     ----------
     rulebase : RuleBase
-        Ours.
+        Our rule base.
     results : sequence of (mapping, mapping or None)
         Points, and the outputs of the library's object there; None where it raised.
     library : str
-        Whose they are.
+        Name of the library, for messages.
     lossy, strict : bool
-        Whether a difference beyond 1 % of the range is allowed, and whether a smaller one is
-        refused.
+        Allow a difference beyond 1 % of the range; refuse a smaller one.
     """
     findings = Findings(lossy=lossy, strict=strict)
     answered = [(point, numbers) for point, numbers in results if numbers is not None]
@@ -122,12 +121,12 @@ def compare(
 def _our_numbers(
     rulebase: RuleBase, points: Sequence[Mapping[str, float]]
 ) -> dict[str, list[float]]:
-    """Return our outputs at points; nan where there is no value."""
+    """Return our outputs at points, NaN where there is no value."""
     import numpy as np
 
     from fuzzyarm.inference import infer
 
-    # An error or a held value would end the whole comparison; NaN is compared with what the
+    # An error or a held value would end the comparison; NaN matches an output that the
     # library leaves out.
     outputs = tuple(
         replace(output, no_rule=math.nan) if isinstance(output.no_rule, str) else output
@@ -179,7 +178,7 @@ def _at(point: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
 
 
-# --- The numbers of a text beside those of what it was written from ---
+# --- A written text beside its rule base ---
 
 _PROGRAMS = {
     **{dialect.producer: dialect.program for dialect in (FLL, FML, *FCL.values(), *FIS.values())},
@@ -196,7 +195,7 @@ def measure(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Return a written text with its numbers compared, if its writer warns of anything."""
+    """Return a written text with its numerical differences, if its writer warns of anything."""
     if exported.text is None or all(
         d.severity is not Severity.WARNING for d in exported.diagnostics
     ):
@@ -215,7 +214,7 @@ def measure(
 def figures_of(
     rulebase: RuleBase, text: str, suffix: str, producer: str | None
 ) -> list[Diagnostic]:
-    """Return how far the outputs of a lossy text differ, for who decides whether to write it."""
+    """Return the differences of a lossy text as remarks, for the decision to write it."""
     return [
         replace(found, message=f"with --lossy {found.message}", severity=Severity.INFO, hint="")
         for found in _measured(rulebase, text, suffix, producer, lossy=True, strict=False)
@@ -229,7 +228,7 @@ def _measured(
     imported = parse(text, suffix, producer=producer, lossy=True)
     written = imported.rulebase
     if written is None or not _is_like(rulebase, written):
-        findings.warn("not-compared", "the numbers of what is written were not compared")
+        findings.warn("not-compared", "the numbers of the written text were not compared")
         return findings.all()
     points = comparison_points(rulebase, beyond=0.0)
     names = [variable.name for variable in written.inputs]
@@ -239,7 +238,7 @@ def _measured(
     except FuzzyarmError as error:
         findings.warn("not-compared", f"the numbers were not compared: {error}")
         return findings.all()
-    # Where the rule base is an error or holds its value, it has no number to compare.
+    # An error or a held value is no number to compare.
     columns = {
         output.name: [
             math.nan if math.isnan(a) else b
@@ -255,7 +254,7 @@ def _measured(
 
 
 def _is_like(one: RuleBase, other: RuleBase) -> bool:
-    """Whether a rule base and what was read back have as many variables, of finite ranges."""
+    """Whether a rule base and its written text have equally many variables, of finite ranges."""
     counts = [(len(each.inputs), len(each.outputs)) for each in (one, other)]
     return counts[0] == counts[1] and all(
         math.isfinite(v.low) and math.isfinite(v.high) for v in one.inputs

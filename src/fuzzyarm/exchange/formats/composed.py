@@ -1,7 +1,7 @@
-"""A set that is made of other sets by norms: as the shape that it is, or as straight lines.
+"""Sets composed of other sets by norms: as one shape, or as straight lines.
 
-IEEE 1855 has such terms (``circularDefinition``). Of straight sets most norms make straight ones,
-whose corners are found exactly; of others the degrees are taken at points.
+IEEE 1855 defines such terms (``circularDefinition``). min, max and the bounded norms of
+piecewise-linear sets are piecewise linear, with exact corners; all others are sampled.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ __all__ = ["Degree", "composed", "norm_of"]
 Degree = Callable[[float], float]
 
 POINTS = 1001
-"""Points at which a set is taken that no shape is."""
+"""Samples of a composed set without a shape of its own."""
 
 _STRAIGHT = frozenset({"min", "max", "bounded"})
-"""Norms that make straight sets of straight ones."""
+"""Norms under which piecewise-linear sets stay piecewise linear."""
 
 
 def norm_of(name: str, sets: Sequence[Degree]) -> Degree:
@@ -50,11 +50,11 @@ def norm_of(name: str, sets: Sequence[Degree]) -> Degree:
 def composed(
     degree: Degree, parts: Sequence[Shape], norms: Sequence[str], low: float, high: float
 ) -> tuple[Shape, bool]:
-    """Return the shape of a set that is made of others, and whether it is exact."""
+    """Return the shape of a composed set, and whether it is exact."""
     straight = all(SHAPES[part.kind].straight for part in parts)
     recovered = shape_of(degree, low, high)
     if recovered is not None:
-        # It was found at even points, between which a narrow part of a set may lie.
+        # Recovered from even samples, which may straddle a narrow part of the set.
         xs = _asked(_ends(parts, low, high)) if straight else []
         if all(abs(_degree(recovered, x) - degree(x)) <= 1e-9 for x in xs):
             return recovered, True
@@ -70,7 +70,7 @@ def composed(
 
 
 def _corners(degree: Degree, parts: Sequence[Shape], low: float, high: float) -> list[float]:
-    """Return where a set bends: where its parts do, and where two straight lines cross between."""
+    """Return the corners of a composed set: those of its parts and the crossings in between."""
     xs = _ends(parts, low, high)
     values = set(xs)
     for a, b in pairwise(xs):
@@ -83,9 +83,9 @@ def _ends(parts: Sequence[Shape], low: float, high: float) -> list[float]:
 
 
 def _bends_between(degree: Degree, a: float, b: float, most: int) -> list[float]:
-    """Return the bends inside a stretch: where the lines at its two ends meet, and again."""
+    """Return the corners inside an interval: the crossing of its end lines, then recursively."""
     step = 1e-6 * (b - a)
-    if not a < a + step < b - step < b:  # too short for floats to tell points in it apart
+    if not a < a + step < b - step < b:  # no floats to spare inside
         return []
     first, last = degree(a + step), degree(b - step)
     rise = (degree(a + 2.0 * step) - first) / step
@@ -105,7 +105,7 @@ def _asked(xs: Sequence[float]) -> list[float]:
 
 
 def _closed(shape: Shape, low: float, high: float) -> list[Shape]:
-    """Return a shape that goes on beyond the range as one that ends with it."""
+    """Extend a ramp by the ends of the range."""
     if shape.kind != "ramp":
         return []
     foot, top = shape.parameters

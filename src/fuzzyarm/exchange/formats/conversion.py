@@ -1,4 +1,4 @@
-"""From the file of one program to that of another: what ``fuzzyarm convert`` writes."""
+"""Conversion from format to format, as ``fuzzyarm convert`` does it."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def written(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Return a rule base in the format of `suffix`; what a loss means for numbers is measured.
+    """Return a rule base in the format of `suffix`, with the numerical effect of each loss.
 
-    Where the format is refused, the findings have the numbers that `lossy` would write.
+    A refusal comes with the differences that `lossy` would accept.
     """
     model = model_of(rulebase)
     exported = write(model, suffix, producer=producer, lossy=lossy, strict=strict)
@@ -53,7 +53,7 @@ def converted(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Return a rule base that was read as the text of another file."""
+    """Return an imported rule base as the text of another format."""
     is_own = Path(source).suffix.lower() == ".frb"
     if is_own and target == ".frb":
         return Exported(format_text(own_text, source))
@@ -75,7 +75,7 @@ def converted(
 
 
 def findings_of(imported: Imported, exported: Exported | None, source: str) -> list[Diagnostic]:
-    """Return what was found in reading and in writing; a rule knows where it stood in `source`."""
+    """Return the findings of import and export; those of a rule point to its line in `source`."""
     diagnostics = () if exported is None else exported.diagnostics
     return [
         *imported.diagnostics,

@@ -1,8 +1,8 @@
-"""Dialects: what each program takes for granted in the files it writes, a record for each.
+"""Dialects: conventions and defaults of each program, a record for each.
 
-A kind of shape, norm or hedge has its names in its own record (`names` of
-:class:`fuzzyarm.symbolic.records.Kind`); a dialect says under which key they stand, and
-:func:`spellings` and :func:`words` read them.
+The names of a shape, norm or hedge are in its own record (`names` of
+:class:`fuzzyarm.symbolic.records.Kind`); a dialect has the key of these names, and
+:func:`spellings` and :func:`words` look them up.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 from fuzzyarm.symbolic.records import Kind
 
 MACHINE_EPSILON = 1e-6
-"""What the C++ program of fuzzylite takes for zero: a rule that fires less does not fire."""
+"""Zero in fuzzylite's C++ program: a rule with a lower strength does not fire."""
 
 JFUZZYLOGIC_PAIRS = {
     "min": "max",
@@ -28,107 +28,104 @@ JFUZZYLOGIC_PAIRS = {
     "nilpotent": "nilpotent",
     "hamacher": "einstein",
 }
-"""jFuzzyLogic sets OR by AND and AND by OR: T-norm → the S-norm that goes with it."""
+"""jFuzzyLogic sets OR by AND and AND by OR: T-norm → its S-norm."""
 
 JFUZZYLOGIC_ACCUMULATIONS = ("max", "bounded", "normalized", "probor", "sum")
-"""S-norms that jFuzzyLogic has for ACCU; its other words are for OR."""
+"""S-norms of jFuzzyLogic for ACCU; its other words are for OR."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dialect:
-    """How one program writes and means one format.
+    """Syntax and semantics of one format in one program.
 
     Attributes
     ----------
     suffix : str
-        Of the files.
+        Suffix of the files.
     producer : str
-        Short name of the program, as the command line takes it.
+        Short name of the program on the command line.
     program : str
-        The same for messages.
+        Name of the program in messages.
     kinds : str
         Key of the names of shapes, norms and hedges in their records.
     hedges : str
-        Key of the names of hedges that are read in a rule; that of `kinds` by default.
+        Key of the names of hedges in rules; that of `kinds` by default.
     defuzzifiers : str
         Key of the names of defuzzifiers; that of `kinds` by default.
     samples : tuple of int and str
-        How many samples of an output, and where.
+        Number of samples of an output, and their position.
     threshold : float
-        Firing strength up to which a rule counts as not firing.
+        Firing strength above which a rule fires.
     activates : bool
         Whether hedges of a conclusion change the activation degree and carry on to the next
         conclusions, and an output in a condition is its activation so far (fuzzylite).
     chains : bool
         Whether a condition may be about an output that its own block has concluded.
     thresholds : bool
-        Whether the file can say any threshold.
+        Whether the file can have any threshold.
     clamps : tuple of str
-        Of which variables the file can say that they are clamped to their range:
-        ``inputs``, ``outputs``.
+        Variables that the file can clamp to their range: ``inputs``, ``outputs``.
     outside : str
-        What the program makes of an input outside its range, unless the file says otherwise:
-        ``extend`` or ``error``.
+        Treatment of an input outside its range, by default: ``extend`` or ``error``.
     negates : bool
         Whether a conclusion may be negated.
     formula : fuzzyarm.symbolic.formulas.FormulaDialect
-        How formulas are written.
+        Syntax of formulas.
     assumed : str
-        What a reader says it took for granted.
+        The reader's remark about assumed defaults.
     equal_precedence : bool
-        Whether *and* and *or* bind alike, from the left.
+        Whether *and* and *or* have equal precedence, from left to right.
     commas : bool
         Whether a comma between two conditions is an *and*.
     any_case : bool
-        Whether the words of a rule may be in capitals, and names may differ in case.
+        Whether keywords may be in upper case, and names may differ in case.
     separators : tuple of str
-        What may stand between two conclusions.
+        Separators of conclusions.
     ties : str
-        Which of two points at one x counts: ``first`` or ``last``.
+        Which of two points at one x applies: ``first`` or ``last``.
     heights : bool
-        Whether the number after those of a shape is its height (fuzzylite).
+        Whether a number after those of a shape is its height (fuzzylite).
     drops_numbers : bool
-        Whether the program takes the first numbers of a shape where there are too many.
+        Whether the program ignores surplus numbers of a shape.
     unordered : bool
-        Whether the program computes with corners that are not in order rather than refuse them.
+        Whether the program accepts unordered corners and computes with them.
     case : str
-        How words of norms and methods are compared: as they stand, in ``lower`` or in ``upper``
-        case.
+        Comparison of words of norms and methods: exact, or in ``lower`` or ``upper`` case.
     norms : tuple of str
-        Keys of the names of norms that are read; that of `kinds` by default.
+        Keys of the names of norms in files; that of `kinds` by default.
     no_norm : tuple of str
-        Words that stand for none.
+        Words for the absence of a norm.
     repeated_term : str
-        Which of two terms with one name counts: ``first`` or ``last``.
+        Which of two terms with one name applies: ``first`` or ``last``.
     method : str
-        The defuzzifier of an output for which the file names none.
+        Default defuzzifier of an output.
     methods_of_others : dict of str
-        Words of other programs for defuzzifiers, and by which they are read.
+        Other programs' words for defuzzifiers → the words for them here.
     samplings : dict of str
-        Methods that have a sampling of their own.
+        Methods with a sampling of their own.
     silent : str
-        What an output is where no rule fires, unless the file says: ``nan``, the ``middle`` of
-        its range, the ``maximum`` of nothing, or that whatever the file says (``nothing``).
+        Value of an output where no rule fires, by default: ``nan``, the ``middle`` of its range,
+        the ``maximum`` of nothing, or that in spite of the file (``nothing``).
     has_ties : bool
-        Whether the last bit decides among samples that are all the highest.
+        Whether rounding decides between equally high samples.
     holds : bool
-        Whether the file can say that an output holds its value where no rule fires.
+        Whether the file can hold the value of an output where no rule fires.
     defaults : bool
-        Whether the file can say another value for that.
+        Whether the file can give another value there.
     instead_of_error : str
-        What a message says of an output that is an error there.
+        Message about an output that is an error there.
     resolutions : bool
-        Whether the file can say any number of samples.
+        Whether the file can have any number of samples.
     says_inference : bool
-        Whether the file says if values are taken by Tsukamoto's method.
+        Whether the file chooses Tsukamoto's method for values.
     inverts : bool
-        Whether values that can be inverted are taken by Tsukamoto's method.
+        Whether invertible values imply Tsukamoto's method.
     sums_values : bool
-        Whether every rule of a weighted output counts for itself, whatever the aggregation.
+        Whether all rules of a weighted output are summed, whatever the aggregation.
     estimates : bool
-        Whether a range that the file does not name is that of the terms.
+        Whether a missing range is estimated from the terms.
     values_hint : str
-        What to write instead where values are integrated.
+        Hint for values that would be integrated.
     """
 
     suffix: str
@@ -175,17 +172,17 @@ class Dialect:
     values_hint: str = ""
 
     def folded(self, word: str) -> str:
-        """Return a word in the case in which the names of norms and methods stand."""
+        """Return a word in the case of the names of norms and methods."""
         return {"": word, "lower": word.lower(), "upper": word.upper()}[self.case]
 
     @property
     def integral(self) -> dict[str, str]:
-        """Words for defuzzifiers of sets, and what the model calls them."""
+        """Words for defuzzifiers of sets → their names in the model."""
         return self._those_that(weighs=False)
 
     @property
     def weighted(self) -> dict[str, str]:
-        """Words for defuzzifiers of values."""
+        """Words for defuzzifiers of values → their names in the model."""
         return self._those_that(weighs=True)
 
     def _those_that(self, *, weighs: bool) -> dict[str, str]:
@@ -198,11 +195,10 @@ class Dialect:
         return self.defuzzifiers or self.kinds
 
 
-# docs/reference/formats.md has these records as one table, in words, and the releases that were
-# measured.
+# docs/reference/formats.md has these records as a table, with the releases that were measured.
 FLL = Dialect(
     suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
-    samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
+    samples=(1000, "midpoints"),  # fuzzylite 7 and 8; version 6: 100, always written
     activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
     unordered=True, no_norm=("", "none"), repeated_term="last", has_ties=True, inverts=True,
     holds=True, defaults=True, instead_of_error="fuzzylite gives nan", resolutions=True,
@@ -210,15 +206,15 @@ FLL = Dialect(
 )  # fmt: skip
 
 _OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
-"""Words of other programs for the methods of FCL."""
+"""Other programs' words for the methods of FCL."""
 
 METHODS_MEANT = {"CM": "COG"}
-"""Methods that no program has, and which one is meant."""
+"""Methods of no program → the likely one."""
 
 FCL = {
     "jfuzzylogic": Dialect(
         suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
-        hedges="fcl",  # jFuzzyLogic has none; those of fuzzylite are read with a warning
+        hedges="fcl",  # not jFuzzyLogic's, but fuzzylite's, with a warning
         samples=(1000, "left"),
         formula=formulas.JFUZZYLOGIC,
         assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
@@ -252,7 +248,7 @@ FCL = {
 }  # fmt: skip
 
 _FIS_NORMS = ("fis", "octave", "matlab")
-"""Keys of norms: the words of all programs are read in each."""
+"""Keys of norms: every reader knows the words of all programs."""
 
 _FIS_SAMPLINGS = {"centroid_integral": "trapezoid"}
 
@@ -305,14 +301,14 @@ PRODUCERS = {
     ".fis": tuple(FIS),
     ".fml": (FML.producer,),
 }
-"""Programs that a file of that suffix can be written for."""
+"""Programs to write a file of that suffix for."""
 
 MEANINGS = PRODUCERS | {".fcl": tuple(FCL), ".t2fis": tuple(FIS)}
-"""Programs whose meaning a file of that suffix can have."""
+"""Programs whose semantics a file of that suffix can have."""
 
 
 class Spelling(NamedTuple):
-    """What a program calls a kind, and which parameter each number in its text is."""
+    """A program's word for a kind, and the parameter of each number in its text."""
 
     kind: str
     word: str
@@ -321,7 +317,7 @@ class Spelling(NamedTuple):
 
 @lru_cache(maxsize=1000)
 def spellings(kind: Kind, key: str) -> tuple[Spelling, ...]:
-    """Return the names of a kind under one key, the one to write first."""
+    """Return the names of a kind under a key, first the one to write."""
     variants = []
     for text in filter(None, kind.names.get(key, "").split(",")):
         word, *numbers = text.split()
@@ -331,13 +327,13 @@ def spellings(kind: Kind, key: str) -> tuple[Spelling, ...]:
 
 
 def all_spellings(kinds: Mapping[str, Kind], *keys: str) -> Mapping[str, Spelling]:
-    """Return word → spelling of all kinds of a registry; of equal words the first."""
+    """Return word → spelling of all kinds of a registry; the first of equal words wins."""
     return _table(tuple(kinds.values()), keys)
 
 
 @lru_cache(maxsize=100)
 def _table(kinds: tuple[Kind, ...], keys: tuple[str, ...]) -> Mapping[str, Spelling]:
-    # Of records, not of the registry: a kind of a user's own may be replaced by another.
+    # From records, not from the registry: a user's own kind may replace another.
     table: dict[str, Spelling] = {}
     for key in keys:
         for spelling in chain.from_iterable(spellings(kind, key) for kind in kinds):
@@ -351,6 +347,6 @@ def words(kinds: Mapping[str, Kind], *keys: str) -> dict[str, str]:
 
 
 def word_of(kinds: Mapping[str, Kind], name: str, key: str) -> str | None:
-    """Return the word to write for a kind, or None where the program does not know it."""
+    """Return the word to write for a kind, or None if the program lacks it."""
     variants = spellings(kinds[name], key) if name in kinds else []
     return variants[0].word if variants else None

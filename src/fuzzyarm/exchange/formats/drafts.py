@@ -1,4 +1,4 @@
-"""What readers of all formats begin and end with, and a variable while its file is read."""
+"""Common frame of all readers, and a variable while its file is read."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ from fuzzyarm.symbolic.formulas import read_formula
 from fuzzyarm.symbolic.kinds import SHAPES
 
 INFERENCES = ("Automatic", "TakagiSugeno", "Tsukamoto")
-"""What fuzzylite may make of a weighted output; by default the terms tell."""
+"""fuzzylite's inference of a weighted output; by default the terms decide."""
 
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
 
 
 def all_invertible(kinds: set[str]) -> bool:
-    """Whether Tsukamoto's method can invert every one of some kinds of shape."""
+    """Whether Tsukamoto's method can invert all the kinds of shape."""
     return all(SHAPES[kind].inverse is not None for kind in kinds)
 
 
@@ -61,7 +61,7 @@ def imported(
     lossy: bool,
     strict: bool,
 ) -> Imported:
-    """Refuse a text that is too long; read others with uniform line ends."""
+    """Read a text with uniform line ends; refuse one that is too long."""
     findings = Findings(path, lossy=lossy, strict=strict)
     if len(text) > MAX_CHARACTERS:
         message = (
@@ -83,7 +83,7 @@ def imported(
 
 
 def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
-    """Report formulas of values that name no variable, and of sets that name one."""
+    """Report formulas of values with unknown names, and of sets with any but x."""
     records = [(output, output.defuzzifier.record) for output in rulebase.outputs]
     values = [output for output, record in records if record.weighs and not record.inverts]
     names_there = {declaration.name for declaration in (*rulebase.inputs, *rulebase.outputs)}
@@ -92,13 +92,13 @@ def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
         for term in variable.terms:
             names = read_formula(term.shape.formula).names if term.shape.formula else ()
             for name in sorted(set(names) - ({POSITION} if is_set else names_there)):
-                message = f"the formula of '{term.name}' asks for '{shortened(name)}', "
+                message = f"the formula of '{term.name}' reads '{shortened(name)}', "
                 message += "but a set depends on x alone" if is_set else "an unknown variable"
                 findings.error("undefined-variable", message, term.span)
 
 
 def _refuse_without_inverse(rulebase: RuleBase, findings: Findings) -> None:
-    """Report terms that rules conclude for Tsukamoto's method, which cannot invert them."""
+    """Report concluded terms that Tsukamoto's method cannot invert."""
     tsukamoto = {o.name for o in rulebase.outputs if o.defuzzifier.record.inverts}
     concluded = {(c.variable, c.term) for rule in rulebase.rules for c in rule.consequents}
     for name, word in sorted(pair for pair in concluded if pair[0] in tsukamoto):
@@ -109,7 +109,7 @@ def _refuse_without_inverse(rulebase: RuleBase, findings: Findings) -> None:
 
 
 def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) -> None:
-    """Report outputs that wait for themselves: other programs have their last value there."""
+    """Report outputs that depend on themselves: other programs read their last value."""
     outputs = {output.name: index for index, output in enumerate(rulebase.outputs)}
     formulas = {
         (output.name, term.name): set(read_formula(term.shape.formula).names) & outputs.keys()
@@ -147,7 +147,7 @@ def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) ->
 
 
 def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[TextPiece]:
-    """Yield the lines of a text that are not empty, without the space around them."""
+    """Yield the non-empty lines of a text, stripped."""
     for row, raw in enumerate(text.split("\n"), 1):
         content = without_comment(raw)
         line = content.strip()
@@ -168,7 +168,7 @@ def blocks_by_norms(
 
 
 def note_rounding(text: str, findings: Findings) -> None:
-    """Say where all numbers of a file of fuzzylite have the three decimals it prints."""
+    """Report a file in which all numbers have the three decimals that fuzzylite prints."""
     match = rounded(text)
     if match is None:
         return
@@ -186,8 +186,8 @@ def note_rounding(text: str, findings: Findings) -> None:
 class VariableDraft:
     """A variable in the making.
 
-    The range is infinite until the file says more; `enabled` is False where the file
-    switches the variable off, `aggregates` where it names no norm for its terms.
+    The range is infinite until the file sets it; `enabled` is False where the file disables the
+    variable, `aggregates` where it names no norm for its terms.
     """
 
     word: TextPiece
@@ -204,9 +204,9 @@ class VariableDraft:
     no_rule: float | str = math.nan
     step: float | None = None  # between the points of its range, to scikit-fuzzy
     method: TextPiece | None = None  # the word for the defuzzifier
-    inference: TextPiece | None = None  # what fuzzylite makes of values: one of INFERENCES
-    resolution: int | None = None  # samples, where the file says how many
-    settled: bool = False  # whether the range is what the program makes of the file's
+    inference: TextPiece | None = None  # fuzzylite's inference of values: one of INFERENCES
+    resolution: int | None = None  # number of samples, if the file has one
+    settled: bool = False  # whether the range is final
     _index: dict[str, Term] = field(default_factory=dict)
     refused: set[str] = field(default_factory=set)  # names of terms that have findings
 
@@ -246,7 +246,7 @@ class VariableDraft:
 
     @property
     def integrates(self) -> bool:
-        """Whether its value is found from samples of sets."""
+        """Whether its value is integrated over samples of sets."""
         return self.defuzzifier.resolution is not None
 
     @property
@@ -260,13 +260,13 @@ class VariableDraft:
         return {term.shape.kind for term in self.terms}
 
     def set_range(
-        self, words: list[TextPiece], at: TextPiece, findings: Findings, what: str
+        self, words: list[TextPiece], at: TextPiece, findings: Findings, form: str
     ) -> None:
-        """Take the range from two words."""
+        """Set the range from two words."""
         values = [number(word.text) for word in words]
         if len(values) != 2 or values[0] is None or values[1] is None:
             large = [word for word in words if is_too_large(word.text)]
-            message = f"a range is {what}, not '{at.text[:40]}'"
+            message = f"a range is {form}, not '{at.text[:40]}'"
             if large:
                 message = f"{not_a_number(large[0].text)}, in the range of '{self.name}'"
             findings.error("bad-range", message, large[0] if large else at)
@@ -274,7 +274,7 @@ class VariableDraft:
         self.low, self.high = values[0], values[1]
 
     def settle_range(self, findings: Findings) -> None:
-        """Widen a range without width, turn one that is the wrong way round; once."""
+        """Widen a range without width, turn a reversed one; once."""
         if self.settled:
             return
         self.settled = True
@@ -292,7 +292,7 @@ class VariableDraft:
         if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (self.low, self.high)):
             message = f"the range of '{self.name}' goes beyond {MAX_MAGNITUDE:g}"
             findings.error("bad-range", message, self.word)
-        if self.low == self.high:  # beyond 2**53 half a unit is nothing
+        if self.low == self.high:  # half a unit is below the resolution of doubles beyond 2**53
             self.high = math.nextafter(self.low, math.inf)
         if self.high - self.low < MIN_WIDTH:
             message = f"the range of '{self.name}' is narrower than {MIN_WIDTH:g}"
@@ -311,14 +311,14 @@ def same_value(consequent: Consequent, variables: dict[str, VariableDraft]) -> C
 
 
 def same_number(value: float | str, other: float) -> bool:
-    """Whether a value where no rule fires is a number, a NaN being equal to a NaN."""
+    """Whether a value without rules equals a number; NaN equals NaN."""
     if isinstance(value, str):
         return False
     return value == other or (math.isnan(value) and math.isnan(other))
 
 
 def maximum_of_nothing(output: VariableDraft | Output) -> float:
-    """Return the maximum of nothing to fuzzylite 7 and Octave: all samples are it."""
+    """Return the maximum of nothing in fuzzylite 7 and Octave: every sample attains it."""
     defuzzifier = output.defuzzifier
     half_step = 0.0
     if defuzzifier.sampling == "midpoints":

@@ -1,4 +1,4 @@
-"""FCL, its function blocks: what their variables, norms, methods and rules mean to each program."""
+"""FCL function blocks: meaning of variables, norms, methods and rules by program."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
 
 @dataclass(slots=True)
 class BlockText:
-    """A rule block as it was written: norms by AND, OR, ACT and ACCU, rules from IF on."""
+    """A rule block as written: norms by AND, OR, ACT and ACCU, rules from IF on."""
 
     word: TextPiece
     norms: list[tuple[str, TextPiece]] = field(default_factory=list)
     rules: list[list[TextPiece]] = field(default_factory=list)
     enabled: bool = True
-    named: dict[str, str] | None = None  # the norms in the model, once they are asked for
+    named: dict[str, str] | None = None  # cache: the norms in the model
 
 
 class FunctionBlock(SystemReader):
@@ -51,16 +51,16 @@ class FunctionBlock(SystemReader):
 
     @property
     def own(self) -> bool:
-        """Whether fuzzylite's meaning counts."""
+        """Whether fuzzylite's meaning applies."""
         return self.dialect.producer == "fuzzylite"
 
     def step(self, draft: VariableDraft, word: TextPiece, value: float) -> None:
-        """Take the distance of the points of a range, which only fcl-for-scikit-fuzzy has."""
+        """Report the step of a range, which only fcl-for-scikit-fuzzy has."""
         message = f"the step of '{draft.name}' is left out: {self.dialect.program} has none"
         self.findings.warn("dropped-step", message, word)
 
     def note_default(self, draft: VariableDraft, word: TextPiece) -> None:
-        """Say what becomes of the value where no rule fires."""
+        """Report an ineffective default (a hook of the dialects)."""
 
     def accumulation(self, draft: VariableDraft, word: TextPiece) -> None:
         """Take the ACCU of an output."""
@@ -103,7 +103,7 @@ class FunctionBlock(SystemReader):
         norms[other] = partner
 
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
-        """Set the aggregation of the outputs that rules conclude from ACCU in their block."""
+        """Set the aggregation of the rules' outputs from ACCU of their block."""
         if accumulation is None and self.own:
             return
         norm = accumulation or "sum"
@@ -129,7 +129,7 @@ class FunctionBlock(SystemReader):
     # --- From the text to the model ---
 
     def read(self) -> RuleBase:
-        """Return the rule base, once all words are there."""
+        """Return the rule base, after the last word."""
         for text in self.texts:
             self.blocks.append(self._block(text))
         self.settle()
@@ -154,7 +154,7 @@ class FunctionBlock(SystemReader):
         return read_sentences(rules, self.variables, self.findings, self.dialect)
 
     def settle_variable(self, draft: VariableDraft) -> None:
-        """Settle a variable, and where its edges stand to the samples of jFuzzyLogic."""
+        """Settle a variable, with vertical edges on jFuzzyLogic's side of a sample."""
         super().settle_variable(draft)
         if draft.is_output and not self.own:
             _settle_edges(draft, self.findings)
@@ -177,7 +177,7 @@ class FunctionBlock(SystemReader):
         return "COGS"
 
     def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
-        """Say in what the methods of jFuzzyLogic differ from those of the model."""
+        """Report where methods of jFuzzyLogic differ from the model's."""
         if self.own:
             super().note_method(draft, name, at)
         elif name == "COA":
@@ -189,15 +189,14 @@ class FunctionBlock(SystemReader):
             self.note_ties(draft, at)
 
 
-# --- Where jFuzzyLogic takes its samples, to the last bit ---
+# --- jFuzzyLogic's sample positions, to the last bit ---
 #
-# It walks along the range by adding up steps; the model multiplies them. The two differ by
-# some 1e-16, which matters only to a vertical edge that stands on a sample: there the one may
-# see 1 and the other 0.
+# It accumulates the step along the range; the model multiplies it. The two differ by some 1e-16,
+# which shows at a vertical edge on a sample only: one side sees 1, the other 0.
 
 
 def _settle_edges(draft: VariableDraft, findings: Findings) -> None:
-    """Move vertical edges by one step of the machine where that makes the samples agree."""
+    """Move vertical edges by one ulp where the two samples would disagree."""
     count = draft.defuzzifier.resolution
     if count is None:
         return
@@ -217,7 +216,7 @@ def _settle_edges(draft: VariableDraft, findings: Findings) -> None:
 
 
 def _samples(low: float, high: float, count: int) -> list[tuple[float, float]]:
-    """Return the samples of the model and of jFuzzyLogic, pairwise."""
+    """Return pairs of samples: the model's and jFuzzyLogic's."""
     step = (high - low) / count
     pairs = []
     x = low
@@ -245,7 +244,7 @@ def _moved(shape: Shape, samples: list[tuple[float, float]], low: float, high: f
     first, last = shape.parameters[0], shape.parameters[-1]
     model, walked = _nearest(first, samples)
     if shape.kind == "singleton" and model != first:
-        return shape  # on no sample, whichever side it is seen from
+        return shape  # on no sample of either
     p = list(shape.parameters)
     if left and (model < first <= walked or walked < first <= model):
         edge = model if walked >= first else math.nextafter(model, high)
@@ -258,6 +257,6 @@ def _moved(shape: Shape, samples: list[tuple[float, float]], low: float, high: f
 
 
 def _nearest(edge: float, samples: list[tuple[float, float]]) -> tuple[float, float]:
-    """Return the sample of the model that is nearest to an edge, and jFuzzyLogic's."""
+    """Return the model's sample nearest to an edge, and jFuzzyLogic's."""
     index = bisect_left(samples, (edge, -math.inf))
     return min(samples[max(index - 1, 0) : index + 1], key=lambda pair: abs(pair[0] - edge))

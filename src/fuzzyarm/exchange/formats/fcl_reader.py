@@ -1,4 +1,4 @@
-"""FCL, the language of IEC 61131-7, as jFuzzyLogic, fuzzylite and others write it: read."""
+"""FCL, the language of IEC 61131-7, in the spellings of jFuzzyLogic, fuzzylite and others: read."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from fuzzyarm.exchange.formats.findings import (
 )
 from fuzzyarm.language.model.rulebase import RuleBase
 
-# --- Which program a text was written for ---
+# --- Detection of the program ---
 
 _ONLY_FUZZYLITE = re.compile(
     r"[:=]\s*(EPROD|DPROD|HPROD|ESUM|DSUM|HSUM|NMIN|NMAX|COGSS|Triangle|Trapezoid|Bell|Gaussian|"
@@ -43,9 +43,9 @@ _IN_INPUT = re.compile(r"\b(?:FUZZIFY|END_FUZZIFY|RANGE)\b", re.IGNORECASE)
 
 
 def detect(text: str) -> str:
-    """Return the program of a text: jFuzzyLogic unless something says another.
+    """Return the program of a text: jFuzzyLogic unless a spelling is another's.
 
-    A range inside FUZZIFY is refused by jFuzzyLogic, its step by fuzzylite as well.
+    jFuzzyLogic refuses a range inside FUZZIFY, and fuzzylite its step as well.
     """
     plain = _COMMENT.sub("", text)
     if _STEP.search(plain):
@@ -54,7 +54,7 @@ def detect(text: str) -> str:
     if "fuzzylite" in head or _ONLY_FUZZYLITE.search(plain) or _has_accu_in_defuzzify(plain):
         return "fuzzylite"
     if _has_range_in_fuzzify(plain):
-        # The words of a rule are in small letters to fuzzylite, and in no other case.
+        # fuzzylite knows the words of a rule in lower case only.
         return "fuzzylite" if re.search(r"\bif\b", plain) else "scikit-fuzzy"
     return "jfuzzylogic"
 
@@ -89,7 +89,7 @@ def _has_accu_in_defuzzify(text: str) -> bool:
 
 
 def _joined_numbers(words: list[TextPiece]) -> list[TextPiece]:
-    """Put the sign of a weight back to its number."""
+    """Join the sign and the number of a weight."""
     if len(words) > 2 and words[-2].text in ("-", "+"):
         sign, value = words[-2], words[-1]
         words[-2:] = [TextPiece(sign.text + value.text, sign.span.to(value.span))]
@@ -106,21 +106,21 @@ _OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
 
 
 class _Reader:
-    """Reads function blocks as jFuzzyLogic or fuzzylite does, by its dialect."""
+    """Reads function blocks in the dialect of one program."""
 
     def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
         self.findings = findings
         self.dialect = dialect
         self.cursor = WordCursor(fcl_words(text, findings))
         self.blocks: list[FunctionBlock] = []
-        self.block = self._new(TextPiece(""))  # the one that is read
+        self.block = self._new(TextPiece(""))  # the current one
 
     def _new(self, word: TextPiece) -> FunctionBlock:
         is_scikits = self.dialect.producer == "scikit-fuzzy"
         return (ScikitBlock if is_scikits else FunctionBlock)(word, self.dialect, self.findings)
 
     def read(self, name: str | None) -> RuleBase | None:
-        """Return the rule base of one function block, the first where none is `name`."""
+        """Return the rule base of the block `name`, of the first one without a name."""
         while not self.cursor.ended:
             try:
                 self._section()
@@ -167,7 +167,7 @@ class _Reader:
         elif key == "RULE" and not self.blocks:
             message = (
                 "there are rules here but no variables: VAR_INPUT, VAR_OUTPUT, FUZZIFY and "
-                "DEFUZZIFY, which say what the words of the rules mean, are not in this file"
+                "DEFUZZIFY, which define the words of the rules, are not in this file"
             )
             self.findings.error("no-variables", message, cursor.word)
             cursor.at = len(cursor.words)
@@ -177,7 +177,7 @@ class _Reader:
             raise FaultError(message, cursor.word)
 
     def _between_blocks(self) -> None:
-        """Leave out what stands after a function block, up to the next one."""
+        """Skip the text behind a function block, up to the next one."""
         first = self.cursor.word
         if self.cursor.ended or self.cursor.key() == "FUNCTION_BLOCK":
             return
@@ -210,7 +210,7 @@ class _Reader:
             cursor.take()
 
     def _is_over(self, end: str) -> bool:
-        """Whether a section ends here; say so where its end is missing and the next one begins."""
+        """Whether a section ends here; report a missing end before the next section."""
         cursor = self.cursor
         if cursor.skip(end):
             return True
@@ -239,7 +239,7 @@ class _Reader:
             word = cursor.name("a variable")
             last = self.block.variable(word, is_output=is_output)
             cursor.expect(":")
-            # Past the type; many files lack the semicolon, so the end of the line ends it too.
+            # Many files lack the semicolon after the type, so the end of the line ends it too.
             while not cursor.ended and cursor.word.text != ";" and cursor.key() != "END_VAR":
                 if cursor.word.span.line != word.span.line:
                     break
@@ -258,7 +258,7 @@ class _Reader:
             except FaultError as fault:
                 self.findings.fault(fault)
                 ends = cursor.key() in (end, *SECTIONS, *_STATEMENTS)
-                # At least one word on: else it would be read forever.
+                # Consume at least one word, or the loop would never end.
                 cursor.at += not ends or cursor.at == start
                 cursor.to_next_statement()
 
@@ -283,7 +283,7 @@ class _Reader:
                 cursor.take()
                 word = cursor.name("a term")
                 cursor.skip(":=", "=", ":")
-                draft.refused.add(word.text)  # unless what follows is a function
+                draft.refused.add(word.text)  # unless a function follows
                 inputs = len(self.block.inputs)
                 shape = read_shape(cursor, self.dialect, inputs, self.findings)
                 if shape is not None:
@@ -313,7 +313,7 @@ class _Reader:
             self._after_statement()
 
     def _after_statement(self) -> None:
-        """Complain where a statement goes on after its end."""
+        """Report a statement that continues after its end."""
         cursor = self.cursor
         if cursor.at and cursor.word.span.line == cursor.words[cursor.at - 1].span.line:
             word = cursor.word
@@ -321,7 +321,7 @@ class _Reader:
                 raise FaultError(f"';' is expected before '{word.text[:40]}'", word)
 
     def _note_range(self, draft: VariableDraft) -> None:
-        """Say that jFuzzyLogic knows the range of an input after its declaration only."""
+        """Report that jFuzzyLogic knows the range of an input after its declaration only."""
         if draft.is_output or self.dialect.producer != "jfuzzylogic":
             return
         message = f"{self.dialect.program} refuses a RANGE inside FUZZIFY; it is read all the same"

@@ -1,8 +1,8 @@
-"""FCL as the reader for scikit-fuzzy takes it (James Power's fcl-for-scikit-fuzzy).
+"""FCL as read for scikit-fuzzy (James Power's fcl-for-scikit-fuzzy).
 
-A RANGE stands inside FUZZIFY and may have a step: ``RANGE := (0 .. 10) WITH 0.5;``. It becomes
-the points of a universe, without its upper end, and every term is straight between them. The
-rest is what scikit-fuzzy makes of it: rules clip by the minimum and add up by the maximum.
+A RANGE belongs into FUZZIFY and may have a step: ``RANGE := (0 .. 10) WITH 0.5;``. It becomes
+the points of a universe, without its upper end; every term is linear between them. Implication
+is the minimum, aggregation the maximum.
 """
 
 from __future__ import annotations
@@ -62,9 +62,9 @@ _NAMES = {
 
 
 def universe(low: float, high: float, step: float | None) -> list[float]:
-    """Return the points of a range; the upper end is not one of them.
+    """Return the points of a range, without its upper end.
 
-    Without a step it is a power of ten that makes some thousand of them.
+    The default step is a power of ten that gives some thousand points.
     """
     if not step:
         step = 10.0 ** round(math.log10((1.0 + (high - low)) / 1000.0))
@@ -73,7 +73,7 @@ def universe(low: float, high: float, step: float | None) -> list[float]:
 
 
 class ScikitBlock(FunctionBlock):
-    """A function block as fcl-for-scikit-fuzzy takes it."""
+    """A function block with the meaning of fcl-for-scikit-fuzzy."""
 
     def __init__(self, word: TextPiece, dialect: Dialect, findings: Findings) -> None:
         super().__init__(word, dialect, findings)
@@ -81,19 +81,19 @@ class ScikitBlock(FunctionBlock):
         self._hedged_terms: dict[tuple[str, str, tuple[Hedge, ...]], str] = {}
 
     def step(self, draft: VariableDraft, word: TextPiece, value: float) -> None:
-        """Take the distance of the points of a universe."""
+        """Take the step between the points of a universe."""
         if 0.0 < value < math.inf:
             draft.step = value
         else:
             self.findings.error("bad-range", "the step of a range must be positive", word)
 
     def note_default(self, draft: VariableDraft, word: TextPiece) -> None:
-        """Say that scikit-fuzzy has no value where no rule fires."""
+        """Report that scikit-fuzzy has no value where no rule fires."""
         message = f"the DEFAULT of '{draft.name}' is left out: no rule is an error to scikit-fuzzy"
         self.findings.info("dropped-options", message, word)
 
     def _norms(self, text: BlockText) -> dict[str, str]:
-        """Return the norms of a block; of a pair of which one is named the other is its dual."""
+        """Return the norms of a block; one norm of a pair sets the other to its dual."""
         norms: dict[str, str] = {}
         for key, word in text.norms:
             kinds = TNORMS if key in ("AND", "ACT") else SNORMS
@@ -115,10 +115,10 @@ class ScikitBlock(FunctionBlock):
         return {key: norm for key, norm in norms.items() if key in ("AND", "OR")}
 
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
-        """Leave the aggregation to the outputs."""
+        """Do nothing: aggregation belongs to the outputs, not to the block."""
 
     def settle_variable(self, draft: VariableDraft) -> None:
-        """Put the terms of a variable on the points of its universe."""
+        """Sample the terms of a variable at the points of its universe."""
         if draft.is_output:
             draft.no_rule = "error"
             if self.accumulations.setdefault(draft.name, "max") != "max":
@@ -143,7 +143,7 @@ class ScikitBlock(FunctionBlock):
             shape = self._on_points(draft, replace(term, shape=closed(term.shape, xs)), xs)
             draft.put(index, Term(term.name, shape, term.span))
         if draft.is_output:
-            # Sets the samples of the dialect; each output has the points of its own universe.
+            # Sets the dialect's samples, although each output has its own universe.
             self.finish_output(draft, self.method_name(draft))
             method = draft.defuzzifier.method
             draft.defuzzifier = Defuzzifier(method)
@@ -151,18 +151,18 @@ class ScikitBlock(FunctionBlock):
                 draft.defuzzifier = Defuzzifier(method, len(xs), "joined")
 
     def method_name(self, draft: VariableDraft) -> str:
-        """Return the method as it stands: values and words of others are refused."""
+        """Return the method as written: words of other programs are refused."""
         return "COG" if draft.method is None else draft.method.text.upper()
 
     def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
-        """Say what is the mean of maxima to scikit-fuzzy."""
+        """Report that scikit-fuzzy has its own mean of maxima."""
         if self.dialect.integral[name] == "mean-of-maximum":
             self.findings.loss("mean-of-maximum", MEAN_OF_POINTS, at, slight=True)
 
     # --- Hedges ---
 
     def sentences(self, rules: list[list[TextPiece]]) -> list[RuleText]:
-        """Read rules; hedged terms become terms where the points do not show the hedge itself."""
+        """Read rules; a hedge becomes a term of its own where the samples cannot express it."""
         variables = self.variables
         texts = read_sentences(rules, variables, self.findings, self.dialect, MORE_HEDGES)
         return [
@@ -191,9 +191,9 @@ class ScikitBlock(FunctionBlock):
     def _hedged_term(
         self, variable: str, name: str, hedges: tuple[Hedge, ...]
     ) -> tuple[str, tuple[Hedge, ...]]:
-        """Return a term and the hedges that stay beside it.
+        """Return a term and its remaining hedges.
 
-        scikit-fuzzy has the hedges of a term at the points only, and straight lines between them.
+        scikit-fuzzy hedges the degrees at the points, with straight lines between them.
         """
         draft = self.variables.get(variable)
         term = draft.term(name) if draft is not None else None
@@ -202,7 +202,7 @@ class ScikitBlock(FunctionBlock):
             return name, hedges
         is_own = is_at_points_only(hedges)
         if draft.is_output and not is_own:
-            return name, hedges  # the defuzzifier asks at the points only
+            return name, hedges  # the defuzzifier reads the points only
         degrees = list(map(membership_function(term.shape), xs))
         if not is_own and widest_gap(degrees, hedges) <= NEAR_LINES:
             return name, hedges
@@ -220,7 +220,7 @@ class ScikitBlock(FunctionBlock):
         return self._hedged_terms[key], ()
 
     def _on_points(self, draft: VariableDraft, term: Term, xs: list[float]) -> Shape:
-        """Return the set that has the degrees of a term at points and is straight between them."""
+        """Return the piecewise-linear set through a term's degrees at the points."""
         shape = _extended(term.shape, xs)
         if shape.kind == "sigmoid-difference" and (least := least_difference(shape, xs)) < -1e-12:
             message = (
@@ -236,7 +236,7 @@ class ScikitBlock(FunctionBlock):
             return shape
         degree = membership_function(shape)
         if draft.is_output or beside_lines(shape, xs) > NEAR_LINES:
-            # What defuzzifies an output takes its degrees at the points only.
+            # Defuzzification reads the degrees at the points only.
             return shape if draft.is_output else joined(xs, [degree(x) for x in xs])
         message = (
             f"'{term.name}' of '{draft.name}' is straight between {len(xs)} points to "
@@ -247,7 +247,7 @@ class ScikitBlock(FunctionBlock):
 
 
 def _extended(shape: Shape, xs: list[float]) -> Shape:
-    """Return points with what scikit-fuzzy's reader puts before them: a line from 0."""
+    """Extend points by the line from 0 that scikit-fuzzy's reader puts before them."""
     if shape.kind != "points" or shape.parameters[0] <= xs[0]:
         return shape
     return Shape("points", (xs[0], 0.0, *shape.parameters), shape.height)

@@ -16,7 +16,7 @@ __all__ = [
     "refusal", "widest_gap",
 ]  # fmt: skip
 
-# --- Where the numbers of a shape mean something of their own ---
+# --- Shapes whose numbers have a meaning of their own ---
 
 _ORDERED = {
     "TRIANGULAR": "triangle", "TRIANGLE": "triangle", "TRIAN": "triangle",
@@ -26,11 +26,11 @@ _ORDERED = {
 """Words whose corners must not decrease."""
 
 _DIVIDED = {"S": (0,), "SSHAPE": (0,), "PI": (0,), "PISHAPE": (0,)}
-"""Words with a flank that scikit-fuzzy divides by the width of, from the corner of this index."""
+"""Words whose flank, from the corner of this index, scikit-fuzzy divides by its width."""
 
 
 def refusal(key: str, values: Sequence[float]) -> str:
-    """Return why scikit-fuzzy has no degrees for the numbers of a word in capitals, or ''."""
+    """Return the reason why scikit-fuzzy refuses the numbers of a word in capitals, or ''."""
     if key in _ORDERED and any(a > b for a, b in pairwise(values)):
         return f"scikit-fuzzy refuses corners of {with_article(_ORDERED[key])} that decrease"
     if key == "GAUSS2" and len(values) == 4 and values[0] > values[2]:
@@ -42,7 +42,7 @@ def refusal(key: str, values: Sequence[float]) -> str:
 
 
 def own_shape(key: str, values: Sequence[float]) -> Shape | None:
-    """Return the shape of a word whose numbers are not taken as other programs take them."""
+    """Return the shape of a word whose numbers differ from those of other programs."""
     make = _OWN.get(key)
     numbers = _OWN_NUMBERS.get(key, 2)
     return make(*values) if make is not None and len(values) == numbers else None
@@ -57,7 +57,7 @@ def _two_sided(*values: float) -> Shape | None:
 
 
 def _step(x: float, before: float) -> Shape:
-    """Return what jumps from 0 or 1 to the other at `x`."""
+    """Return a step between 0 and 1 at `x`, `before` on its left."""
     ends = (math.nextafter(x, -math.inf), x)
     return Shape("ramp", ends if before == 0.0 else ends[::-1])
 
@@ -87,7 +87,7 @@ _OWN_NUMBERS = {"SINGLETON": 1, "GAUSSIANPRODUCT": 4, "PI": 4, "PISHAPE": 4}
 
 
 def least_difference(shape: Shape, xs: Sequence[float]) -> float:
-    """Return the least value of a difference of sigmoids at points, with its sign."""
+    """Return the least value, negative or not, of a difference of sigmoids at the points."""
 
     def sigmoid(x: float, centre: float, slope: float) -> float:
         return 0.5 * (1.0 + math.tanh(0.5 * slope * (x - centre)))
@@ -97,7 +97,7 @@ def least_difference(shape: Shape, xs: Sequence[float]) -> float:
 
 
 def closed(shape: Shape, xs: Sequence[float]) -> Shape:
-    """Return a shape with the ends of the points where it goes on to infinity."""
+    """Cut an open-ended shape at the first and the last point."""
     if shape.kind != "two-sided-gaussian":
         return shape
     low, left, high, right = shape.parameters
@@ -127,7 +127,7 @@ def _norm(degrees: list[float]) -> list[float]:
 
 
 def _slightly(degrees: list[float]) -> list[float]:
-    """Return what is a little more than a term but not very: IEEE 1855, A.11."""
+    """Return the hedge *slightly*: "somewhat, but not very" (IEEE 1855, A.11)."""
     both = [min(degree**1.25, 1.0 - degree * degree) for degree in degrees]
     return [apply_hedge(Hedge("intensify"), degree) for degree in _norm(both)]
 
@@ -135,23 +135,23 @@ def _slightly(degrees: list[float]) -> list[float]:
 _OF_ALL_POINTS: dict[str, Callable[[list[float]], list[float]]] = {
     "above": _above, "below": _below, "norm": _norm, "slightly": _slightly,
 }  # fmt: skip
-"""Hedges that need the degrees of all points: the model has none of them."""
+"""Hedges over the degrees of all points, which the model lacks."""
 
 MORE_HEDGES = {
     "more_or_less": Hedge("power", 1.0 / 3.0),
     "plus": Hedge("power", 1.25),
     **{name: Hedge(name) for name in _OF_ALL_POINTS},
 }
-"""Hedges of IEEE 1855 by the words of the program, beside those that the other formats share."""
+"""Hedges of IEEE 1855 by the words of the program, beside the common ones."""
 
 
 def is_at_points_only(hedges: Sequence[Hedge]) -> bool:
-    """Whether the model has not all of some hedges."""
+    """Whether some of the hedges need all points, which the model cannot express."""
     return any(hedge.name in _OF_ALL_POINTS for hedge in hedges)
 
 
 def hedged_degrees(degrees: Sequence[float], hedges: Sequence[Hedge]) -> list[float]:
-    """Return the degrees at points as hedges modify them, the last of which acts first."""
+    """Return the degrees at points under hedges; the last hedge acts first."""
     values = list(degrees)
     for hedge in reversed(hedges):
         if hedge.name in _OF_ALL_POINTS:
@@ -162,7 +162,7 @@ def hedged_degrees(degrees: Sequence[float], hedges: Sequence[Hedge]) -> list[fl
 
 
 def widest_gap(degrees: Sequence[float], hedges: Sequence[Hedge]) -> float:
-    """Return how far hedged straight lines are from straight lines of hedged degrees, at most."""
+    """Return the greatest gap between a hedged straight line and the line of hedged degrees."""
     if all(HEDGES[hedge.name].straight for hedge in hedges):
         return 0.0
     widest = 0.0

@@ -1,4 +1,4 @@
-"""The text of FCL: words without comments, a cursor among them, membership functions."""
+"""FCL text: words without comments, a cursor, membership functions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ KEYWORDS = frozenset(
     f"VAR OPTIONS OPTION {' '.join((*SECTIONS, *SECTION_ENDS))} END_OPTIONS END_OPTION TERM RANGE "
     "METHOD DEFAULT ACCU ACT AND OR RULE ENABLED LOCK".split()
 )
-"""Words that begin a statement or end a section, in capitals."""
+"""Words that begin a statement or end a section, in upper case."""
 
 
 def fcl_words(text: str, findings: Findings) -> list[TextPiece]:
@@ -75,7 +75,7 @@ MEAN_OF_MAXIMUM = (
 
 
 class WordCursor:
-    """Goes through words."""
+    """A cursor over words."""
 
     def __init__(self, words: list[TextPiece]) -> None:
         self.words = words
@@ -95,40 +95,40 @@ class WordCursor:
         return TextPiece("", last)
 
     def key(self, ahead: int = 0) -> str:
-        """Return a coming word in capitals."""
+        """Return a coming word in upper case."""
         index = self.at + ahead
         return self.words[index].text.upper() if index < len(self.words) else ""
 
     def take(self) -> TextPiece:
-        """Return the next word and go on."""
+        """Return the next word and advance."""
         word = self.word
         self.at += 1
         return word
 
     def skip(self, *keys: str) -> bool:
-        """Go past the next word if it is one of `keys`."""
+        """Advance past the next word if it is one of `keys`."""
         if self.key() in keys and not self.ended:
             self.at += 1
             return True
         return False
 
     def expect(self, *keys: str) -> TextPiece:
-        """Return the next word, which must be one of `keys`."""
+        """Consume the next word, which must be one of `keys`."""
         if self.ended or self.key() not in keys:
             text = f"'{self.word.text[:40]}'" if not self.ended else "the end of the file"
             raise FaultError(f"'{keys[0]}' is expected here, not {text}", self.word)
         return self.take()
 
-    def name(self, what: str) -> TextPiece:
-        """Return the next word, which must be a name."""
+    def name(self, owner: str) -> TextPiece:
+        """Consume the next word, which must be a name."""
         if self.ended or not (self.word.text[0].isalpha() or self.word.text[0] in "_0123456789"):
-            raise FaultError(f"the name of {what} is expected here", self.word)
+            raise FaultError(f"the name of {owner} is expected here", self.word)
         return self.take()
 
     def title(self, keys: frozenset[str], *, setting: bool = False) -> TextPiece:
         """Return the rest of the line up to one of `keys`, as the name of a block.
 
-        With `setting` a key ends it only where a colon follows at once or after one more word.
+        With `setting` a key ends it only if a colon follows at once or after one more word.
         """
         start, line = self.at, self.word.span.line
         while not self.ended and self.word.span.line == line and self.key() != ";":
@@ -146,7 +146,7 @@ class WordCursor:
         return TextPiece(text, words[0].span.to(words[-1].span))
 
     def number(self) -> float:
-        """Return the number that follows, with its signs."""
+        """Consume a number with its signs."""
         first = self.word
         sign = 1.0
         while self.key() in ("+", "-"):
@@ -168,12 +168,12 @@ class WordCursor:
         return bool(text) and (number(text) is not None or is_too_large(text))
 
     def end_key(self) -> None:
-        """Go past the key that is next, and what may stand between it and its value."""
+        """Advance past the next keyword and the optional signs before its value."""
         self.take()
         self.skip(":", ":=", "=")
 
     def to_next_statement(self) -> None:
-        """Skip to after the next semicolon or before the next statement."""
+        """Advance behind the next semicolon, or to the next statement."""
         while not self.ended:
             if self.key() in KEYWORDS and self.key() not in ("AND", "OR"):
                 return
@@ -181,7 +181,7 @@ class WordCursor:
                 return
 
 
-# --- Membership functions, under the names of both dialects ---
+# --- Membership functions, by the names of both dialects ---
 
 _ALIASES = {"TRIANGULAR": "TRIANGLE", "TRAPEZOIDAL": "TRAPEZOID", "GENERALIZEDBELL": "GBELL"}
 
@@ -190,18 +190,18 @@ _OF_THE_STANDARD = {
     "RIGHTLINEAR": "RAMP", "S": "SSHAPE", "Z": "ZSHAPE", "PI": "PISHAPE",
     "RECTANGULAR": "RECTANGLE",
 }  # fmt: skip
-"""Words of IEEE 1855 that fcl-for-scikit-fuzzy has beside those of the other two programs."""
+"""Words of IEEE 1855 that only fcl-for-scikit-fuzzy has."""
 
 
 def _spellings(dialect: Dialect) -> dict[str, Spelling]:
-    """Return the words for shapes in capitals: those of both programs are read in either."""
+    """Return the words for shapes in upper case: either dialect knows those of both programs."""
     all_known = all_spellings(SHAPES, "jfl", "fcl")
     spellings = {word.upper(): spelling for word, spelling in all_known.items()}
     if not is_scikits(dialect):
         return spellings
     spellings |= {word: spellings[same] for word, same in _OF_THE_STANDARD.items()}
     spellings["LEFTLINEAR"] = Spelling("ramp", "leftlinear", (1, 0))
-    for word in ("SIGMOIDDIFFERENCE", "SIGMOIDPRODUCT"):  # the numbers of one after the other
+    for word in ("SIGMOIDDIFFERENCE", "SIGMOIDPRODUCT"):  # the numbers of both, one after the other
         spellings[word] = spellings[word]._replace(order=(0, 1, 2, 3))
     spellings["SINGLETON"] = Spelling("singleton", "singleton", (0,))
     for word in ("LEFTGAUSSIAN", "RIGHTGAUSSIAN"):
@@ -213,7 +213,7 @@ _NOT_OF_SCIKIT = frozenset({"LINEAR", "FUNCTION", "CONSTANT", "DISCRETE", "BINAR
 
 
 def is_scikits(dialect: Dialect) -> bool:
-    """Whether a text is read as fcl-for-scikit-fuzzy reads it."""
+    """Whether a text has the semantics of fcl-for-scikit-fuzzy."""
     return dialect.producer == "scikit-fuzzy"
 
 
@@ -226,7 +226,7 @@ def read_shape(
     if key == "(":
         return _points(cursor, dialect, findings)
     spellings = _spellings(dialect)
-    if cursor.at_number() and key not in spellings:  # PI is a shape to one program, else a number
+    if cursor.at_number() and key not in spellings:  # PI may be a shape or a number
         return make_shape("singleton", [cursor.number()], word, findings)
     if not cursor.ended and word.text[0] in ".0123456789":
         cursor.number()
@@ -317,7 +317,7 @@ def _points(cursor: WordCursor, dialect: Dialect, findings: Findings) -> Shape |
             values.append(cursor.number())
             cursor.expect(closing)
         cursor.skip(",")
-    if is_scikits(dialect):  # which sorts them
+    if is_scikits(dialect):  # it sorts them
         pairs = sorted(zip(values[0::2], values[1::2], strict=True), key=lambda pair: pair[0])
         values = [value for pair in pairs for value in pair]
     return make_shape("points", values, first, findings, ties=dialect.ties)
@@ -351,6 +351,6 @@ def _function(cursor: WordCursor, dialect: Dialect, findings: Findings) -> Shape
 
 
 def is_cut(difference: Shape) -> bool:
-    """Whether a difference of sigmoids is negative somewhere, where jFuzzyLogic takes 0."""
+    """Whether a difference of sigmoids is negative somewhere, which jFuzzyLogic cuts to 0."""
     first, slope, second, other = difference.parameters
     return slope != other or slope * (second - first) < 0.0

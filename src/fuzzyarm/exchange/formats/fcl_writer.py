@@ -86,15 +86,15 @@ class _Writer(SystemWriter):
 
     @property
     def own(self) -> bool:
-        """Whether it is for fuzzylite, else for jFuzzyLogic."""
+        """Whether the target is fuzzylite, not jFuzzyLogic."""
         return self.dialect.producer == "fuzzylite"
 
     def _title(self, name: str) -> str:
-        """Return the name of a block, an identifier to jFuzzyLogic."""
+        """Return the title of a block, an identifier for jFuzzyLogic."""
         if not self.own:
             title = identifier(name, _RESERVED, ignore_case=True) if name else ""
         else:
-            # Signs that end a title or begin a comment.
+            # Characters that end a title or begin a comment.
             plain = re.sub(r"[;:#]|/[/*]|\(\*", " ", name)
             words = "".join(c if c.isprintable() else " " for c in plain).split()
             title = " ".join(f"{w}_" if w.upper() in KEYWORDS else w for w in words)
@@ -161,7 +161,7 @@ class _Writer(SystemWriter):
         return word
 
     def _plain_weighted(self, output: Output) -> str:
-        """Return the method of jFuzzyLogic that takes the terms as they are."""
+        """Return jFuzzyLogic's method that takes the terms as they are."""
         kinds = {term.shape.kind for term in output.terms}
         record = output.defuzzifier.record
         if record.figure != "average" or record.inverts:
@@ -280,7 +280,7 @@ _COMPARISONS = {"less": "lt", "less_equal": "le", "equal": "eq"}
 
 
 def _missing_functions(root: Node, dialect: Dialect) -> list[str]:
-    """Return the functions of a formula that the program lacks, by their names here."""
+    """Return the functions of a formula that the program lacks, by their names in the model."""
     operations = dict.fromkeys(
         node.operation for node in postorder(root) if isinstance(node, Apply)
     )

@@ -1,7 +1,7 @@
-"""What a reader or writer of a foreign format hands back, and what it collects on the way.
+"""Results of reading and writing foreign formats, and the findings on the way.
 
-:class:`Imported` and :class:`Exported` are the results, :class:`Findings` gathers what is
-found; numbers are read and written without loss.
+:class:`Imported` and :class:`Exported` are the results, :class:`Findings` collects the diagnostics;
+numbers are read and written without loss.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.symbolic.evaluation import evaluate
 from fuzzyarm.symbolic.formulas import FormulaError, read_formula
 
-# --- What a reader or writer of a foreign format hands back, and how it collects findings ---
+# --- Results and findings ---
 
 MAX_CHARACTERS = 1_000_000
-"""Longest foreign text that is read: four times the largest that programs write."""
+"""Longest foreign text: four times the largest that programs write."""
 
 MAX_FINDINGS = 300
-"""Most findings that one reading lists; the rest is counted."""
+"""Most findings of a file that are listed; the rest is counted."""
 
 MAX_HINTS = 20
-"""Findings that get a guess of what was meant (a guess costs time)."""
+"""Findings with a suggested name (the search costs time)."""
 
 MAX_CHOICES = 300
-"""Names that are compared for such a guess."""
+"""Most names compared for a suggestion."""
 
 MAX_LISTED = 12
-"""Names that a hint lists."""
+"""Most names listed in a hint."""
 
 MAX_VARIABLES = 200
 MAX_RULES = 10_000
@@ -45,13 +45,13 @@ LOSSY_HINT = "--lossy continues anyway"
 
 
 class FormatError(FuzzyarmError, ValueError):
-    """A suffix or a producer that is not known."""
+    """An unknown suffix or producer."""
 
 
 def demand_program(
     producer: str | None, suffix: str, does: str, known_by: Mapping[str, tuple[str, ...]]
 ) -> None:
-    """Refuse a program that does not read or write files of a suffix."""
+    """Refuse an unknown producer for a suffix."""
     programs = known_by.get(suffix, ())
     if producer is not None and producer not in programs:
         names = ", ".join(programs) or "none"
@@ -60,17 +60,17 @@ def demand_program(
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Imported:
-    """A foreign file, read.
+    """The result of reading a foreign file.
 
     Attributes
     ----------
     rulebase : RuleBase or None
-        None where any diagnostic is an error.
+        None after any error.
     diagnostics : tuple of Diagnostic
-        Faults of the file and what could not be carried, in the order of the text.
+        Faults of the file and conversion losses, in text order.
     producer : str
-        The program whose defaults were taken: ``fuzzylite``, ``jfuzzylogic``, ``scikit-fuzzy``,
-        ``matlab``, ``octave``, ``ieee1855`` (FML) or ``fuzzyarm``; of a live object its library.
+        The program whose defaults apply: ``fuzzylite``, ``jfuzzylogic``, ``scikit-fuzzy``,
+        ``matlab``, ``octave``, ``ieee1855`` (FML) or ``fuzzyarm``; for a live object its library.
     """
 
     rulebase: RuleBase | None
@@ -78,25 +78,25 @@ class Imported:
     producer: str = ""
 
     def __repr__(self) -> str:
-        what = "no rule base" if self.rulebase is None else repr(self.rulebase)
-        return one_line(self, f"{what}, {len(self.diagnostics)} findings, as of {self.producer}")
+        content = "no rule base" if self.rulebase is None else repr(self.rulebase)
+        return one_line(self, f"{content}, {len(self.diagnostics)} findings, as of {self.producer}")
 
     @property
     def errors(self) -> tuple[Diagnostic, ...]:
-        """The findings that keep the file from being used."""
+        """The errors, which make the file unusable."""
         return tuple(d for d in self.diagnostics if d.is_error)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Exported:
-    """A rule base, written in a foreign format.
+    """The result of writing a rule base in a foreign format.
 
     Attributes
     ----------
     text : str or None
-        None where any diagnostic is an error.
+        None after any error.
     diagnostics : tuple of Diagnostic
-        What the format cannot express.
+        Features that the format cannot express.
     """
 
     text: str | None
@@ -108,13 +108,13 @@ class Exported:
 
     @property
     def errors(self) -> tuple[Diagnostic, ...]:
-        """The findings that kept the text from being written."""
+        """The errors, which prevented the text."""
         return tuple(d for d in self.diagnostics if d.is_error)
 
 
 @dataclass(frozen=True, slots=True)
 class TextPiece:
-    """A piece of text and where it stood."""
+    """A piece of text with its position."""
 
     text: str
     span: Span = NOWHERE
@@ -129,7 +129,7 @@ class TextPiece:
         return [self.part(*match.span()) for match in pattern.finditer(self.text)]
 
     def around(self, sign: str) -> tuple[TextPiece, TextPiece] | None:
-        """Return what stands before and after a sign, without space; None if it is not there."""
+        """Return the stripped texts before and after a sign; None without the sign."""
         before, sign_, after = self.text.partition(sign)
         if not sign_:
             return None
@@ -138,33 +138,33 @@ class TextPiece:
 
 
 class UnreadableError(Exception):
-    """A part of an object of another library that could not be read, and why.
+    """An unreadable part of a live object, with the reason.
 
     Parameters
     ----------
-    what : str
-        The part, as a message calls it.
+    part : str
+        Name of the part in messages.
     error : Exception
-        What reading it raised.
+        The exception raised on reading.
     """
 
-    def __init__(self, what: str, error: Exception) -> None:
-        super().__init__(f"{what} cannot be read: {type(error).__name__}: {error}")
+    def __init__(self, part: str, error: Exception) -> None:
+        super().__init__(f"{part} cannot be read: {type(error).__name__}: {error}")
 
 
 @contextmanager
-def reading(what: str) -> Iterator[None]:
-    """Let whatever is raised within name the part of an object that was read."""
+def reading(part: str) -> Iterator[None]:
+    """Convert any exception inside into an :class:`UnreadableError` of this part."""
     try:
         yield
     except (UnreadableError, FuzzyarmError):
         raise
     except Exception as error:
-        raise UnreadableError(what, error) from error
+        raise UnreadableError(part, error) from error
 
 
 class FaultError(ValueError):
-    """What keeps a text from being read further, at which word, and the name of the finding."""
+    """The end of parsing: message, word, and name of the finding."""
 
     def __init__(self, message: str, word: TextPiece, name: str = "syntax") -> None:
         super().__init__(message)
@@ -178,11 +178,11 @@ class Findings:
     Parameters
     ----------
     path : str
-        The file, as the caller named it.
+        The file, as named by the caller.
     lossy : bool
-        Whether a loss that changes numbers is a warning rather than an error.
+        Make a loss that changes numbers a warning rather than an error.
     strict : bool
-        Whether a slight loss is an error too.
+        Make a slight loss an error too.
     """
 
     def __init__(self, path: str = "", *, lossy: bool = False, strict: bool = False) -> None:
@@ -198,7 +198,7 @@ class Findings:
 
     @property
     def failed(self) -> bool:
-        """Whether there was an error."""
+        """Whether an error was recorded."""
         return self._errors > 0
 
     def has(self, *names: str) -> bool:
@@ -207,17 +207,17 @@ class Findings:
 
     @property
     def is_damaged(self) -> bool:
-        """Whether parts of the file are missing, from which other faults follow."""
+        """Whether parts of the file are missing, which explains further faults."""
         return self.has("syntax", "wrong-count")
 
     def error(
         self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = ""
     ) -> None:
-        """Record a fault that keeps the file from being used."""
+        """Record a fault that makes the file unusable."""
         self._add(name, message, at, Severity.ERROR, hint)
 
     def fault(self, fault: FaultError) -> None:
-        """Record what ended the reading of a part."""
+        """Record the end of parsing of a part."""
         self.error(fault.name, str(fault), fault.word)
 
     def loss(
@@ -229,7 +229,7 @@ class Findings:
         *,
         slight: bool = False,
     ) -> None:
-        """Record what cannot be carried and changes numbers.
+        """Record a conversion loss that changes numbers.
 
         A `slight` loss, such as another sampling, is a warning unless the caller is strict.
         """
@@ -238,37 +238,37 @@ class Findings:
         self._add(name, message, at, severity, hint or ("" if allowed else LOSSY_HINT))
 
     def warn(self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = "") -> None:
-        """Record a doubt that changes no number."""
+        """Record a doubt without numerical effect."""
         self._add(name, message, at, Severity.WARNING, hint)
 
     def info(self, name: str, message: str, at: TextPiece | Span = NOWHERE, hint: str = "") -> None:
-        """Record a choice or a piece of text that was left out."""
+        """Record a choice or an omission."""
         self._add(name, message, at, Severity.INFO, hint)
 
     def no_term(
         self, variable: str, word: TextPiece, terms: Iterable[str], before: str = ""
     ) -> None:
-        """Record an error about a word that is none of the terms of a variable."""
+        """Record an unknown term of a variable."""
         self.unknown("undefined-term", f"{before}'{variable}' has no term", word, terms, ending="")
 
     def unknown(
         self,
         name: str,
-        what: str,
+        subject: str,
         word: TextPiece,
         choices: Iterable[str],
         *,
         ending: str = " is not known",
     ) -> None:
-        """Record an error about a word that is none of `choices`, with a guess of what was meant.
+        """Record a word outside `choices`, with the nearest one as a suggestion.
 
-        The same word is said once, with how often it stands there. Names of the file are listed;
-        words of the format only where nothing is near.
+        A repeated word is one finding with its count. The hint lists names of the file; words of
+        the format only where none is near.
         """
-        key = (name, what, word.text)
+        key = (name, subject, word.text)
         if key in self._unknown:
             index, times = self._unknown[key]
-            # An error though it is not listed again: `failed` counts it.
+            # Counts for `failed`, although it is not listed again.
             self._unknown[key] = index, times + 1
             self._errors += 1
             return
@@ -277,16 +277,16 @@ class Findings:
         if self._hints < MAX_HINTS:
             self._hints += 1
             hint, replacement = near_hint(word.text, names)
-        # Names of the file are few; a list of all words of a format helps only as a last resort.
+        # Names of the file are few; all words of a format are a last resort.
         if not hint or name.startswith("undefined"):
             hint = "; ".join(filter(None, (hint, listed(names))))
-        message = f"{what} '{shortened(word.text)}'{ending}"
+        message = f"{subject} '{shortened(word.text)}'{ending}"
         if len(self._items) < MAX_FINDINGS:
             self._unknown[key] = len(self._items), 1
         self._add(name, message, word, Severity.ERROR, hint, replacement)
 
     def ignored_key(self, word: TextPiece, choices: Sequence[str]) -> None:
-        """Record a key that has no effect: an error where one of `choices` may be meant."""
+        """Record an ineffective key: an error where one of `choices` may be meant."""
         hint, _ = near_hint(word.text.lower(), [choice.lower() for choice in choices])
         if hint:
             self.unknown("unknown-key", "the key", word, choices)
@@ -295,25 +295,25 @@ class Findings:
             self.warn("unknown-key", message, word)
 
     def norm(
-        self, what: str, word: TextPiece, table: Mapping[str, str], key: str = ""
+        self, subject: str, word: TextPiece, table: Mapping[str, str], key: str = ""
     ) -> str | None:
-        """Return the norm that `key` (the word itself) names in a table of words."""
+        """Return the norm of `key` (by default the word itself) in a table of words."""
         name = table.get(key or word.text)
         if name is None:
-            self.unknown("unknown-norm", what, word, table)
+            self.unknown("unknown-norm", subject, word, table)
         return name
 
-    def room(self, count: int, most: int, what: str, at: TextPiece | Span) -> bool:
-        """Whether one more than `count` is allowed; the first time it is not, say so."""
+    def room(self, count: int, most: int, items: str, at: TextPiece | Span) -> bool:
+        """Whether there is room for one more than `count`; report the first time there is not."""
         if count < most:
             return True
-        if what not in self._full:
-            self._full.add(what)
-            self.error("too-many", f"more than {most} {what} are not read", at)
+        if items not in self._full:
+            self._full.add(items)
+            self.error("too-many", f"more than {most} {items} are not read", at)
         return False
 
     def duplicate(self, name: str, message: str, at: TextPiece | Span, first: Span) -> None:
-        """Record a warning that also points at the first of two."""
+        """Record a warning that also points at the first of the two."""
         related = (Related("the first one", first),)
         self._add(name, message, at, Severity.WARNING, "", None, related)
 
@@ -337,15 +337,15 @@ class Findings:
         )
 
     def imported(self, rulebase: RuleBase | None, producer: str) -> Imported:
-        """Return what was read with all findings; after an error, these alone."""
+        """Return the result of reading with all findings; no rule base after an error."""
         return Imported(None if self.failed else rulebase, self.all(), producer)
 
     def exported(self, text: str) -> Exported:
-        """Return what was written with all findings; after an error, these alone."""
+        """Return the result of writing with all findings; no text after an error."""
         return Exported(None if self.failed else text, self.all())
 
     def all(self) -> tuple[Diagnostic, ...]:
-        """Return everything found, in the order of the text."""
+        """Return all findings in text order."""
         items = list(self._items)
         for index, times in self._unknown.values():
             if times > 1:
@@ -362,7 +362,7 @@ class Findings:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return names as the end of a hint, the first of many."""
+    """Return names as the end of a hint, cut after the first few."""
     names = [name for name in names if name]
     if not names:
         return ""
@@ -371,7 +371,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def shortened(text: str) -> str:
-    """Return `text`, cut in the middle where it is longer than 60 characters."""
+    """Return `text`, cut in the middle beyond 60 characters."""
     if len(text) <= 60:
         return text
     half = 29  # with the ellipsis, 59 characters
@@ -379,7 +379,7 @@ def shortened(text: str) -> str:
 
 
 def unique_name(name: str, names: set[str]) -> str:
-    """Return `name`, or `name` with the first number that makes it unique."""
+    """Return `name`, with the first number that makes it unique if needed."""
     if name not in names:
         return name
     number = 2
@@ -388,7 +388,7 @@ def unique_name(name: str, names: set[str]) -> str:
     return f"{name}_{number}"
 
 
-# --- Numbers as the formats write them, in and out without loss ---
+# --- Numbers, read and written without loss ---
 
 _PLAIN = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\Z", re.ASCII)
 _SPECIAL = {
@@ -400,13 +400,13 @@ _PRODUCT = re.compile(r"[+-]*(?:[\d.pi*/]|e[+-]?\d)+", re.ASCII)
 
 
 def number(text: str) -> float | None:
-    """Return the value of `text`, or None where it is not a number, or too large for one.
+    """Return the value of `text`, or None for anything but a finite or infinite number.
 
-    Besides decimal numbers: ``nan``, ``inf`` and products and quotients with ``pi`` as in
-    ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
+    Besides decimal numbers: ``nan``, ``inf``, and products and quotients with ``pi`` such as
+    ``-pi/4`` or ``2*pi``, which are common in hand-written ``.fis`` files.
     """
     if _PLAIN.match(text):
-        # `1d3` is a number to MATLAB and Octave.
+        # MATLAB and Octave read `1d3` as a number.
         value = float(text.replace("d", "e").replace("D", "e"))
         return value if math.isfinite(value) else None
     if len(text) > 60:
@@ -424,18 +424,18 @@ def number(text: str) -> float | None:
 
 
 def is_too_large(text: str) -> bool:
-    """Whether a text is a number beyond all doubles."""
+    """Whether a text is a number beyond the range of doubles."""
     return _PLAIN.match(text) is not None and number(text) is None
 
 
 def not_a_number(text: str) -> str:
-    """Return the words for a text of which :func:`number` makes nothing."""
+    """Return the message about a text without a value by :func:`number`."""
     fault = "too large for a number" if is_too_large(text) else "not a number"
     return f"'{text[:60]}' is {fault}"
 
 
 def numbers(words: list[TextPiece], findings: Findings) -> list[float] | None:
-    """Return the values of `words`; None, with findings, where one is not a number."""
+    """Return the values of `words`; None, with findings, if one is not a number."""
     values: list[float] = []
     failed = False
     for word in words:
@@ -449,7 +449,7 @@ def numbers(words: list[TextPiece], findings: Findings) -> list[float] | None:
 
 
 def written(value: float) -> str:
-    """Return the shortest text that reads back as exactly `value`."""
+    """Return the shortest text that reads back exactly as `value`."""
     if math.isnan(value):
         return "nan"
     if math.isinf(value):
@@ -459,7 +459,7 @@ def written(value: float) -> str:
 
 
 def all_written(values: tuple[float, ...]) -> str:
-    """Return the numbers with spaces between them."""
+    """Return the numbers separated by spaces."""
     return " ".join(map(written, values))
 
 
@@ -468,10 +468,10 @@ _OTHER = re.compile(r"(?<![\w.])-?\d+\.(\d{1,2}|\d{4,})(?![\w.])", re.ASCII)
 
 
 def rounded(text: str) -> re.Match[str] | None:
-    """Return the first number that looks cut to three decimals, where all of them are.
+    """Return the first number with three decimals, if all numbers of the text have three.
 
-    fuzzylite prints three decimals unless told otherwise; a file with nothing but such
-    numbers may give other outputs than the program object it came from.
+    fuzzylite prints three decimals by default; a file with nothing but such numbers may give other
+    outputs than its original.
     """
     if _OTHER.search(text):
         return None

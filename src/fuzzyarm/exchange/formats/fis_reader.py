@@ -83,7 +83,7 @@ _TYPES = (
     "mamdani", "sugeno", "larsen", "takagi-sugeno", "tsukamoto", "inverse tsukamoto", "hybrid",
     "unknown",
 )  # fmt: skip
-"""Words for ``Type=``, those of fuzzylite among them; terms and defuzzifier decide."""
+"""Words for ``Type=``, fuzzylite's included; terms and defuzzifier decide."""
 
 
 def parse_fis(
@@ -119,7 +119,7 @@ def parse_fis(
 
 
 class _Reader(SystemReader):
-    """Goes from section to section, in the order of their numbers."""
+    """Reads the sections in the order of their numbers."""
 
     def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
         super().__init__(dialect, findings)
@@ -141,7 +141,7 @@ class _Reader(SystemReader):
         if not self._has_known_type():
             return None
         inputs = sum(section.kind == "input" for section in fis_sections)
-        # [Input2] may stand before [Input1]; the rules go by number.
+        # [Input2] may precede [Input1]; the rules use the numbers.
         for section in sorted(fis_sections, key=lambda section: section.number):
             if section.kind != "system":
                 self._section(section, inputs)
@@ -181,7 +181,7 @@ class _Reader(SystemReader):
             else:
                 yield parts
 
-    # --- [System], and what it means for the outputs ---
+    # --- [System], and its consequences for the outputs ---
 
     def _system(self, section: Section) -> None:
         for key, value in self._settings(section):
@@ -191,7 +191,7 @@ class _Reader(SystemReader):
                 self.findings.ignored_key(key, _KEYS)
 
     def _has_known_type(self) -> bool:
-        """Refuse an unknown type of system, before its parts bring their own findings."""
+        """Refuse an unknown type of system first, before findings about its parts."""
         word = self.settings.get("type")
         name = self.text_of("type").lower()
         if word is None or not name or name in _TYPES:
@@ -217,14 +217,14 @@ class _Reader(SystemReader):
         word = self.settings.get(key)
         if word is None or not word.text.strip():
             return None
-        return norm(word, f"the {key}") or usual  # where it is misspelt
+        return norm(word, f"the {key}") or usual  # usual: misspelt
 
     def implication(self) -> str:
-        """Return the implication, which is the minimum where the file names none."""
+        """Return the implication, the minimum by default."""
         return super().implication() or "min"
 
     def method_name(self, draft: VariableDraft) -> str:
-        """Return the method of the whole file, which a Sugeno system need not name."""
+        """Return the defuzzifier of the whole file, optional in a Sugeno system."""
         draft.method = self.settings.get("defuzzmethod")
         name = self.text_of("defuzzmethod").lower()
         if not name:
@@ -287,7 +287,7 @@ class _Reader(SystemReader):
         memberships = self._numbered(draft, memberships, lower)
         names: set[str] = set()
         for index, value in memberships:
-            # Behind the numbers of an upper and a lower function may stand a height.
+            # The numbers of an upper and a lower function may be followed by a height.
             dialect = FIS["fuzzylite"] if index in lower else self.dialect
             self._term(draft, index, value, names_by_index, names, inputs, dialect)
             if index in lower:
@@ -323,8 +323,8 @@ class _Reader(SystemReader):
         name = draft.name or f"{section.kind}{section.number or ''}"
         unique = unique_name(name, set(self.variables))
         if unique != draft.name:
-            what = "has no name" if not draft.name else f"shares the name '{name}'"
-            message = f"the {section.kind} {what}; it is called '{unique}'"
+            fault = "has no name" if not draft.name else f"shares the name '{name}'"
+            message = f"the {section.kind} {fault}; it is called '{unique}'"
             code = "duplicate-variable" if draft.name else "missing-name"
             self.findings.warn(code, message, draft.word)
         draft.word = TextPiece(unique, draft.word.span)
@@ -352,7 +352,7 @@ class _Reader(SystemReader):
                 if number(value.text) == 1.0:
                     draft.no_rule = "hold"
             case "crispinterval" if draft.is_output and self.is_toolbox:
-                pass  # of the two ends here too the middle is the value
+                pass  # the value is the middle of the ends, as in the model
             case "lockrange":
                 draft.outside = "clamp" if number(value.text) == 1.0 else "extend"
             case _ if membership:
@@ -382,7 +382,7 @@ class _Reader(SystemReader):
             return
         unique = unique_name(name.text or f"mf{index}", names)
         names.add(unique)
-        names_by_index[index] = unique  # a term that is refused is known to the rules all the same
+        names_by_index[index] = unique  # rules may also refer to a refused term
         if not self.findings.room(len(names_by_index) - 1, MAX_TERMS, "terms of a variable", value):
             return
         if name.text and unique != name.text:
@@ -400,7 +400,7 @@ class _Reader(SystemReader):
             draft.add(Term(unique, shapes[0], name.span, shapes[1]))
 
     def _lower(self, draft: VariableDraft, value: TextPiece, inputs: int) -> None:
-        """Give the term that was read last its lower function: numbers, and maybe a height."""
+        """Set the lower function of the last term: numbers, perhaps a height."""
         parts = membership_parts(value)
         if parts is None or not draft.terms:
             message = "a membership function is 'name':'kind',[numbers]"
@@ -463,7 +463,7 @@ class _Reader(SystemReader):
         ]
         if not conditions or not conclusions:
             side, codes = ("condition", inputs) if not conditions else ("conclusion", outputs)
-            if all(number(code.text) == 0.0 for code in codes):  # else a code is at fault itself
+            if all(number(code.text) == 0.0 for code in codes):  # else a code has its own finding
                 message = f"the rule has no {side} and never does anything; it is left out"
                 self.findings.warn("empty-rule", message, line)
             return None
@@ -475,7 +475,7 @@ class _Reader(SystemReader):
     def _propositions(
         self, drafts: list[VariableDraft], codes: list[TextPiece]
     ) -> Iterator[tuple[str, str, tuple[Hedge, ...], Span]]:
-        """Yield variable, term, hedges and span of each index that is not 0 or at fault."""
+        """Yield variable, term, hedges and span of each valid index other than 0."""
         for draft, word in zip(drafts, codes, strict=True):
             term = self._indexed(draft, word)
             if term is not None:
@@ -484,7 +484,7 @@ class _Reader(SystemReader):
     def _indexed(
         self, draft: VariableDraft, word: TextPiece
     ) -> tuple[str, tuple[Hedge, ...]] | None:
-        """Return term and hedges of an index; None for 0 or where it is at fault."""
+        """Return term and hedges of an index; None for 0 or an invalid one."""
         value = number(word.text)
         if value is None or math.isnan(value) or abs(value) > 1e6:
             self.findings.error("not-a-number", f"'{word.text[:40]}' is not a term index", word)
@@ -532,10 +532,10 @@ class _Reader(SystemReader):
                 self.findings.warn("bad-connective", message, line)
         return value == 2.0
 
-    # --- What the file says of itself ---
+    # --- Consistency of the file ---
 
     def _check_whole(self, systems: Sequence[Section]) -> None:
-        """Say, once, that a file is cut off: it has less than it says."""
+        """Report a truncated file once: it has fewer items than announced."""
         counts = (
             ("numinputs", len(self.inputs), "inputs"),
             ("numoutputs", len(self.outputs), "outputs"),
@@ -544,35 +544,35 @@ class _Reader(SystemReader):
         if not systems:
             self.findings.error("no-engine", "this file has no section [System]")
             return
-        for key, counted, what in counts:
+        for key, counted, items in counts:
             word = self.settings.get(key)
-            if word is not None and not self._check_count(word, counted, what):
+            if word is not None and not self._check_count(word, counted, items):
                 return
         system = systems[0].span  # [System1] is one, too
         ends = [bool(_ENDING.search(self.rules[index].text)) for index in (0, -1) if self.rules]
         if not self.inputs or not self.outputs:
-            what = "input" if not self.inputs else "output"
-            self.findings.error("no-engine", f"there is no {what} in this file", system)
+            missing = "input" if not self.inputs else "output"
+            self.findings.error("no-engine", f"there is no {missing} in this file", system)
         elif ("rules", 0) not in self.spans:
             self.findings.error("no-rules", "this file has no section [Rules]", system)
         elif ends == [True, False]:
             message = "the last rule lacks the ending of the others: the file is cut off"
             self.findings.error("syntax", message, self.rules.pop())
 
-    def _check_count(self, word: TextPiece, counted: int, what: str) -> bool:
-        """Compare a count with what the file has; return whether nothing is missing."""
+    def _check_count(self, word: TextPiece, counted: int, items: str) -> bool:
+        """Compare an announced count with the file; return whether nothing is missing."""
         count = number(word.text)
         if count == counted:
             return True
-        message = f"the file says {word.text[:20]} {what}, but there are {counted}"
+        message = f"the file says {word.text[:20]} {items}, but there are {counted}"
         if count is not None and count < counted:
             self.findings.warn("wrong-count", f"{message}, which are all read", word)
             return True
-        # Rules that are whole up to the last one are there; nothing else tells of more.
-        if what == "rules" and self.rules and _ENDING.search(self.rules[-1].text):
+        # All rules up to the last are complete; a greater count alone is no evidence of more.
+        if items == "rules" and self.rules and _ENDING.search(self.rules[-1].text):
             self.findings.warn("wrong-count", message, word, "is the file cut off?")
             return True
-        if not self.findings.has("syntax"):  # else what could not be read is missing
+        if not self.findings.has("syntax"):  # else the unreadable parts are the missing ones
             self.findings.error("wrong-count", message, word, "is the file cut off?")
         return False
 

@@ -1,4 +1,4 @@
-"""FIS, its text: sections, terms, and what the fractions of a rule's numbers mean."""
+"""FIS text: sections, terms, and fractional term numbers in rules."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fuzzyarm.language.model.rulebase import Hedge, Shape
 from fuzzyarm.symbolic.kinds import HEDGES, SHAPES
 
 ALL_NAMES = ("fis", "octave", "matlab")
-"""Keys of names: the words of all programs are read in each."""
+"""Name keys: every reader knows the words of all programs."""
 
 # --- FIS text: sections in brackets, `key=value` lines, rules of numbers ---
 
@@ -38,9 +38,9 @@ _OF_A_RULE = re.compile(r"[-+\d.eE\s,():]+")
 
 
 class _Comments:
-    """Cuts the comments of lines, one after the other, except for a rule that is glued to one.
+    """Cuts comments line by line, but keeps a rule that is glued to one.
 
-    jfuzzylite writes the first rule of a block right after its comment, ``# RuleBlock 1`` and
+    jfuzzylite writes the first rule of a block right behind its comment: ``# RuleBlock 1`` and
     ``2 1, 3 (1.0) : 1`` as ``# RuleBlock 12 1, 3 (1.0) : 1``; the blocks are counted from 1.
     """
 
@@ -63,11 +63,11 @@ class _Comments:
 
 
 def sections(text: str, findings: Findings) -> list[Section]:
-    """Return the sections of a file; ``[FISTree]`` ends the reading."""
+    """Split a file into sections; ``[FISTree]`` ends the reading."""
     fis_sections: list[Section] = []
     comments = _Comments()
     for line in lines_of(text, comments.cut):
-        # The first header may stand behind other text, as a mark of the encoding leaves it.
+        # Other text may precede the first header, such as the debris of a byte-order mark.
         find = _HEADER.match if fis_sections else _HEADER.search
         match = find(line.text) if len(line.text) < 100 else None
         if match:
@@ -121,7 +121,7 @@ _QUOTED = re.compile(r"'[^']*'")
 
 
 def is_open(value: str) -> bool:
-    """Whether a quote at the start of a value, or a bracket outside quotes, is not closed."""
+    """Whether a value has an open quote at its start, or an open bracket outside quotes."""
     if value[:1] in ("'", '"') and value[1:].count(value[0]) == 0:
         return True
     bare = _QUOTED.sub("", value)
@@ -129,7 +129,7 @@ def is_open(value: str) -> bool:
 
 
 BRACKETED = re.compile(r"[^\s,;\[\]]+")
-"""A word in brackets, between space, commas and semicolons."""
+"""A word inside brackets, separated by space, commas or semicolons."""
 
 
 _MEMBERSHIP = re.compile(
@@ -140,7 +140,7 @@ _MEMBERSHIP = re.compile(
 
 
 def membership_parts(value: TextPiece) -> tuple[TextPiece, TextPiece, TextPiece] | None:
-    """Split ``'name':'kind',[numbers]``; None where it does not look like that."""
+    """Split ``'name':'kind',[numbers]``; None for any other text."""
     match = _MEMBERSHIP.match(value.text)
     if match is None:
         return None
@@ -150,7 +150,7 @@ def membership_parts(value: TextPiece) -> tuple[TextPiece, TextPiece, TextPiece]
     return value.part(*name), value.part(*kind), value.part(rest[0], max(rest[0], end))
 
 
-# --- Which program a text was written for ---
+# --- Detection of the program ---
 
 _FUZZYLITE_KEYS = re.compile(
     r"^[^\S\n]*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
@@ -159,12 +159,12 @@ _ONLY_OCTAVE = re.compile(
     r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
     re.IGNORECASE,
 )
-# An index with a fraction in a rule is a hedge of Octave's toolkit (`hedges_of`).
+# A fractional index in a rule is a hedge of Octave's toolkit (`hedges_of`).
 _FRACTION = re.compile(r"^[^\S\n]*(-?\d+(\.\d+)?[^\S\n]+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
 
 
 def detect(text: str) -> str:
-    """Return the program that a text was most likely written for."""
+    """Return the program that most likely wrote the text."""
     comments = "\n".join(
         line for line in text.split("\n")[:60] if line.lstrip()[:1] in ("#", "%", "/")
     ).lower()
@@ -191,7 +191,7 @@ def read_shape(
     if name == "function":
         text = rest.text.strip().removeprefix("[").removesuffix("]")
         return formula_shape(TextPiece(text, rest.span), FIS["fuzzylite"].formula, findings)
-    # fuzzylite writes the class of a term where it has no word in a FIS.
+    # In place of a missing FIS word fuzzylite writes the class of the term.
     spellings = all_spellings(SHAPES, *ALL_NAMES, "fll")
     spelling = spellings.get(name) or spellings.get(kind.text)
     if spelling is None:
@@ -201,7 +201,7 @@ def read_shape(
     if values is None:
         return None
     if name == "constant" and len(values) > 1 and not any(values[:-1]):
-        values = values[-1:]  # old files write it as a linear term, with factors of 0
+        values = values[-1:]  # old files: a linear term with factors of 0
     elif spelling.kind in ("s", "z") and not dialect.heights:
         values[:2] = _crossed(values[:2])
     return spelled_shape(spelling, values, inputs, kind, findings, dialect)
@@ -213,10 +213,10 @@ _LISTS = re.compile(r"\[[^\]]*\]")
 def read_shapes(
     kind: TextPiece, rest: TextPiece, inputs: int, dialect: Dialect, findings: Findings
 ) -> tuple[Shape, Shape | None] | None:
-    """Return a shape, and the lower one of ``[upper],[scale],[lag]``, as MATLAB has it.
+    """Return a shape and the lower one of MATLAB's ``[upper],[scale],[lag]``.
 
-    The lower function is the upper one times the scale; it begins where the upper one has
-    reached the lag, on its left and on its right.
+    The lower function is the upper one times the scale; on either side it starts where the upper
+    one has reached the lag.
     """
     lists = [rest.part(*match.span()) for match in _LISTS.finditer(rest.text)]
     upper = read_shape(kind, lists[0] if len(lists) > 1 else rest, inputs, dialect, findings)
@@ -242,7 +242,7 @@ def read_shapes(
 
 
 def _lagging(shape: Shape, left: float, right: float) -> Shape | None:
-    """Return a shape that begins where another has reached a lag; None where that is not known."""
+    """Return a shape that starts where another has reached a lag; None where this is unknown."""
     if left == right == 0.0:
         return shape
     p = shape.parameters
@@ -268,30 +268,30 @@ def _unknown(kind: TextPiece, spellings: Mapping[str, Spelling], findings: Findi
 
 
 def _crossed(values: list[float]) -> list[float]:
-    """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
+    """Put the numbers of an s or z in order: reversed, MATLAB makes a step half-way."""
     if len(values) == 2 and values[0] > values[1]:
         middle = 0.5 * (values[0] + values[1])
         return [middle, middle]
     return values
 
 
-# --- Fractions of a term's number are hedges ---
+# --- Hedges by fractional term numbers ---
 
 _VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
 
 
 def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
-    """Return the hedges that fractions of an index stand for, except for powers."""
+    """Return the hedges by the fraction of an index, except for powers."""
     key = "fis" if dialect.producer == "fuzzylite" else "octave"
     pairs = words(HEDGES, key).items()
     return {float(word): (Hedge(name),) for word, name in pairs} | dict([_VERY_VERY])
 
 
 def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
-    """Return the hedges that the fraction of an index stands for, or None.
+    """Return the hedges of a fractional index, or None.
 
-    To Octave's toolkit a fraction f is the power 10 f; fuzzylite knows six of them, and
-    MATLAB none (what it does with one is not documented, so it is read as Octave does).
+    In Octave's toolkit a fraction f is the power 10 f. fuzzylite knows six of them. MATLAB's
+    behaviour is undocumented; its files are read as Octave's.
     """
     if fraction == 0.0:
         return ()

@@ -1,7 +1,7 @@
 """FIS of interval type 2: the files of the toolbox of Taskin and Kumbasar, ``.t2fis`` or ``.fis``.
 
-Its keys are those of a type-1 file with an upper and a lower function for each term of an input;
-a constant of an output is two numbers, a linear term two rows of them.
+The keys of a type-1 file, with an upper and a lower function for each term of an input; a constant
+of an output is two numbers, a linear term two rows.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = [
 
 MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})U?\Z", re.IGNORECASE)
 LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
-"""With U and L the upper and the lower function of one term, as the type-2 toolbox writes them."""
+"""With U the upper, with L the lower function of a term (spelling of the type-2 toolbox)."""
 
 _OF_TOOLBOX = re.compile(
     r"^[^\S\n]*(MF\d+[UL]|TypeRedMethod|CrispInterval)\s*=", re.IGNORECASE | re.MULTILINE
@@ -32,19 +32,19 @@ _OF_TOOLBOX = re.compile(
 
 
 def reductions() -> dict[str, str]:
-    """Return words for type reduction, and what the model calls it: several find the same ends."""
+    """Return the toolbox's words for type reduction, with the model's (some have several)."""
     return {"": "karnik-mendel"} | words(DEFUZZIFIERS, "t2fis")
 
 
 def is_of_toolbox(text: str) -> bool:
-    """Whether a text has keys that only the toolbox writes."""
+    """Whether a text has keys of the toolbox alone."""
     return _OF_TOOLBOX.search(text) is not None
 
 
 def interval_shapes(
     kind: TextPiece, rest: TextPiece, inputs: int, findings: Findings
 ) -> tuple[Shape, Shape | None] | None:
-    """Return a constant ``[a b]`` or a linear term with two rows as its larger and smaller value.
+    """Return a constant ``[a b]`` or a linear term of two rows as its larger and smaller value.
 
     None for every other shape.
     """
@@ -65,12 +65,12 @@ def interval_shapes(
         return None
     if first == second:
         return first, None
-    # Of two values at a point the model takes the lesser for the lower one.
+    # The model's lower value is the lesser of the two at each point.
     return (second, first) if first.parameters < second.parameters else (first, second)
 
 
 def note_toolbox(block: BlockDraft, settings: Mapping[str, TextPiece], findings: Findings) -> None:
-    """Take the product for *and*, as the toolbox does whatever the file says; refuse a *not*."""
+    """Set *and* to the product, as the toolbox does whatever the file says; refuse a *not*."""
     word = settings.get("andmethod")
     if block.conjunction != "product" and word is not None:
         message = f"the toolbox multiplies degrees, whatever AndMethod says ('{word.text[:20]}')"

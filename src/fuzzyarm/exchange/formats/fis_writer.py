@@ -73,7 +73,7 @@ class _Writer(SystemWriter):
         }
         if sum(bool(block.rules) for block in rulebase.blocks) > 1:
             self.findings.info("dropped-blocks", "the rules of all blocks are put in one list")
-        # Before the head, which says how many there are.
+        # Before the head, which states their number.
         self.rules = [self._rules(block) for block in rulebase.blocks]
 
     def head(self) -> list[str]:
@@ -114,9 +114,9 @@ class _Writer(SystemWriter):
             return "sugeno"
         return "tsukamoto" if all(record.inverts for record in records) else "mamdani"
 
-    def _one(self, values: list[str], what: str, default: str) -> str:
+    def _one(self, values: list[str], setting: str, default: str) -> str:
         if len(set(values)) > 1:
-            message = f"a FIS has one {what} for all, not {', '.join(sorted(set(values)))}"
+            message = f"a FIS has one {setting} for all, not {', '.join(sorted(set(values)))}"
             self.findings.loss("one-for-all", message)
         return values[0] if values else default
 
@@ -190,7 +190,7 @@ class _Writer(SystemWriter):
         except FormulaError as fault:
             self.bad_formula(shape, fault)
             return ""
-        if odd:  # names of a FIS may be any text, but not in its formulas
+        if odd:  # any text is a name, but not in a formula
             message = f"a formula of fuzzylite cannot have the name '{odd[0]}'"
             self.findings.loss("bad-formula", message, term.span)
         return f"'{word}',[{text}]"
@@ -215,7 +215,7 @@ class _Writer(SystemWriter):
         return [line for sentence in sentences for line in self._rule_lines(sentence)]
 
     def _sentence(self, rule: Rule) -> Sentence:
-        """Give the hedges around an antecedent to values, of which Octave takes the root."""
+        """Move the hedges of an antecedent to its values, of which Octave takes the root."""
         conclusions = tuple((c, c.hedges) for c in rule.consequents)
         plain = Sentence(rule.antecedent, conclusions, rule.weight, rule)
         antecedent = rule.antecedent
@@ -234,7 +234,7 @@ class _Writer(SystemWriter):
         return record.weighs and not record.inverts
 
     def _rule_lines(self, sentence: Sentence) -> list[str]:
-        """Return the line of a rule, several where an output stands twice."""
+        """Return the line of a rule; several if it concludes an output twice."""
         rule, antecedent = sentence.rule, sentence.antecedent
         conditions = self._conditions(antecedent)
         if conditions is None:
@@ -251,7 +251,7 @@ class _Writer(SystemWriter):
         return lines
 
     def _conditions(self, antecedent: Expression) -> list[Is] | None:
-        """Return the propositions where each is about another input; None for anything else."""
+        """Return the propositions about different inputs; None for any other antecedent."""
         if isinstance(antecedent, Hedged) and isinstance(antecedent.operand, Is):
             antecedent = hedged(antecedent.hedges, antecedent.operand)
         parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
@@ -261,7 +261,7 @@ class _Writer(SystemWriter):
         order = [self.inputs.index(part.variable) for part in propositions]
         if len(propositions) != len(parts) or len(set(order)) != len(order):
             return None
-        # Two operands give the same bits in either order; of three, products are rounded otherwise.
+        # Two operands give the same bits in either order; products of three may not.
         if order != sorted(order) and len(order) > 2:
             message = "the conditions of a rule are put in the order of the inputs"
             self.findings.info("reordered-conditions", message)
@@ -283,7 +283,7 @@ class _Writer(SystemWriter):
         return f"-{written(round(code, 6))}" if negated else written(round(code, 6))
 
     def _groups(self, sentence: Sentence) -> list[_Group]:
-        """Split conclusions so that no output stands twice in one line."""
+        """Split conclusions so that each line concludes an output at most once."""
         groups: list[_Group] = []
         for consequent, hedges in sentence.conclusions:
             for group in groups:
@@ -316,7 +316,7 @@ class _Writer(SystemWriter):
 
 
 def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
-    """Return the fraction that says `hedges`, or None."""
+    """Return the fraction for `hedges`, or None."""
     if not hedges:
         return 0.0
     for fraction, hedges_there in fractions(dialect).items():
@@ -327,7 +327,7 @@ def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
     fraction = round(_exponent(hedges[0]) / 10.0, 6)
     if not 0.0 < fraction < 1.0:
         return None
-    # The fraction has few digits: only if the same exponent is read back.
+    # The fraction has few digits: only if it reads back as the same exponent.
     reading = hedges_of(fraction, dialect) or ()
     return fraction if len(reading) == 1 and _exponent(reading[0]) == _exponent(hedges[0]) else None
 

@@ -39,7 +39,7 @@ _WORD = re.compile(r"[(),]|[^\s(),]+")
 
 @dataclass(frozen=True, slots=True)
 class _SettingLine:
-    """One setting: what stands left and right of the colon, without space around."""
+    """A setting: the texts left and right of its colon, stripped."""
 
     key: TextPiece
     value: TextPiece
@@ -78,9 +78,9 @@ def _flag(line: _SettingLine, findings: Findings, *, default: bool = False) -> b
 
 
 def _threshold(words: list[TextPiece]) -> float | None:
-    """Return the firing strength below which a rule is left out; None for other methods.
+    """Return the least firing strength of a rule's effect; None for other methods.
 
-    ``Threshold >= t`` is the next number below t: strengths are numbers of the machine.
+    ``Threshold >= t`` becomes the next double below t, since rules fire above the threshold.
     """
     if words[0].text == "General":
         return 0.0
@@ -115,7 +115,7 @@ def _shape(
     inputs: int,
     findings: Findings,
 ) -> Shape | None:
-    """Return the shape of a class and its numbers; `formula` is the same for ``Function``."""
+    """Return the shape of a class and its numbers; `formula` is the one of ``Function``."""
     if name.text == "Function":
         return formula_shape(formula, FLL.formula, findings)
     classes = all_spellings(SHAPES, FLL.kinds)
@@ -161,7 +161,7 @@ def parse_fll(
 
 
 class _Reader(SystemReader):
-    """Goes from line to line; terms wait until all inputs are known, rules until all terms are."""
+    """Reads line by line; terms wait for all inputs, rules for all terms."""
 
     def __init__(self, text: str, findings: Findings) -> None:
         super().__init__(FLL, findings)
@@ -203,11 +203,11 @@ class _Reader(SystemReader):
             self.draft = self.variable(word, is_output=self.section == "OutputVariable")
             self.draft.aggregates = False  # until a line says so
 
-    def _identifier(self, what: str, word: TextPiece, at: TextPiece) -> TextPiece:
-        """Return a name as fuzzylite spells it; say where that is another one."""
+    def _identifier(self, kind: str, word: TextPiece, at: TextPiece) -> TextPiece:
+        """Return a name in fuzzylite's spelling; report a change."""
         name = _identifier(word.text)
         if name != word.text:
-            message = f"fuzzylite calls the {what} '{word.text[:60]}' {name}"
+            message = f"fuzzylite calls the {kind} '{word.text[:60]}' {name}"
             self.findings.info("renamed", message, at)
         return TextPiece(name, at.span)
 
@@ -269,12 +269,12 @@ class _Reader(SystemReader):
         self.findings.loss("default-with-hold", message, at, hint, slight=True)
 
     def _defuzzifier(self, draft: VariableDraft, line: _SettingLine) -> None:
-        """Take method and resolution, or method and what becomes of values."""
+        """Take method and resolution, or method and inference of values."""
         words = line.words()
         if not words or words[0].text == "none":
             draft.method = TextPiece("", line.key.span)
             return
-        # A finding stands at the whole value, a misspelt method at its word.
+        # Findings point at the whole value, those of a misspelt method at its word.
         is_known = words[0].text in (*FLL.integral, *FLL.weighted)
         draft.method = TextPiece(words[0].text, line.value.span if is_known else words[0].span)
         if words[0].text in FLL.integral:
@@ -339,7 +339,7 @@ class _Reader(SystemReader):
             self.findings.unknown("unknown-activation", "the method", parts[0], _ACTIVATIONS)
 
     def _blocks(self) -> Iterator[BlockDraft]:
-        """Yield the blocks that are on, with their rules."""
+        """Yield the enabled blocks, with their rules."""
         for block, lines in zip(self.blocks, self.rules, strict=True):
             if not self.is_on(block):
                 continue
@@ -352,7 +352,7 @@ class _Reader(SystemReader):
 
 
 def _identifier(name: str) -> str:
-    """Return `name` as fuzzylite spells it: letters, digits and underscores only."""
+    """Return `name` in fuzzylite's spelling: letters, digits and underscores only."""
     cleaned = re.sub(r"\W", "", name) or "_"
     return f"_{cleaned}" if cleaned[0].isnumeric() else cleaned
 
@@ -420,7 +420,7 @@ class _Writer(SystemWriter):
         ]
 
     def _kind(self, output: Output) -> str:
-        """Return the part after the method: what becomes of values, or the samples of sets."""
+        """Return the argument of the method: inference of values, or the samples of sets."""
         record = output.defuzzifier.record
         if record.weighs:
             return "Tsukamoto" if record.inverts else "TakagiSugeno"

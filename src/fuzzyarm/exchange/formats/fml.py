@@ -1,8 +1,8 @@
 """FML, the Fuzzy Markup Language of IEEE 1855: read.
 
-An FML file is XML: a knowledge base of variables with their terms, then rule bases. The
-definitions are those of the standard (equations A.1 to A.47); where its reference program JFML
-departs from them, the standard counts.
+An FML file is XML: a knowledge base of variables with their terms, then rule bases. The definitions
+are those of the standard (equations A.1 to A.47); where its reference program JFML departs from
+them, the standard applies.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ _ROOTS = ("fuzzysystem", "fuzzycontroller", "fuzzycontrol", "fml")
 
 
 def is_fml(text: str) -> bool:
-    """Whether an XML text, of which the beginning is enough, is one of FML by its root."""
+    """Whether an XML text (its beginning suffices) has a root element of FML."""
     root = _ROOT.search(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
     return root is not None and root[1].lower() in _ROOTS
 
@@ -60,7 +60,7 @@ def is_fml(text: str) -> bool:
 
 @dataclass(slots=True)
 class _Element:
-    """An element: its tag without a namespace, and its text without that of its children."""
+    """An element: tag without namespace, text without that of the children."""
 
     tag: TextPiece
     attributes: dict[str, str]
@@ -69,26 +69,26 @@ class _Element:
 
     @property
     def text(self) -> str:
-        """The text, without space around."""
+        """The stripped text."""
         return "".join(self.pieces).strip()
 
     def get(self, key: str, default: str = "") -> TextPiece:
-        """Return an attribute, placed at the element."""
+        """Return an attribute, at the position of the element."""
         return TextPiece(self.attributes.get(key, default).strip(), self.tag.span)
 
     def all(self, *tags: str) -> Iterator[_Element]:
-        """Yield the children with one of some tags."""
+        """Yield the children with one of the tags."""
         return (child for child in self.children if child.tag.text in tags)
 
     def child(self, tag: str) -> _Element:
-        """Return the one child with a tag."""
+        """Return the only child with a tag."""
         element = next(self.all(tag), None)
         if element is None:
             raise FaultError(f"<{self.tag.text}> has no <{tag}>", self.tag)
         return element
 
     def word(self, tag: str) -> TextPiece:
-        """Return the text of the one child with a tag."""
+        """Return the text of the only child with a tag."""
         element = self.child(tag)
         return TextPiece(element.text, element.tag.span)
 
@@ -137,44 +137,44 @@ def _parsed(text: str) -> _Element:
     return root.children[0]
 
 
-# --- Words of the standard ---
+# --- Vocabulary of the standard ---
 
 MODIFIERS = {
     "more_or_less": (Hedge("power", 1.0 / 3.0),),
     "plus": (Hedge("power", 1.25),),
     "norm": (),  # divides by the height, which is 1
 }
-"""Modifiers without a hedge of that name; `above`, `below` and `slightly` have no equal."""
+"""Modifiers without a hedge of that name; `above`, `below` and `slightly` have no equivalent."""
 
 _PAIRS = {
     "leftGaussianShape": "mean, deviation",
     "rightGaussianShape": "mean, deviation",
     "piShape": "start, top",
 }
-"""Shapes that are made of two numbers but are other shapes here, and these numbers."""
+"""Shapes of two parameters with another shape here, and these parameters."""
 
 _TNORMS_OF_SCHEMA = {"BSUM": "bounded", "DRS": "drastic"}
-"""T-norms as the schema of the standard misspells them."""
+"""T-norms in the misspelling of the standard's schema."""
 
 _DEFINED_ELSEWHERE = ("customShape", "customMonotonicShape")
-"""Shapes that are made of code that is not in the file."""
+"""Shapes defined by code outside the file."""
 
 _CIRCULAR = "circularDefinition"
-"""A term that is made of other terms of its variable."""
+"""A term composed of other terms of its variable."""
 
 RULE_BASES = {
     "mamdaniRuleBase": ("rule", "consequent", "then", "else", "clause"),
     "tsukamotoRuleBase": ("rule", "consequent", "then", "else", "clause"),
     "tskRuleBase": ("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause"),
 }
-"""Rule base → its rules, and in them the consequents, their two halves and the clauses."""
+"""Rule base → tags of its rules, consequents, their two halves and clauses."""
 
 VARIABLES = {
     "fuzzyVariable": "fuzzyTerm",
     "tskVariable": "tskTerm",
     "tsukamotoVariable": "tsukamotoTerm",
 }
-"""Variable → its terms."""
+"""Variable → tags of its terms."""
 
 
 def parse_fml(
@@ -218,7 +218,7 @@ class _Reader(SystemReader):
         knowledge = list(self.root.child("knowledgeBase").children)
         self._refuse_others(knowledge, VARIABLES)
         self._refuse_others(self.root.children, ("knowledgeBase", *RULE_BASES))
-        # A linear consequent needs to know how many inputs there are.
+        # The length of a linear consequent depends on the number of inputs.
         elements = [child for child in knowledge if child.tag.text in VARIABLES]
         input_names = {child.get("name").text for child in elements if not _is_output(child)}
         inputs = len(input_names - {""})
@@ -238,7 +238,7 @@ class _Reader(SystemReader):
         return self.rulebase(self.root.get("name").text, self.in_model(blocks))
 
     def _estimate_ranges(self) -> None:
-        """Give an output of values, which has no domain, the range that they span."""
+        """Estimate the range of an output of values, which has no domain, from these."""
         if self.findings.failed:
             return
         ends = {draft.name: (draft.low, draft.high) for draft in self.inputs}
@@ -261,7 +261,7 @@ class _Reader(SystemReader):
                 self.refused.add(element.get("name").text)
 
     def _refuse(self, tag: TextPiece, name: str) -> None:
-        """Say, once for each tag, that an element is not supported."""
+        """Report an unsupported element, once for each tag."""
         if tag.text not in self.refused:
             self.refused.add(tag.text)
             self.findings.error(name, f"<{tag.text[:40]}> is not supported", tag)
@@ -290,9 +290,9 @@ class _Reader(SystemReader):
                 self.complements.add((draft.name, name.text))
 
     def _by_dependence(self, terms: list[_Element]) -> list[_Element]:
-        """Return the terms of a variable, one that is made of others after them.
+        """Return the terms of a variable, each after the terms that it is composed of.
 
-        What is made of itself stays where it stands: what it names is not known there.
+        A circular term keeps its place: its parts are unknown there, which is reported.
         """
         parts = {term.get("name").text: _parts(term) for term in terms}
         places = {name: place for place, name in enumerate(parts)}
@@ -321,7 +321,7 @@ class _Reader(SystemReader):
         return None if values is None else self._of_numbers(element.tag, values, draft, inputs)
 
     def _circular(self, element: _Element, draft: VariableDraft) -> Shape | None:
-        """Return a set that is made of other terms by norms."""
+        """Return a set composed of other terms by norms."""
         if not draft.bounded:
             if not self.findings.failed:
                 message = "a circularDefinition needs a variable with a range"
@@ -335,7 +335,7 @@ class _Reader(SystemReader):
                 return None
             shape, exact = composed(degree, parts, norms, draft.low, draft.high)
             if not exact:
-                message = f"a term that is made of others is taken at {POINTS} points"
+                message = f"a term that is composed of others is taken at {POINTS} points"
                 self.findings.loss("unsupported-shape", message, element.tag, slight=True)
             return shape
         raise FaultError(f"<{_CIRCULAR}> has no <and> or <or>", element.tag)
@@ -343,7 +343,7 @@ class _Reader(SystemReader):
     def _joined(
         self, element: _Element, draft: VariableDraft, parts: list[Shape], norms: list[str]
     ) -> Degree | None:
-        """Return the degree of the terms below an *and* or an *or*; None where one is at fault."""
+        """Return the degree below an *and* or an *or*; None if a term is invalid."""
         if element.tag.text == "and":
             norm = f"t:{self.tnorm(element.get('t-norm', 'MIN')) or 'min'}"
         else:
@@ -386,7 +386,7 @@ class _Reader(SystemReader):
         if kind.text in ("leftGaussianShape", "rightGaussianShape"):
             return self._one_sided(kind, values, draft)
         if kind.text == "piShape":
-            start, top = values  # both flanks are as wide
+            start, top = values  # flanks of equal width
             parameters = [start, top, top, top + abs(top - start)]
             return make_shape("pi", parameters, kind, self.findings)
         spellings = all_spellings(SHAPES, FML.kinds)
@@ -406,7 +406,7 @@ class _Reader(SystemReader):
         ends = (draft.low, mean) if kind.text == "leftGaussianShape" else (mean, draft.high)
         left, right = min(ends), max(ends)
         if not (math.isfinite(left) and math.isfinite(right)):
-            if not self.findings.failed:  # else the range has its finding
+            if not self.findings.failed:  # else the range has its own finding
                 message = f"a {kind.text} needs a variable with a range"
                 self.findings.error("bad-range", message, kind)
             return None
@@ -450,7 +450,7 @@ class _Reader(SystemReader):
         return make_shape("linear", [*factors, values[0]], term.tag, self.findings)
 
     def _numbers(self, element: _Element, keys: list[str]) -> list[float] | None:
-        """Return the values of attributes, in this order, as far as they are there."""
+        """Return the values of attributes in this order, without the missing ones."""
         values: list[float] = []
         for key in keys:
             text = element.attributes.get(key)
@@ -465,7 +465,7 @@ class _Reader(SystemReader):
         return values
 
     def method_name(self, draft: VariableDraft) -> str:
-        """Return the method of an output, in the letters in which the standard has it."""
+        """Return the method of an output in the standard's case."""
         element = self.elements[draft.name]
         is_set = element.tag.text == "fuzzyVariable"
         key, usual = ("defuzzifier", "COG") if is_set else ("combination", "WA")
@@ -473,7 +473,7 @@ class _Reader(SystemReader):
         return draft.method.text
 
     def finish_output(self, draft: VariableDraft, name: str) -> None:
-        """Set the value without rules, and the defuzzifier that the kind of variable has."""
+        """Set the value without rules, and the defuzzifier of this kind of variable."""
         element = self.elements[draft.name]
         default = number(element.get("defaultValue", "0").text)
         if default is None:
@@ -497,7 +497,7 @@ class _Reader(SystemReader):
             self.findings.error("not-monotonic", message, element.tag)
 
     def _finish_singletons(self, draft: VariableDraft, method: TextPiece) -> None:
-        """Let the average of singletons be their centre of gravity, the highest one the winner."""
+        """Read the average of singletons as their centre of gravity, the highest as the winner."""
         draft.defuzzifier = Defuzzifier(FML.integral[method.text])
         if draft.defuzzifier.record.of == "top":
             return
@@ -514,7 +514,7 @@ class _Reader(SystemReader):
     # --- Rules ---
 
     def _blocks(self, element: _Element, tags: tuple[str, ...]) -> list[BlockDraft]:
-        """Return a block for each pair of norms that the rules of a rule base name."""
+        """Return a block for each pair of norms among the rules of a rule base."""
         implication = element.get("activationMethod", "MIN")
         tnorm = "min" if tags[0] == "tskRule" else self.tnorm(implication)
         blocks: dict[tuple[str, str], BlockDraft] = {}
@@ -537,12 +537,12 @@ class _Reader(SystemReader):
                 self.findings.fault(fault)
         return list(blocks.values())
 
-    def tnorm(self, word: TextPiece, what: str = "the T-norm") -> str | None:
-        """Return the T-norm of a word, which the schema of the standard may misspell."""
-        return _TNORMS_OF_SCHEMA.get(word.text.upper()) or super().tnorm(word, what)
+    def tnorm(self, word: TextPiece, role: str = "the T-norm") -> str | None:
+        """Return the T-norm of a word, also in the misspelling of the schema."""
+        return _TNORMS_OF_SCHEMA.get(word.text.upper()) or super().tnorm(word, role)
 
     def _rules(self, rule: _Element, tags: tuple[str, ...], *, is_or: bool) -> Iterator[RuleText]:
-        """Yield a rule, and a second one for its *else*, which has the complement."""
+        """Yield a rule, then one for its *else*, with the complement of the antecedent."""
         _, consequent, then, other, clause = tags
         antecedent = self._antecedent(rule, is_or=is_or)
         weight = number(rule.get("weight", "1").text)
@@ -588,7 +588,7 @@ class _Reader(SystemReader):
     def _clauses(
         self, element: _Element, tag: str
     ) -> Iterator[tuple[TextPiece, str, tuple[Hedge, ...]]]:
-        """Yield variable, term and hedges of the clauses."""
+        """Yield variable, term and hedges of each clause."""
         for clause in element.all(tag):
             variable, term = clause.word("variable"), clause.word("term")
             draft = self.variables.get(variable.text)
@@ -618,7 +618,7 @@ class _Reader(SystemReader):
 
 
 def _parts(term: _Element) -> list[str]:
-    """Return the names of the terms that a term is made of."""
+    """Return the names of the terms that a term is composed of."""
     names: list[str] = []
     waiting = list(term.all(_CIRCULAR))
     while waiting:

@@ -1,8 +1,8 @@
 """FML, the Fuzzy Markup Language of IEEE 1855: written.
 
-A variable is one of terms, of values (``tskVariable``) or of Tsukamoto's; each of the three has
-rule its own bases, so that a rule with conclusions of two kinds stands in two of them. What
-:mod:`fuzzyarm.exchange.formats.fml` reads of the text is the model again.
+A variable consists of terms, of values (``tskVariable``) or of Tsukamoto's terms, and each kind has
+its own rule bases: a rule with conclusions of two kinds is split between them.
+:mod:`fuzzyarm.exchange.formats.fml` reads the text back as the same model.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _OF_VARIABLES = {
     "tsukamotoVariable": "tsukamotoRuleBase",
     "tskVariable": "tskRuleBase",
 }
-"""Kind of an output → the rule base that concludes it."""
+"""Kind of an output → tag of its rule bases."""
 
 
 def write_fml(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) -> Exported:
@@ -124,7 +124,7 @@ class _Writer(SystemWriter):
         return "fuzzyVariable"
 
     def _note_aggregation(self, output: Output) -> None:
-        """Report that rules with one conclusion are added up, where the model does not."""
+        """Report that rules with the same conclusion are added up, unlike in the model."""
         counts = Counter(
             consequent.term
             for rule in self.rulebase.rules
@@ -207,7 +207,7 @@ class _Writer(SystemWriter):
     # --- Rules ---
 
     def _rule_base(self, block: RuleBlock, kind: str) -> Iterator[str]:
-        """Yield the rules of a block that conclude outputs of a kind, if there are any."""
+        """Yield the rules of a block about outputs of one kind, if any."""
         tag = _OF_VARIABLES[kind]
         rules = [
             (rule, [c for c in rule.consequents if self.kinds.get(c.variable) == kind])
@@ -269,19 +269,19 @@ class _Writer(SystemWriter):
 
 
 def _attributes(**values: str) -> str:
-    """Return attributes as they stand in a tag; one without a value is left out."""
+    """Return the attributes of a tag, without the empty ones."""
     return "".join(f" {key}={quoteattr(value)}" for key, value in values.items() if value)
 
 
 def _conditions(antecedent: Expression) -> list[Is] | None:
-    """Return the propositions of a flat antecedent; None for anything else."""
+    """Return the propositions of a flat antecedent; None for any other."""
     parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
     propositions = [part for part in parts if isinstance(part, Is)]
     return propositions if len(propositions) == len(parts) else None
 
 
 def _points(shape: Shape) -> list[tuple[float, float]]:
-    """Return the corners of points, and of a straight shape with a height, which FML lacks."""
+    """Return the corners of points, and of straight shapes with a height, which FML lacks."""
     kind = SHAPES[shape.kind]
     if kind.corners is None or (shape.kind != "points" and shape.height == 1.0):
         return []
@@ -290,7 +290,7 @@ def _points(shape: Shape) -> list[tuple[float, float]]:
 
 
 def _of_two_numbers(shape: Shape, variable: Input | Output) -> tuple[str, tuple[float, ...]] | None:
-    """Return a π of equal flanks, or a gaussian flank that stays at 1 to the end of the range."""
+    """Return a π with equal flanks, or a gaussian flank that stays at 1 to the end of the range."""
     p = shape.parameters
     if shape.kind == "pi" and p[1] == p[2] and p[3] == p[1] + abs(p[1] - p[0]):
         return "piShape", p[:2]

@@ -1,10 +1,9 @@
-"""What rules mean to the program they were written for, expressed in the model.
+"""Meaning of rules in other programs, expressed in the model.
 
-Three habits of fuzzylite need care. Hedges of a conclusion change the activation degree
-(weight times truth), not the set, after it was seen whether the rule fires, and carry on to the
-conclusions after it. An output in an antecedent stands for the degree to which its term has been
-activated so far, not for a value. A switched-off variable gives truth 0, a switched-off output
-receives nothing.
+Three habits of fuzzylite need care. Hedges of a conclusion change the activation degree (weight
+times truth) rather than the set, after the decision whether the rule fires, and carry on to the
+next conclusions. An output in an antecedent is the degree to which its term has been activated so
+far, not a value. A disabled variable gives truth 0, a disabled output receives nothing.
 """
 
 from __future__ import annotations
@@ -33,25 +32,25 @@ from fuzzyarm.language.model.shapes import apply_hedges, membership_function
 from fuzzyarm.symbolic.kinds import SHAPES
 
 MAX_NODES = 2_000
-"""Most propositions that one antecedent may come to when outputs are put in."""
+"""Most propositions of an antecedent after the substitution of outputs."""
 
 POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
-"""Exponents of the hedges that are powers; that of ``power`` is its own number."""
+"""Exponents of the hedges that are powers; ``power`` has its own."""
 
-# `any` is 1 for every degree, so these two are 0 whatever the term.
+# `any` is 1 for every degree, so its complement is 0 whatever the term.
 NEVER = (NOT, Hedge("any"))
 
 _SAMPLES = 10_000
 _SLIGHT_SHARE = 0.01
-"""Up to this share of a range a difference is a warning."""
+"""Greatest difference, as a share of the range, that is only a warning."""
 
 
 @dataclass(slots=True)
 class BlockDraft:
-    """A rule block while its file is read; a norm is None where the file names none.
+    """A rule block while its file is read; a norm is None if the file names none.
 
-    Rules fire where their strength is above `threshold`; with `always_concludes` they are carried
-    out even where it is 0, which shows under a negated conclusion.
+    Rules fire where their strength is above `threshold`; with `always_concludes` they take effect
+    even at strength 0, which shows under a negated conclusion.
     """
 
     name: str
@@ -67,7 +66,7 @@ class BlockDraft:
     def in_model(
         self, rules: Sequence[Rule], name: str | None = None, threshold: float | None = None
     ) -> RuleBlock:
-        """Return the block of the model with these rules, its own name and threshold by default."""
+        """Return the model's block with these rules, by default with its own name and threshold."""
         return RuleBlock(
             tuple(rules),
             self.name if name is None else name,
@@ -84,7 +83,7 @@ def blocks_in_model(
     dialect: Dialect,
     findings: Findings,
 ) -> tuple[RuleBlock, ...]:
-    """Return the blocks of the model, with the meaning that the program gives to rules."""
+    """Return the blocks of the model, with the rules' meaning in the program."""
     if dialect.activates:
         builder = _Activations(variables, findings, dialect)
         return tuple(
@@ -111,7 +110,7 @@ def blocks_in_model(
 
 
 def _concluded(blocks: list[BlockDraft]) -> frozenset[str]:
-    """Return the outputs that the rules of some blocks conclude."""
+    """Return the outputs that the rules of the blocks conclude."""
     texts = [text for block in blocks for text in block.rules]
     return frozenset(conclusion.variable for text in texts for conclusion in text.conclusions)
 
@@ -120,18 +119,18 @@ def _note_outputs(
     text: RuleText, variables: dict[str, VariableDraft], dialect: Dialect, findings: Findings
 ) -> None:
     is_scikits = dialect.producer == "scikit-fuzzy"
-    what = "the activation of its term" if is_scikits else "the value it had before the rules"
+    taken = "the activation of its term" if is_scikits else "the value it had before the rules"
     for variable in sorted({part.variable for part in propositions(text.antecedent)}):
         if variable in variables and variables[variable].is_output:
             message = (
-                f"'{variable}' is an output; {dialect.program} takes {what}, which cannot be "
+                f"'{variable}' is an output; {dialect.program} takes {taken}, which cannot be "
                 "converted"
             )
             findings.loss("chained-output", message, text.span)
 
 
 FIRES = Hedge("power", 1e-20)
-"""1 of all that is above 0: a rule that does not fire has no conclusion to negate."""
+"""1 for all degrees above 0: a rule that does not fire has no conclusion to negate."""
 
 
 def _rules_of_values(
@@ -139,8 +138,8 @@ def _rules_of_values(
 ) -> list[Rule]:
     """Express two habits of Octave's toolkit.
 
-    It aggregates values that are equal, whatever their names, and a hedge on a value takes
-    the root of the firing strength, ``not`` its complement where the rule fires.
+    It aggregates equal values whatever their names, and a hedge on a value takes the root of the
+    firing strength, ``not`` its complement where the rule fires.
     """
     plain: list[Consequent] = []
     hedged_ones: list[Consequent] = []
@@ -172,7 +171,7 @@ def _rules_of_values(
 
 
 def root(hedge: Hedge) -> Hedge:
-    """Return the hedge that undoes a power; ``not`` stays."""
+    """Return the inverse of a power; ``not`` is its own."""
     swapped = {"very": "somewhat", "somewhat": "very"}.get(hedge.name)
     if swapped:
         return Hedge(swapped)
@@ -201,11 +200,11 @@ _NORM_LINES = {
         "aggregation": "AggMethod='max'",
     },
 }
-"""The line of each format that names the usual norm."""
+"""Line with the usual norm, by format."""
 
 
 class _Activations:
-    """Turns rule texts of fuzzylite into rules, in the order in which they are evaluated."""
+    """Converts fuzzylite's rule texts into rules, in order of evaluation."""
 
     def __init__(
         self, variables: dict[str, VariableDraft], findings: Findings, dialect: Dialect
@@ -219,14 +218,14 @@ class _Activations:
         self._shares: dict[tuple[str, str, tuple[Hedge, ...], float], float] = {}
 
     def block(self, block: BlockDraft, later: frozenset[str]) -> list[RuleBlock]:
-        """Return the block of the model; `later` blocks conclude other outputs.
+        """Return the blocks of the model; `later` holds the outputs of later blocks.
 
-        An output in an antecedent is replaced by the conditions that lead to it, where
-        that is exact. Otherwise it stays where the model means the same: an output that
-        rules of its own block conclude, all of them before the first that uses it.
+        An output in an antecedent is replaced by the conditions of the rules that conclude it,
+        where that is exact. Otherwise it stays if the model agrees: all rules that conclude it are
+        in this block, before its first use.
 
-        A block of the model has one threshold, of the strength under the hedges: rules whose
-        hedges make another one of it stand in a block of their own after the others.
+        The threshold applies to the strength under the hedges, and a block has one: rules whose
+        hedges change it go into blocks of their own, after the others.
         """
         by_threshold: dict[float, list[Rule]] = {block.threshold: []}
         self._concluded_here = _finished_in(block.rules) - later
@@ -240,9 +239,9 @@ class _Activations:
                     self._sizes[key] = self._sizes.get(key, 0) + _size(rule.antecedent)
         first, *others = by_threshold.items()
         if others and self._asks_outputs(by_threshold.values()):
-            message = "a hedge before a conclusion beside rules that ask for outputs"
+            message = "a hedge before a conclusion beside rules that read outputs"
             self.findings.loss("hedged-conclusion", f"{message} cannot be carried", block.span)
-        # Where all rules went elsewhere the first block has nothing to say.
+        # A first block without its own rules is left out.
         parts = [first, *others] if first[1] or not others else others
         return [
             block.in_model(rules, _numbered(block.name, number), threshold)
@@ -271,11 +270,11 @@ class _Activations:
                 self.findings.error("missing-norm", message, text.span, self._norm_hint(missing))
 
     def _norm_hint(self, key: str) -> str:
-        """Return the line that names the usual norm."""
+        """Return the line with the usual norm."""
         return f"write {_NORM_LINES[self.dialect.suffix][key]}"
 
     def _rules(self, text: RuleText, block: BlockDraft) -> list[tuple[Rule, float]]:
-        """Return rules, each with the threshold of its block."""
+        """Return rules, each with its threshold."""
         antecedent = self._expanded(text.antecedent, text.span, block)
         rules: list[tuple[Rule, float]] = []
         group: list[Consequent] = []
@@ -289,7 +288,7 @@ class _Activations:
             if conclusion.hedges:
                 if group:
                     rules.append(self._rule(antecedent, hedges, group, text, block))
-                # The activation is already hedged by the earlier ones, so the new ones go outside.
+                # Earlier hedges already apply to the activation, so the new ones go outside.
                 group, hedges = [], (*conclusion.hedges, *hedges)
             group.append(Consequent(conclusion.variable, conclusion.term, span=conclusion.span))
         if group:
@@ -332,7 +331,7 @@ class _Activations:
         self.findings.warn("hedged-conclusion", message, text.span)
 
     def _note_faint(self, antecedent: Expression, threshold: float, text: RuleText) -> None:
-        """Report degrees between 0 and the threshold, under which the rule fires in the model."""
+        """Report degrees between 0 and the threshold: the rule fires in the model only."""
         shares: dict[Is, float] = {}
         for part in propositions(antecedent):
             key = (part.variable, part.term, part.hedges, threshold)
@@ -350,7 +349,7 @@ class _Activations:
         self.findings.loss("hedged-conclusion", message, text.span, slight=slight)
 
     def _faint(self, part: Is, threshold: float) -> float:
-        """Return the share of a range where a proposition is above 0 and not above a threshold."""
+        """Return the share of a range with degrees above 0 up to a threshold."""
         draft = self.variables.get(part.variable)
         term = draft.term(part.term) if draft is not None else None
         if draft is None or term is None or term.shape.kind in VALUES:
@@ -395,7 +394,7 @@ class _Activations:
         return hedged(proposition.hedges, self._activation(proposition, draft, block))
 
     def _constant(self, proposition: Is, hedges: tuple[Hedge, ...]) -> Expression:
-        """Return a proposition about an input whose hedges make it constant."""
+        """Return a proposition about an input that its hedges make constant."""
         for draft in self.variables.values():
             if not draft.is_output and draft.terms:
                 return Is(draft.name, draft.terms[0].name, hedges, proposition.span)
@@ -410,8 +409,8 @@ class _Activations:
             self.findings.warn("never-activated", message, proposition.span)
             return self._constant(proposition, NEVER)
         if self._sizes[proposition.variable, proposition.term] > MAX_NODES:
-            what = "conditions to put in the place of an output"
-            self.findings.room(MAX_NODES, MAX_NODES, what, proposition.span)
+            items = "conditions to put in the place of an output"
+            self.findings.room(MAX_NODES, MAX_NODES, items, proposition.span)
             return proposition
         reason = self._why_not(fired, output, block)
         if reason and output.name in self._concluded_here:
@@ -451,7 +450,7 @@ class _Activations:
 
 
 def threshold_under(hedges: Sequence[Hedge], threshold: float) -> float | None:
-    """Return what a threshold of degrees is to them under hedges; None where 0 does not stay 0."""
+    """Return a threshold of degrees as one of hedged degrees; None if the hedges move 0."""
     if any(hedge.name not in _RISING for hedge in hedges):
         return None
     return apply_hedges(hedges, threshold)
@@ -467,14 +466,13 @@ def only_fired(strength: Expression, antecedent: Expression) -> Expression:
 
 
 def hedges_of_conclusion(rule: Rule, block: RuleBlock, dialect: Dialect) -> tuple[Hedge, ...]:
-    """Return the hedges before the conclusions that fuzzylite would read as this rule, if any.
+    """Return hedges before conclusions with which fuzzylite reads this rule, if any.
 
-    They have the strength of the rule and fire where it does: the way back from
-    :func:`blocks_in_model`.
+    Inverse of :func:`blocks_in_model`: same strength, and the rule fires at the same points.
     """
     antecedent, above = rule.antecedent, block.threshold
     if isinstance(antecedent, Hedged):
-        # FLL says its own threshold; without one its rules conclude even where nothing holds.
+        # FLL states its threshold; without one its rules conclude even at strength 0.
         usual = above if dialect.thresholds else dialect.threshold
         as_read = above == 0.0 if dialect.thresholds else False
         as_read = as_read or threshold_under(antecedent.hedges, usual) == above
@@ -493,7 +491,7 @@ def hedges_of_conclusion(rule: Rule, block: RuleBlock, dialect: Dialect) -> tupl
 
 
 def without_hedges(antecedent: Expression, hedges: tuple[Hedge, ...]) -> Expression:
-    """Return an antecedent without the hedges that :func:`hedges_of_conclusion` found."""
+    """Strip the hedges found by :func:`hedges_of_conclusion` from an antecedent."""
     if isinstance(antecedent, And):
         antecedent = antecedent.operands[0]
     assert isinstance(antecedent, Hedged)
@@ -506,7 +504,7 @@ def _numbered(name: str, number: int) -> str:
 
 
 def around(hedges: tuple[Hedge, ...], antecedent: Expression) -> Expression:
-    """Put hedges around a whole antecedent; not into it, so that they can be told apart."""
+    """Put hedges around a whole antecedent, as a node of their own for the way back."""
     if not hedges:
         return antecedent
     if isinstance(antecedent, Hedged):
@@ -515,9 +513,9 @@ def around(hedges: tuple[Hedge, ...], antecedent: Expression) -> Expression:
 
 
 def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
-    """Return w' such that w' × hedges(d) is hedges(weight × d) for all d, or None.
+    """Return w' such that w' × hedges(d) = hedges(w × d) for all d, or None.
 
-    That holds for powers, as (w d)ᵖ = wᵖ dᵖ, for ``any`` and for the weight 1.
+    It exists for powers, as (w d)ᵖ = wᵖ dᵖ, for ``any``, and for the weight 1.
     """
     # The hedge next to the antecedent acts first.
     for hedge in reversed(hedges):
@@ -533,7 +531,7 @@ def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
 
 
 def _finished_in(texts: list[RuleText]) -> frozenset[str]:
-    """Return the outputs whose last conclusion stands before their first use."""
+    """Return the outputs with all conclusions before their first use."""
     last = {c.variable: i for i, text in enumerate(texts) for c in text.conclusions}
     first: dict[str, int] = {}
     for index, text in enumerate(texts):
@@ -543,7 +541,7 @@ def _finished_in(texts: list[RuleText]) -> frozenset[str]:
 
 
 def _parts(expression: Expression) -> Iterator[Expression]:
-    """Yield an expression and all those in it."""
+    """Yield an expression and all its parts."""
     yield expression
     inner: tuple[Expression, ...] = ()
     if isinstance(expression, Hedged):

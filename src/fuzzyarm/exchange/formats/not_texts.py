@@ -1,4 +1,4 @@
-"""Files that hold fuzzy systems and are not texts: what they are, and what helps."""
+"""Binary files with fuzzy systems: their kinds, and hints for the user."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _STARTS = {
 
 
 def called(path: str | os.PathLike[str]) -> tuple[str, str] | None:
-    """Return what a file is by its suffix, and what helps; None of any other."""
+    """Return kind and hint for a file name, by its suffix; None if it may be a text."""
     return _SUFFIXES.get(Path(path).suffix.lower())
 
 
 def started(data: bytes) -> tuple[str, str] | None:
-    """Return what a file is by its first bytes, whatever it is called, and what helps."""
-    return next((what for start, what in _STARTS.items() if data.startswith(start)), None)
+    """Return kind and hint for the first bytes of a file, whatever its name; None if unknown."""
+    return next((kind for start, kind in _STARTS.items() if data.startswith(start)), None)

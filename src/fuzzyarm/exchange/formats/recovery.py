@@ -1,11 +1,11 @@
-"""Shapes from samples: the triangle, the gaussian, the bell that a list of degrees came from.
+"""Shapes from samples: find the triangle, gaussian or bell behind a list of degrees.
 
-Other programs keep a term as degrees at points of its universe. On a flank of every shape here
-some function of the degree is a straight line in x (the degree itself for a triangle, the square
-root of −2 ln y for a gaussian), so that a line through the flank has the numbers of the shape.
-They are rounded to few digits where that is what they were; a shape counts only where it has
-every degree to :data:`TOLERANCE`, and a small degree to :data:`_SHARE` of itself: where one rule
-fires alone, its degree decides, and be it 1e-87.
+Other programs keep a term as degrees at points of its universe. On a flank of each shape here some
+function of the degree is linear in x (the degree itself for a triangle, the square root of −2 ln y
+for a gaussian), so a line through the flank yields the parameters. They are rounded to few digits
+if the rounded shape fits as well. A shape is accepted only if it reproduces every degree within
+:data:`TOLERANCE`, and a small degree within the share :data:`_SHARE`: where one rule fires alone,
+its degree decides, even at 1e-87.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ __all__ = [
 ]  # fmt: skip
 
 TOLERANCE = 1e-12
-"""Greatest difference of a degree from the sample that it stands for."""
+"""Greatest error of a degree."""
 
 NEAR_LINES = 0.01
-"""Up to this difference a shape stands for straight lines between samples."""
+"""Greatest difference for which a shape replaces straight lines between samples."""
 
 _STRAIGHT = 1e-13
-"""Greatest distance of a sample from the line that replaces it."""
+"""Greatest distance of a sample from its replacement line."""
 
 _SHARE = 1e-9
-"""Greatest difference of a degree, as a share of it."""
+"""Greatest relative error of a degree."""
 
 _DIGITS = 10
-"""Most digits of a number that somebody wrote; others are left as they are found."""
+"""Most digits of a hand-written number; longer ones stay as found."""
 
 
-# --- What a caller asks ---
+# --- Interface ---
 
 
 def recovered(xs: Sequence[float], ys: Sequence[float]) -> Shape | None:
-    """Return the shape whose degrees at `xs` are `ys`, or None where no shape has them.
+    """Return the shape with the degrees `ys` at `xs`, or None if there is none.
 
     Parameters
     ----------
@@ -60,13 +60,13 @@ def recovered(xs: Sequence[float], ys: Sequence[float]) -> Shape | None:
     -------
     Shape or None
         A triangle, trapezoid, gaussian, two-sided gaussian, bell, sigmoid, s, z, pi or raised
-        cosine, with a height where the highest sample is below 1. What it is beyond the first
-        and the last point is not told by the samples.
+        cosine, with a height where the highest sample is below 1. The samples say nothing about it
+        beyond the first and the last point.
     """
     top = max(ys, default=0.0)
     if len(xs) < 2 or not 0.0 < top <= 1.0 + TOLERANCE:
         return None
-    # The peak may lie between two samples, or the term has a height.
+    # The peak may lie between two samples, or the term may have a height.
     heights = [1.0] if top >= 1.0 - TOLERANCE else [1.0, top]
     for height in heights:
         samples = _Samples(xs, [min(1.0, max(0.0, y / height)) for y in ys])
@@ -78,9 +78,10 @@ def recovered(xs: Sequence[float], ys: Sequence[float]) -> Shape | None:
 
 
 def joined(xs: Sequence[float], ys: Sequence[float]) -> Shape:
-    """Return straight lines through all samples, as ``points`` without those inside a line."""
+    """Return piecewise-linear ``points`` through all samples, without the redundant ones."""
     corners = [0]
-    low, high = -math.inf, math.inf  # slopes that pass every sample since the last one kept
+    # Slopes within tolerance of all samples since the last kept one.
+    low, high = -math.inf, math.inf
     for i in range(1, len(xs)):
         width = xs[i] - xs[corners[-1]]
         slope = (ys[i] - ys[corners[-1]]) / width
@@ -97,7 +98,7 @@ def joined(xs: Sequence[float], ys: Sequence[float]) -> Shape:
 
 
 def straight_shape(points: Shape) -> Shape:
-    """Return the triangle, trapezoid or ramp that is ``points`` everywhere, or the points."""
+    """Return the triangle, trapezoid or ramp equal to ``points`` everywhere, or the points."""
     xs, ys = points.parameters[0::2], points.parameters[1::2]
     if any(a >= b for a, b in pairwise(xs)) or not all(0.0 <= y <= 1.0 for y in ys):
         return points
@@ -115,7 +116,7 @@ def straight_shape(points: Shape) -> Shape:
 
 
 def is_joined(shape: Shape, xs: Sequence[float]) -> bool:
-    """Whether a shape is straight between the points `xs`, as lines through its samples are."""
+    """Whether a shape is linear between the points `xs`."""
     if not SHAPES[shape.kind].straight:
         return False
     near = 1e-12 * (xs[-1] - xs[0])
@@ -124,14 +125,14 @@ def is_joined(shape: Shape, xs: Sequence[float]) -> bool:
 
 
 def beside_lines(shape: Shape, xs: Sequence[float]) -> float:
-    """Return by how much a shape differs at most from straight lines through its degrees at `xs`.
+    """Return the greatest distance of a shape from the lines through its degrees at `xs`.
 
     Parameters
     ----------
     shape : Shape
         A set.
     xs : sequence of float
-        Two or more points in increasing order; what is beyond them does not count.
+        Two or more points in increasing order, which bound the comparison.
     """
     degree = membership_function(shape)
     ys = [degree(x) for x in xs]
@@ -148,33 +149,33 @@ def beside_lines(shape: Shape, xs: Sequence[float]) -> float:
 
 
 def shape_of(function: Callable[[float], float], low: float, high: float) -> Shape | None:
-    """Return the shape that a function computes, also beyond its range, or None.
+    """Return the shape of a function, also beyond its range, or None.
 
     Parameters
     ----------
     function : callable
-        From a position to a degree.
+        Membership function.
     low, high : float
-        A finite range. The function is asked up to half a range beyond, and between the points
-        that its shape was found by.
+        A finite range. The function is evaluated up to half a range beyond it, and between the
+        points of the fit.
     """
     width = high - low
     xs = [low + width * (i - _BEYOND) / _ASKED for i in range(_ASKED + 2 * _BEYOND + 1)]
     ys = [float(function(x)) for x in xs]
     tries = [_open_ended(shape, xs) for shape in (recovered(xs, ys),) if shape is not None]
     tries += _boxes(function, xs, ys)
-    # A share that is not regular: a kink half-way or at a third does not slip through.
+    # Irregular shares: a kink half-way or at a third must not slip through.
     between = [a + 0.381966 * (b - a) for a, b in pairwise(xs)]
     values = [*ys, *(float(function(x)) for x in between)]
     return next((shape for shape in tries if _has(shape, [*xs, *between], values)), None)
 
 
 _ASKED, _BEYOND = 240, 120
-"""Parts of a range at whose ends a function is asked, and how many of them on either side."""
+"""Parts of a range for the check of a fit, and those beyond it on either side."""
 
 
 def _open_ended(shape: Shape, xs: Sequence[float]) -> Shape:
-    """Return a shape that ends with the samples as one that goes on."""
+    """Return a shape that ends at the samples, extended beyond them."""
     start, end, p = xs[0], xs[-1], shape.parameters
     if shape.kind == "rectangle":
         return Shape("trapezoid", (-math.inf, -math.inf, math.inf, math.inf), shape.height)
@@ -190,7 +191,7 @@ def _open_ended(shape: Shape, xs: Sequence[float]) -> Shape:
 def _boxes(
     function: Callable[[float], float], xs: Sequence[float], ys: Sequence[float]
 ) -> list[Shape]:
-    """Return the rectangle, step or singleton that has two values only."""
+    """Return the rectangle, step or singleton of two-valued samples."""
     top = max(ys)
     if set(ys) != {0.0, top}:
         return []
@@ -210,7 +211,7 @@ def _boxes(
 
 
 def _edge(function: Callable[[float], float], a: float, b: float) -> float:
-    """Return the position between `a` and `b` where a function jumps, on its higher side."""
+    """Return the position of a jump between `a` and `b`, on its higher side."""
     rises = function(a) < function(b)
     plain = _rounded(0.5 * (a + b), 0.5 * (b - a))
     if a <= plain <= b:
@@ -225,7 +226,7 @@ def _edge(function: Callable[[float], float], a: float, b: float) -> float:
 
 
 def constant_beyond(shape: Shape, low: float, high: float) -> bool:
-    """Whether a set goes on at the value that it has at the ends of a range."""
+    """Whether a set stays at its end values beyond a range."""
     if shape.kind == "formula":
         return False
     degree, width = membership_function(shape), high - low
@@ -238,7 +239,7 @@ def constant_beyond(shape: Shape, low: float, high: float) -> bool:
 def even_family(
     shapes: Sequence[Shape], low: float, high: float, xs: Sequence[float]
 ) -> list[Shape] | None:
-    """Return the evenly spread family that has the degrees of `shapes` at `xs`, or None."""
+    """Return the evenly spread family with the degrees of `shapes` at `xs`, or None."""
     if len(shapes) < 2:
         return None
     for family in ("triangles", "gaussians"):
@@ -274,26 +275,26 @@ class _Samples(NamedTuple):
         return max(self.ys) >= 1.0 - TOLERANCE
 
     def flank(self, side: int) -> list[int]:
-        """Return the indices of a flank, −1 for the left one, from its foot to the core."""
+        """Return the indices of a flank from its foot to the core (`side` −1 for the left one)."""
         first, last = self.core
         beside = range(first + 1) if side < 0 else range(len(self.ys) - 1, last - 1, -1)
         return [i for i in beside if 0.0 < self.ys[i] < 1.0 - TOLERANCE]
 
     def steep(self, side: int) -> list[int]:
-        """Return a flank without its ends, where rounding would tell; all of a short one."""
+        """Return a flank without its ends, where rounding dominates; all of a short one."""
         inside = self.flank(side)
         steep = [i for i in inside if 0.01 < self.ys[i] < 0.99]
         return steep if len(steep) > 1 else inside
 
 
 class _FlankLine(NamedTuple):
-    """t = slope (x − zero)."""
+    """The line t = slope (x − zero) of a straightened flank."""
 
     zero: float
     slope: float
 
     def at(self, t: float) -> float:
-        """Return the x of a t."""
+        """Return x for a value t."""
         return self.zero + t / self.slope
 
 
@@ -301,7 +302,7 @@ Straightened = Callable[[float], float]
 
 
 def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_FlankLine]:
-    """Return the lines that a flank may have: through all of it, or through its ends."""
+    """Return candidate lines of a flank: through all of it, and through its ends."""
     xs, ys = samples
     inside = samples.flank(side)
     best = samples.steep(side)
@@ -321,7 +322,7 @@ def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_Fl
 
 
 def _fitted(points: list[tuple[float, float]]) -> _FlankLine | None:
-    """Return the line of least squares."""
+    """Return the least-squares line."""
     if not all(math.isfinite(t) for _, t in points):
         return None
     middle = math.fsum(x for x, _ in points) / len(points)
@@ -331,13 +332,13 @@ def _fitted(points: list[tuple[float, float]]) -> _FlankLine | None:
     return _FlankLine(middle - level / slope, slope) if slope and math.isfinite(slope) else None
 
 
-# --- The shapes, from the plain to the rare ---
+# --- Shapes, the common ones first ---
 
 Candidate = tuple[str, tuple[float, ...]]
 
 
 def _candidates(samples: _Samples) -> Iterator[Candidate]:
-    """Yield kinds and their numbers; most of them are wrong."""
+    """Yield candidate kinds and parameters, most of them wrong."""
     if not samples.flank(-1) and not samples.flank(1) and min(samples.ys) == 1.0:
         yield "rectangle", (samples.xs[0], samples.xs[-1])
         return
@@ -434,12 +435,12 @@ def _bells(samples: _Samples) -> Iterator[Candidate]:
 
 
 def _bell(y: float, slope: float) -> float:
-    """Return the distance from the centre, in widths, at which a bell has a degree."""
+    """Return a bell's distance from the centre, in widths, for a degree."""
     return math.pow(1.0 / y - 1.0, 0.5 / slope)
 
 
 def _bell_slope(samples: _Samples, side: int) -> float | None:
-    """Return the slope under which three samples of a flank lie on a line, by halving."""
+    """Return the bell slope by bisection: three samples of a flank lie on a line."""
     inside = samples.steep(side)
     if len(inside) < 3:
         return None
@@ -448,7 +449,7 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
     if ys[0] == ys[2]:  # a level stretch: a bell has none
         return None
 
-    # With the right slope the three points lie on one line: there this changes its sign.
+    # For the right slope the three straightened points are collinear: a sign change here.
     def bent(slope: float) -> float:
         a, b, c = (_bell(y, slope) for y in ys)
         return (b - a) / (c - a) - (x1 - x0) / (x2 - x0)
@@ -464,13 +465,13 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
     return 0.5 * (low + high)
 
 
-# --- The numbers as somebody wrote them, and whether they are right ---
+# --- Rounding of parameters, and acceptance ---
 
 
 def _settled(
     kind: str, numbers: tuple[float, ...], height: float, xs: Sequence[float], ys: Sequence[float]
 ) -> Shape | None:
-    """Return the shape with rounded numbers, or with those found, if it has the samples."""
+    """Return the shape with rounded parameters, or as found, if it fits the samples."""
     scale = 1e-11 * (xs[-1] - xs[0])
     plain = tuple(_rounded(number, scale) for number in numbers)
     at_points = tuple(
@@ -487,7 +488,7 @@ def _settled(
 
 
 def _rounded(number: float, near: float = 0.0) -> float:
-    """Return the number of few digits that `number` is except for rounding, or itself."""
+    """Return the number with few digits that `number` approximates, or itself."""
     if abs(number) <= near:
         return 0.0
     near = max(near, 1e-11 * abs(number))
@@ -509,8 +510,8 @@ def _nearest(xs: Sequence[float], x: float) -> float:
 
 def _has(shape: Shape, xs: Sequence[float], ys: Sequence[float]) -> bool:
     degree = membership_function(shape)
-    # At the foot of a flank a degree is rounding: it counts as that of a position beside it.
-    # The foot of a cosine is so flat that it takes more.
+    # At the foot of a flank a degree is mostly rounding: a neighbouring position may have it. The
+    # foot of a cosine is so flat that it needs a wider neighbourhood.
     size = max(abs(xs[0]), abs(xs[-1]), xs[-1] - xs[0])
     beside = (1e-7 if shape.kind == "cosine" else 1e-12) * size
     return all(

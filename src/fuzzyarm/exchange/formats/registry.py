@@ -1,4 +1,4 @@
-"""Formats by suffix: read any file that holds a rule base, write any.
+"""Formats by suffix: read and write any file with a rule base.
 
 To add a format
 ---------------
@@ -45,26 +45,26 @@ from fuzzyarm.language.model.rulebase import AnyRuleBase, RuleBase, model_of
 
 
 def suffix_of(path: str | os.PathLike[str], suffixes: tuple[str, ...] = SUFFIXES) -> str:
-    """Return the suffix of `path`, one of `suffixes`, in small letters.
+    """Return the suffix of `path`, one of `suffixes`, in lower case.
 
     Parameters
     ----------
     path : path-like
         A name of a file.
     suffixes : tuple of str
-        The suffixes there are.
+        The accepted suffixes.
 
     Raises
     ------
     FormatError
-        If no format has it.
+        If the suffix is none of them.
     """
     suffix = Path(path).suffix.lower()
     if suffix not in suffixes:
         endings = ", ".join(suffixes)
         if known_as := called(path):
-            what, hint = known_as
-            raise FormatError(f"{os.fspath(path)}: this is {what}, not a text", hint=hint)
+            kind, hint = known_as
+            raise FormatError(f"{os.fspath(path)}: this is {kind}, not a text", hint=hint)
         raise FormatError(f"{os.fspath(path)}: a rule base ends in {endings}, not '{suffix}'")
     return suffix
 
@@ -90,14 +90,14 @@ def parse(
     path : str
         Name of the file, for the diagnostics.
     producer : str, optional
-        Whose meaning to take, one of :data:`MEANINGS` for the suffix; told from the text
-        by default.
+        Program whose semantics apply, one of :data:`MEANINGS` for the suffix; detected from the
+        text by default.
     block : str, optional
         The function block of an FCL file with several.
     lossy : bool
-        Whether a loss that changes numbers is a warning rather than an error.
+        Make a loss that changes numbers a warning rather than an error.
     strict : bool
-        Whether a slight loss, as by another sampling, is an error rather than a warning.
+        Make a slight loss, such as another sampling, an error rather than a warning.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def read(
     most = MAX_CHARACTERS if suffix in FOREIGN else MAX_OWN_CHARACTERS
     note_source(path)
     with Path(path).open("rb") as file:
-        # UTF-8 takes at most four bytes for a character; one more byte tells that it is too large.
+        # UTF-8 takes at most four bytes for a character; one byte more shows that it is too large.
         data = file.read(4 * most + 1)
     text, findings = decoded(data, name)
     if any(diagnostic.is_error for diagnostic in findings):
@@ -170,17 +170,17 @@ def read(
 
 
 def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
-    """Return the text of UTF-8 bytes, or of Latin-1 with a warning at the first bad byte.
+    """Decode UTF-8 bytes, or Latin-1 with a warning at the first bad byte.
 
-    UTF-16 with its mark is read as well; other bytes with a NUL among them are not a text.
+    UTF-16 with a byte-order mark is read as well; other bytes with a NUL are not text.
     """
-    # Before NUL is looked for: in UTF-16 every second byte of plain text is one.
+    # Before the search for NUL: in UTF-16 every second byte of plain text is one.
     if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         return data.decode("utf-16", errors="replace"), ()
     if known_as := started(data):
-        what, hint = known_as
+        kind, hint = known_as
         findings = Findings(path)
-        findings.error("not-text", f"this is {what}, not a text", hint=hint)
+        findings.error("not-text", f"this is {kind}, not a text", hint=hint)
         return "", findings.all()
     if b"\0" in data:
         findings = Findings(path)
@@ -212,17 +212,17 @@ def write(
     Parameters
     ----------
     rulebase : RuleBase
-        Any.
+        Any rule base.
     suffix : str
         One of :data:`SUFFIXES`.
     producer : str, optional
-        The program to write for, one of :data:`PRODUCERS` for the suffix; by default the
-        one to which least is lost: of a ``.fis`` MATLAB, unless another has the sampling of
-        the outputs, or what MATLAB does not have.
+        The program to write for, one of :data:`PRODUCERS` for the suffix; by default the one
+        with the least loss: of a ``.fis`` MATLAB, unless another has the sampling of the
+        outputs or a feature that MATLAB lacks.
     lossy : bool
-        Whether to write even where that program would give other numbers.
+        Write even where that program would give other numbers.
     strict : bool
-        Whether to refuse slight losses too, such as another sampling.
+        Refuse slight losses too, such as another sampling.
 
     Raises
     ------
@@ -246,7 +246,7 @@ def write(
 
 
 def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
-    """Write a ``.frb`` text; refuse where the language would, or would read another model."""
+    """Write a ``.frb`` text; refuse a model that would not read back the same."""
     from fuzzyarm.language import parse as parse_rulebase
     from fuzzyarm.language import write as write_rulebase
 
@@ -257,7 +257,7 @@ def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
         if diagnostic.is_error:
             findings.error(diagnostic.name, diagnostic.message)
     if parsed.rulebase is not None and not same_model(parsed.rulebase, rulebase):
-        # Is a threshold, which the language does not have, the only difference?
+        # Is a threshold, which the language lacks, the only difference?
         blocks = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
         if same_model(parsed.rulebase, replace(rulebase, blocks=blocks)):
             note_threshold(rulebase, findings, "the language", 0.0)
@@ -267,12 +267,12 @@ def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
 
 
 def same_model(one: RuleBase, other: RuleBase) -> bool:
-    """Whether two rule bases are equal, a NaN being equal to a NaN.
+    """Whether two rule bases are equal, with NaN equal to NaN.
 
     Parameters
     ----------
     one, other : RuleBase
-        Values.
+        Rule bases.
     """
     return _without_nan(one) == _without_nan(other)
 

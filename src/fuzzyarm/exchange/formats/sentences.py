@@ -1,7 +1,7 @@
 """Rule sentences, ``if … then … with …``, as FLL and FCL write them.
 
-A sentence becomes a :class:`RuleText`, and so does a line of numbers of a FIS; what either
-means to the program is up to :mod:`fuzzyarm.exchange.formats.meaning`.
+A sentence, or a line of numbers in a FIS, becomes a :class:`RuleText`;
+:mod:`fuzzyarm.exchange.formats.meaning` knows its meaning in each program.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ MAX_CONCLUSIONS = 200
 
 
 _ENDS = frozenset({"and", "or", "then", "with", ")", ","})
-"""What may stand after a proposition."""
+"""Words that may follow a proposition."""
 
 
 @dataclass(frozen=True, slots=True)
 class RuleText:
-    """A rule as it was written: what its hedges mean is up to the format."""
+    """A rule as written; the meaning of its hedges depends on the format."""
 
     antecedent: Expression
     conclusions: tuple[Consequent, ...]
@@ -38,7 +38,7 @@ class RuleText:
 
 
 def hedged(hedges: tuple[Hedge, ...], inner: Expression) -> Expression:
-    """Put hedges around an expression, into the proposition where it is a single one."""
+    """Put hedges around an expression, or into a single proposition."""
     if not hedges:
         return inner
     if isinstance(inner, Is):
@@ -55,9 +55,9 @@ def read_sentences(
     dialect: Dialect,
     more_hedges: Mapping[str, Hedge] | None = None,
 ) -> list[RuleText]:
-    """Read rules, each as words with parentheses and commas apart; report those at fault.
+    """Read rules, given as words with separate parentheses and commas; report the faulty ones.
 
-    `more_hedges` are those that a program has beside the ones of the records.
+    `more_hedges` are the program's own hedges beside those of the records.
     """
     parser = _Parser(variables, findings, dialect)
     parser.hedges |= more_hedges or {}
@@ -71,7 +71,7 @@ def read_sentences(
 
 
 class _Parser:
-    """Recursive descent over the words of one rule; unknown names are reported and read on."""
+    """Recursive descent over the words of a rule; unknown names are reported and skipped."""
 
     def __init__(
         self, variables: dict[str, VariableDraft], findings: Findings, dialect: Dialect
@@ -121,7 +121,7 @@ class _Parser:
             message = f"parentheses may nest at most {MAX_NESTING} deep"
             at = self.words[min(self.at, len(self.words) - 1)]
             raise FaultError(message, at, "too-deep")
-        # To some programs `and` and `or` bind alike, from left to right.
+        # In some programs `and` and `or` have equal precedence, from left to right.
         if self.dialect.equal_precedence:
             return self._chain(("and", "or"), lambda: self._factor(depth))
         both = ("and", ",") if self.dialect.commas else ("and",)
@@ -129,7 +129,7 @@ class _Parser:
 
     def _chain(self, keys: tuple[str, ...], operand: Callable[[], Expression]) -> Expression:
         left = operand()
-        chained = False  # what stood in parentheses stays its own node
+        chained = False  # a parenthesis stays a node of its own
         while self.key() in keys:
             kind = Or if self.key() == "or" else And
             self.at += 1
@@ -161,7 +161,7 @@ class _Parser:
         return Is(variable.text, term, hedges, variable.span)
 
     def conclusions(self, depth: int) -> list[Consequent]:
-        """Read conclusions; people put them in parentheses, as no program writes them."""
+        """Read conclusions, with the parentheses that people add and no program writes."""
         consequents: list[Consequent] = []
         while True:
             if self.key() == "(" and self.dialect.any_case and depth < MAX_NESTING:
@@ -184,7 +184,7 @@ class _Parser:
         self.expect("is")
         hedges, term = self._hedges_and_term(draft, variable)
         if self.dialect.producer == "scikit-fuzzy":
-            if hedges == (NOT,):  # beside another hedge it makes its own term
+            if hedges == (NOT,):  # other combinations make a term of their own
                 message = f"{self.dialect.program} fails at a conclusion with NOT alone"
                 hint = "name the term that is meant"
                 self.findings.error("hedged-conclusion", message, variable, hint)
@@ -199,14 +199,14 @@ class _Parser:
             self._note_other_hedges(hedges, variable)
         return Consequent(variable.text, term, hedges, variable.span)
 
-    def _demand_variable(self, what: str) -> None:
-        """Complain of a lone word, as in *if hot then on*, which says of no variable what it is."""
+    def _demand_variable(self, role: str) -> None:
+        """Raise at a lone word, as in *if hot then on*, which names no variable."""
         following = self.words[self.at + 1].text.lower() if self.at + 1 < len(self.words) else ""
         if self.at >= len(self.words) or following not in ("", *_ENDS):
             return
         word = self.words[self.at]
         owners = [name for name, d in self.variables.items() if d.term(word.text) is not None]
-        message = f"'{word.text[:40]}' alone is not a {what}, which is 'variable IS term'"
+        message = f"'{word.text[:40]}' alone is not a {role}, which is 'variable IS term'"
         if word.text in self.variables:
             message = f"{message}: it is a variable, and no term is named"
         elif owners:
@@ -214,7 +214,7 @@ class _Parser:
         raise FaultError(message, word, "lone-word")
 
     def _note_other_hedges(self, hedges: tuple[Hedge, ...], variable: TextPiece) -> None:
-        """Say where hedges are read that the program itself does not know."""
+        """Report hedges unknown to the program, but read here."""
         if self.dialect.kinds != "jfl" or set(hedges) <= {NOT}:
             return
         message = (
@@ -254,7 +254,7 @@ class _Parser:
         while True:
             hedge = self.hedges.get(self.key())
             is_term = draft is not None and self._next_is_term(draft)
-            # A term may be called like a hedge: it is the last word of its proposition.
+            # A term may have the name of a hedge: the last word of a proposition is the term.
             if hedge is None or (is_term and not self._more_follows()):
                 break
             hedges.append(hedge)

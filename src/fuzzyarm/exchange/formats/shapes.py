@@ -1,4 +1,4 @@
-"""Shapes of other programs: made from their numbers, and written in their words."""
+"""Shapes of other programs: conversion from and to their words and numbers."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def spelled_shape(
     findings: Findings,
     dialect: Dialect,
 ) -> Shape | None:
-    """Return the shape of a word and the numbers after it, in the order of the program.
+    """Return the shape of a word and its numbers, in the program's order.
 
-    To a program with heights, one number more is the height, except for fuzzylite's
-    ``Constant``, which has none. See :func:`make_shape` for the others.
+    In a program with heights an additional number is the height, except for fuzzylite's
+    ``Constant``, which has none. The other parameters are those of :func:`make_shape`.
     """
     kind, word, order = spelling
     if kind == "linear":
@@ -62,7 +62,7 @@ def spelled_shape(
 def _without_padding(
     values: list[float], count: int, at: TextPiece, findings: Findings
 ) -> list[float]:
-    """Drop the zeros with which old files fill up the numbers of a shape to a common length."""
+    """Drop the zeros that pad the numbers of a shape in old files."""
     if len(values) <= count or any(values[count:]):
         return values
     message = f"{at.text} takes {count} of these {len(values)} numbers; the zeros are padding"
@@ -71,10 +71,10 @@ def _without_padding(
 
 
 def _unordered(kind: str, p: list[float]) -> list[float] | None:
-    """Return what fuzzylite computes of corners that are not in order, as points.
+    """Return fuzzylite's values for unordered corners, as points.
 
-    None where they are in order, or where nothing but 0 comes out. Of an x that stands twice
-    the later value counts, as for its own points.
+    None for ordered corners, and where the result is 0 throughout. The later of two values at one
+    x wins, as for fuzzylite's own points.
     """
     if not all(map(math.isfinite, p)) or all(a <= b for a, b in pairwise(p)):
         return None
@@ -91,7 +91,7 @@ def _unordered(kind: str, p: list[float]) -> list[float] | None:
 
 
 def _unordered_trapezoid(a: float, b: float, c: float, d: float) -> list[float]:
-    """Evaluate, in this order: 0 outside a to d, 1 from b to c, rising before b, falling."""
+    """Evaluate as fuzzylite does: 0 outside a to d, 1 from b to c, rising flank, falling flank."""
     points = [a, 0.0]
     for start, end in pairwise(sorted({x for x in (a, b, c, d) if a <= x <= d})):
         middle = 0.5 * (start + end)
@@ -130,12 +130,12 @@ def _linear_shape(
 def formula_shape(
     formula: TextPiece, dialect: formulas.FormulaDialect, findings: Findings
 ) -> Shape | None:
-    """Return a formula, rewritten so that every reader takes it alike."""
+    """Return a formula in a form with one reading."""
     try:
-        # fuzzylite's pi is not a variable, whatever the variables are called.
+        # fuzzylite's pi is not a variable, whatever their names.
         root = put_in(read_formula(formula.text, dialect).root, formulas.CONSTANTS)
         text = write_formula(root)
-        read_formula(text)  # the parentheses that it got may nest too deep
+        read_formula(text)  # the added parentheses may nest too deep
     except FormulaError as fault:
         findings.error("bad-formula", f"in '{formula.text[:60]}': {fault}", formula)
         return None
@@ -146,7 +146,7 @@ def formula_shape(
 
 
 def _has_plain_sign(text: str) -> bool:
-    """Whether `-` or `+` stands where no operand is before it."""
+    """Whether a `-` or `+` has no operand before it."""
     before = "("
     for match in formulas.FUZZYLITE.token.finditer(text):
         sign = match["sign"] or ""
@@ -167,8 +167,8 @@ def make_shape(
 ) -> Shape | None:
     """Return the shape of numbers in the order of its record, or None with a finding.
 
-    `height` is a factor on the function; `ties` says what the other program takes at a
-    doubled x of ``points``: ``first``, ``last`` or ``larger``.
+    `height` scales the function; `ties` is the value at a doubled x of ``points``: ``first``,
+    ``last`` or ``larger``.
     """
     shape = SHAPES[kind]
     if shape.parameters and len(parameters) != len(shape.parameters):
@@ -185,7 +185,7 @@ def make_shape(
     if kind == "linear":
         return Shape(kind, tuple(parameters), height)
     if kind == "triangle" and any(map(math.isinf, (parameters[0], parameters[2]))):
-        # A foot at infinity is a shoulder, which only a trapezoid has in the model.
+        # A foot at infinity is a shoulder; in the model only a trapezoid has one.
         kind, parameters = "trapezoid", [*parameters[:2], *parameters[1:]]
     if kind == "points":
         return _points(parameters, at, findings, height, ties)
@@ -198,7 +198,7 @@ def _checked(
     shape = SHAPES[kind]
     if kind in _EITHER_WAY:
         parameters = sorted(parameters)
-    if kind in _SQUARED:  # a deviation is only ever squared
+    if kind in _SQUARED:  # the sign of a deviation is lost in its square
         pairs = zip(shape.parameters, parameters, strict=True)
         parameters = [abs(value) if name in shape.positive else value for name, value in pairs]
     misfits = {misfit.why: misfit for misfit in reversed(list(shape.misfits(parameters)))}
@@ -228,14 +228,14 @@ def with_article(kind: str) -> str:
 
 
 def nothing(parameters: Sequence[float]) -> Shape:
-    """Return the set that nothing belongs to, where its corners are."""
+    """Return the empty set, with its corners in place."""
     corners = [parameter for parameter in parameters if math.isfinite(parameter)] or [0.0]
     low, high = min(corners), max(corners)
     return Shape("points", (low, 0.0, high, 0.0) if low < high else (low, 0.0))
 
 
 def _without_inside(kind: str, parameters: list[float]) -> bool:
-    """Whether all of a trapezoid is beyond every number."""
+    """Whether all of a trapezoid lies beyond the largest number."""
     return kind == "trapezoid" and not (parameters[1] < math.inf and parameters[2] > -math.inf)
 
 
@@ -258,10 +258,10 @@ def _points(
 
 
 def _settle_ties(xs: list[float], ys: list[float], ties: str) -> None:
-    """Move one of two points with the same x by the smallest step there is.
+    """Move one of two points with the same x by one ulp.
 
-    The model takes the larger value at a doubled x; a program that takes the first or the
-    last gets that value at exactly x, and the step right beside it.
+    The model takes the larger value at a doubled x; a program that takes the first or the last one
+    gets it at exactly x, and the step right beside it.
     """
     if ties == "larger":
         return
@@ -277,10 +277,10 @@ def _settle_ties(xs: list[float], ys: list[float], ties: str) -> None:
 def range_of_values(
     shapes: Iterable[Shape], inputs: Mapping[str, tuple[float, float]]
 ) -> tuple[float, float] | None:
-    """Return the range that the values of an output span over the ranges of the inputs.
+    """Return the range of an output's values over the ranges of the inputs.
 
-    Of a formula the corners and the middle of the inputs are asked. None where there is no
-    finite value; a range without width gets half a unit on either side.
+    A formula is evaluated at the corners and the middle of the inputs. None without a finite value;
+    a range without width gets half a unit on either side.
     """
     values = [x for shape in shapes for x in _values(shape, inputs) if math.isfinite(x)]
     if not values:
@@ -290,7 +290,7 @@ def range_of_values(
 
 
 def _values(shape: Shape, inputs: Mapping[str, tuple[float, float]]) -> list[float]:
-    """Return values of a consequent, the extreme ones of a constant or a linear sum."""
+    """Return values of a consequent: the extremes of a constant or a linear sum."""
     if shape.kind == "singleton":
         return list(shape.parameters)
     if shape.kind == "linear":
@@ -302,15 +302,15 @@ def _values(shape: Shape, inputs: Mapping[str, tuple[float, float]]) -> list[flo
     try:
         formula = read_formula(shape.formula)
     except FormulaError:
-        return []  # said where the rule base is checked
+        return []  # reported by the check of the rule base
     return [formula.evaluate(dict(zip(inputs, corner, strict=True))) for corner in corners]
 
 
 def estimated_range(shapes: list[Shape]) -> tuple[float, float] | None:
-    """Return the range that jFuzzyLogic takes where a file names none.
+    """Return the range that jFuzzyLogic assumes for a variable without one.
 
-    From the lowest foot to the highest of all terms; four deviations of a gaussian, nine
-    over the slope of a sigmoid, a membership of 0.001 of a bell.
+    From the lowest foot to the highest of all terms; the foot is at four deviations of a gaussian,
+    nine over the slope of a sigmoid, a membership of 0.001 of a bell.
     """
     ends = [pair for pair in map(_support, shapes) if pair is not None]
     if not ends:
@@ -352,15 +352,15 @@ def _over(numerator: float, slope: float) -> float:
 
 
 def word_and_numbers(shape: Shape, key: str) -> tuple[str, tuple[float, ...]] | None:
-    """Return what a program calls a shape, and its numbers in the order of that program.
+    """Return a program's word for a shape, and its numbers in that program's order.
 
-    `key` is that of the names in the records; None where the program has no such shape.
+    `key` selects the names in the records; None where the program has no such shape.
     """
     variants = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
     if not variants:
         return None
     p = shape.parameters
-    # Two words for a ramp are one for each direction: MATLAB's linsmf and linzmf.
+    # A ramp with two words has one for each direction: MATLAB's linsmf and linzmf.
     falls = shape.kind == "ramp" and len(variants) == 2 and p[0] > p[1]
     spelling = variants[falls]
     numbers = tuple(p[index] for index in spelling.order) or p
@@ -368,12 +368,12 @@ def word_and_numbers(shape: Shape, key: str) -> tuple[str, tuple[float, ...]] | 
 
 
 def fuzzylite_formula(text: str, rename: Mapping[str, str] | None = None) -> str:
-    """Return a formula with the unary minus that fuzzylite knows."""
+    """Return a formula with fuzzylite's unary minus."""
     return write_formula(read_formula(text).root, formulas.FUZZYLITE, rename, minus="~")
 
 
 def class_and_numbers(shape: Shape, key: str, rename: Mapping[str, str]) -> str | None:
-    """Return class and numbers as fuzzylite writes them, or None where it has no such class."""
+    """Return fuzzylite's class and numbers for a shape, or None without such a class."""
     if shape.kind == "formula":
         return f"Function {fuzzylite_formula(shape.formula, rename)}"
     word_numbers = word_and_numbers(shape, key)
@@ -388,9 +388,9 @@ _STEPS = frozenset({"ramp", "s", "arc", "concave"})
 
 
 def fuzzylite_shape(shape: Shape) -> Shape:
-    """Return a shape with which fuzzylite gives the value of the model everywhere.
+    """Return a shape for which fuzzylite gives the model's value everywhere.
 
-    A step (a ramp from a number to itself) is its ``Binary``; at a doubled x of points it
+    A step (a ramp from a number to itself) is its ``Binary``; at a doubled x of points fuzzylite
     takes the last value, the model the larger one.
     """
     p = shape.parameters
@@ -408,9 +408,9 @@ def fuzzylite_shape(shape: Shape) -> Shape:
 
 
 def larger_wins(parameters: tuple[float, ...], ties: str) -> tuple[float, ...]:
-    """Move points so that a program gives the larger of two at one x, as the model does.
+    """Move points so that a program gives the larger of two values at one x, like the model.
 
-    `ties` says which of the two it takes, the ``first`` or the ``last``.
+    `ties` is the program's choice of the two, ``first`` or ``last``.
     """
     values = list(parameters)
     for i in range(2, len(values), 2):

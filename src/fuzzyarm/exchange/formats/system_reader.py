@@ -1,8 +1,8 @@
-"""From the words that a reader of a format finds to a rule base, by the dialect of the program.
+"""From the words of a format to a rule base, in the dialect of a program.
 
-A reader of a format knows its text: it finds the words of variables, terms, norms, methods and
-rules, and hands them to a :class:`SystemReader` with their places. What they mean is the same
-for all formats except for what the :class:`~fuzzyarm.exchange.formats.dialects.Dialect` says.
+A reader of a format finds the words of variables, terms, norms, methods and rules in its text and
+passes them with their positions to a :class:`SystemReader`. Their meaning depends on the
+:class:`~fuzzyarm.exchange.formats.dialects.Dialect` alone.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ __all__ = ["SystemReader"]
 
 
 class SystemReader:
-    """Makes a rule base of words; a reader of a format inherits from it and finds the words.
+    """Builds a rule base from words; the reader of a format inherits from it.
 
     Parameters
     ----------
     dialect : Dialect
-        The program whose meaning counts.
+        The program whose semantics apply.
     findings : Findings
-        What is found on the way.
+        Collector of the diagnostics.
     """
 
     def __init__(self, dialect: Dialect, findings: Findings) -> None:
@@ -54,10 +54,10 @@ class SystemReader:
         self.variables: dict[str, VariableDraft] = {}
         self.blocks: list[BlockDraft] = []
 
-    # --- Variables, their terms and norms, word by word ---
+    # --- Variables, terms and norms, word by word ---
 
     def variable(self, word: TextPiece, *, is_output: bool) -> VariableDraft:
-        """Return a new variable; one that has no room, or a name that is taken, counts nowhere."""
+        """Return a new variable; a duplicate or one too many is left out of the rule base."""
         draft = VariableDraft(word, is_output)
         if not is_output:
             draft.outside = self.dialect.outside
@@ -79,9 +79,9 @@ class SystemReader:
         return [draft for draft in self.variables.values() if not draft.is_output]
 
     def term(self, draft: VariableDraft, word: TextPiece, shape: Shape | None) -> None:
-        """Add a term; of two with one name the first or the last counts, as the dialect says.
+        """Add a term; the dialect decides which of two with the same name applies.
 
-        Without a shape, which has its finding, the rules know the name all the same.
+        A term without a shape, which has its finding, is still a known name in the rules.
         """
         if shape is None:
             draft.refused.add(word.text)
@@ -101,32 +101,32 @@ class SystemReader:
             draft.put(draft.terms.index(earlier), term)
 
     def default(self, draft: VariableDraft, word: TextPiece) -> None:
-        """Take the value of an output where no rule fires; one that is held stays held."""
+        """Set the value of an output where no rule fires; a held value stays."""
         value = number(word.text)
         if value is None:
             self.findings.error("not-a-number", f"'{word.text[:40]}' is not a number", word)
         elif draft.no_rule != "hold":
             draft.no_rule = value
 
-    def tnorm(self, word: TextPiece, what: str = "the T-norm") -> str | None:
-        """Return the T-norm that a word names; None where it names none or is not known."""
-        return self._norm(TNORMS, word, what)
+    def tnorm(self, word: TextPiece, role: str = "the T-norm") -> str | None:
+        """Return the T-norm of a word; None for an unknown word or one that means none."""
+        return self._norm(TNORMS, word, role)
 
-    def snorm(self, word: TextPiece, what: str = "the S-norm") -> str | None:
-        """Return the S-norm that a word names; None where it names none or is not known."""
-        return self._norm(SNORMS, word, what)
+    def snorm(self, word: TextPiece, role: str = "the S-norm") -> str | None:
+        """Return the S-norm of a word; None for an unknown word or one that means none."""
+        return self._norm(SNORMS, word, role)
 
-    def _norm(self, kinds: Mapping[str, Norm], word: TextPiece, what: str) -> str | None:
+    def _norm(self, kinds: Mapping[str, Norm], word: TextPiece, role: str) -> str | None:
         text = word.text.strip()
         table = words(kinds, *(self.dialect.norms or (self.dialect.kinds,)))
         if text not in table:
             text = self.dialect.folded(text)
-        return None if text in self.dialect.no_norm else self.findings.norm(what, word, table, text)
+        return None if text in self.dialect.no_norm else self.findings.norm(role, word, table, text)
 
-    # --- The variables as a whole ---
+    # --- Variables as a whole ---
 
     def settle(self) -> None:
-        """Settle ranges, defuzzifiers and what stands for no rule, once all words are there."""
+        """Settle ranges, defuzzifiers and values without rules, after the last word."""
         for draft in self.variables.values():
             self.settle_variable(draft)
 
@@ -142,7 +142,7 @@ class SystemReader:
             formulas_of_input(draft, self.findings)
 
     def _estimate(self, draft: VariableDraft, *, integrated: bool) -> None:
-        """Take the range from the terms where the file has none."""
+        """Estimate a missing range from the terms."""
         estimate = estimated_range([term.shape for term in draft.terms])
         if estimate is not None and all(map(math.isfinite, estimate)):
             draft.low, draft.high = estimate
@@ -161,10 +161,10 @@ class SystemReader:
     # --- The defuzzifier of an output ---
 
     def finish_output(self, draft: VariableDraft, name: str) -> None:
-        """Set the defuzzifier that a word names, and the value without rules."""
+        """Set the defuzzifier of a word, and the value without rules."""
         dialect = self.dialect
         at = draft.method or draft.word
-        # Whether it is integrated or weighed: MATLAB gives the middle for both.
+        # Integrated or weighted? MATLAB takes the middle for both.
         if dialect.silent == "middle" and _is_nan(draft.no_rule) and draft.bounded:
             draft.no_rule = 0.5 * (draft.low + draft.high)
         if name in dialect.weighted:
@@ -182,7 +182,7 @@ class SystemReader:
             self.findings.unknown("unknown-defuzzifier", "the method", at, methods)
 
     def method_name(self, draft: VariableDraft) -> str:
-        """Return the word for the method of an output, for that of another program one it has."""
+        """Return the word for the method of an output, translated if it is another program's."""
         dialect = self.dialect
         if draft.method is None:
             return dialect.method
@@ -195,12 +195,12 @@ class SystemReader:
         return other
 
     def note_method(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
-        """Say in what a method of the program differs from that of the model."""
+        """Report where a method of the program differs from the model's."""
         if self.dialect.has_ties and draft.defuzzifier.record.of == "top":
             self.note_ties(draft, at)
 
     def note_ties(self, draft: VariableDraft, at: TextPiece) -> None:
-        """Say that the last bit of a product may decide among samples that are all the highest."""
+        """Report that rounding decides between equally high samples of a product."""
         message = (
             f"'{draft.name}' takes a maximum: of samples that are equally high the last bit "
             "decides, so that single points may fall on another one"
@@ -228,7 +228,7 @@ class SystemReader:
         draft.defuzzifier = Defuzzifier(method)
 
     def _refuse_sets(self, draft: VariableDraft, name: str, at: TextPiece) -> None:
-        """Report sets where a method needs values; fuzzylite goes on with them."""
+        """Report sets where a method needs values; fuzzylite continues with them."""
         if self.dialect.activates:
             message = (
                 f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "
@@ -244,7 +244,7 @@ class SystemReader:
         resolution, sampling = self.dialect.samples
         sampling = self.dialect.samplings.get(name, sampling)
         draft.defuzzifier = Defuzzifier(self.dialect.integral[name])
-        # 0 samples stand for the exact integral.
+        # 0 samples: the exact integral.
         if resolution:
             resolution = draft.resolution or resolution
             draft.defuzzifier = Defuzzifier(draft.defuzzifier.method, resolution, sampling)
@@ -265,43 +265,43 @@ class SystemReader:
                 self.findings.loss("value-as-set", message, at, self.dialect.values_hint)
 
     def _take_maximum_of_nothing(self, draft: VariableDraft, at: TextPiece) -> None:
-        """Set what the C++ program of fuzzylite takes for an output that no rule concludes.
+        """Set fuzzylite's (C++) value of an output that no rule concludes.
 
-        A maximum is then that of nothing, which is a number, so that neither a default nor the
-        value before ever counts.
+        It is the maximum of nothing, a number, so that neither a default nor the previous value
+        ever applies.
         """
         if draft.defuzzifier.record.of != "top" or not draft.bounded:
             return
         value = maximum_of_nothing(draft)
         if draft.no_rule == "hold" or not _is_nan(draft.no_rule):
-            what = "holds" if draft.no_rule == "hold" else "has a default"
+            rule = "holds" if draft.no_rule == "hold" else "has a default"
             message = (
-                f"'{draft.name}' {what}, but the maximum of an empty set is {value:g} in fuzzylite "
+                f"'{draft.name}' {rule}, but the maximum of an empty set is {value:g} in fuzzylite "
                 "7, which is used here; version 6 follows the file"
             )
             self.findings.loss("maximum-of-nothing", message, at, slight=True)
         draft.no_rule = value
 
     def implication(self) -> str | None:
-        """Return the implication of all blocks that are on, if it is the same."""
+        """Return the implication of all enabled blocks, if they agree."""
         implications = {block.implication for block in self.blocks if block.enabled}
         return implications.pop() if len(implications) == 1 else None
 
-    # --- Rules, and the whole ---
+    # --- Rules, and the rule base ---
 
     def is_on(self, block: BlockDraft) -> bool:
-        """Whether a block is not switched off; say so where it is."""
+        """Whether a block is enabled; report it if not."""
         if not block.enabled:
             message = f"the block '{block.name}' is switched off; its rules are left out"
             self.findings.warn("disabled-block", message, block.span)
         return block.enabled
 
     def in_model(self, blocks: Iterable[BlockDraft]) -> tuple[RuleBlock, ...]:
-        """Return blocks with the meaning that the program gives to their rules."""
+        """Return the blocks of the model, with the rules' meaning in the program."""
         return blocks_in_model(list(blocks), self.variables, self.dialect, self.findings)
 
     def rulebase(self, name: str, blocks: tuple[RuleBlock, ...], description: str = "") -> RuleBase:
-        """Return the rule base of all variables, and of finished blocks."""
+        """Return the rule base of all variables and the finished blocks."""
         inputs = tuple(draft.input() for draft in self.inputs)
         outputs = tuple(draft.output() for draft in self.outputs)
         made = RuleBase(name, inputs, outputs, blocks, description)

@@ -1,7 +1,7 @@
-"""From a rule base to the lines of a file, by the dialect of the program it is written for.
+"""From a rule base to the lines of a file, in the dialect of a program.
 
-:class:`SystemWriter` goes through the rule base once and asks the writer of a format how each
-piece is said. What the program lacks is refused here, by name.
+:class:`SystemWriter` walks the rule base once and calls the writer of a format for each piece. It
+refuses features that the program lacks, by name.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ HEADER = "Written by fuzzyarm"
 
 
 class SystemWriter:
-    """Writes one rule base for one program.
+    """Writes a rule base for a program.
 
-    It goes once through names, variables and blocks, and asks the format for the lines of each.
-    A format asks it for words, and it refuses by name what its dialect lacks.
+    Walks once through names, variables and blocks; the methods of the format return the lines of
+    each. The format gets its words here, with a refusal by name of all that its dialect lacks.
 
     Attributes
     ----------
     file : str
-        What messages call the file.
+        The file in messages.
     descriptions : bool
-        Whether the file has descriptions.
+        Whether the format has descriptions.
     """
 
     file = "the file"
@@ -58,7 +58,7 @@ class SystemWriter:
         self.names = WrittenNames()
 
     def lines(self) -> list[str]:
-        """Return the lines of the file, and report what they leave out."""
+        """Return the lines of the file; report omissions."""
         rulebase = self.rulebase
         self.settle_names()
         lines = self.head()
@@ -71,17 +71,17 @@ class SystemWriter:
             lines += self.block(block, index)
         return [*lines, *self.foot()]
 
-    # --- What a format says, piece by piece ---
+    # --- Pieces, by format ---
 
     def settle_names(self) -> None:
-        """Settle what variables and terms are called in the file."""
+        """Choose the names of variables and terms in the file."""
 
     def head(self) -> list[str]:
         """Return the lines before the variables."""
         raise NotImplementedError
 
     def variable(self, variable: Input | Output, index: int) -> list[str]:
-        """Return the lines of the input or output with a number, from 1 on."""
+        """Return the lines of an input or output, numbered from 1."""
         raise NotImplementedError
 
     def between(self) -> list[str]:
@@ -89,7 +89,7 @@ class SystemWriter:
         return []
 
     def block(self, block: RuleBlock, index: int) -> list[str]:
-        """Return the lines of the block of rules with a number."""
+        """Return the lines of a rule block, numbered from 1."""
         raise NotImplementedError
 
     def foot(self) -> list[str]:
@@ -99,7 +99,7 @@ class SystemWriter:
     # --- The frame ---
 
     def export(self) -> Exported:
-        """Return the text, unless something is in the way, and what was found."""
+        """Return the text, if nothing prevents it, and the findings."""
         rulebase, dialect, findings = self.rulebase, self.dialect, self.findings
         if refuse_type_2(rulebase, findings, self.program):
             return Exported(None, findings.all())
@@ -134,9 +134,9 @@ class SystemWriter:
     # --- Where no rule fires ---
 
     def no_rule(self, output: Output) -> float | str | None:
-        """Return what the file says of an output that no rule concludes: a number or ``hold``.
+        """Return the file's statement for an output without a fired rule: a number or ``hold``.
 
-        None if that is the default of the program; what the file cannot express is reported.
+        None for the program's default; values that the file cannot express are reported.
         """
         value = output.no_rule
         if self.dialect.silent == "nothing" and self._takes_maximum_of_nothing(output):
@@ -150,14 +150,14 @@ class SystemWriter:
         if same_number(value, usual):
             return None
         if value == "hold" or not self.dialect.defaults:
-            what = "holds its value" if value == "hold" else f"is {value}"
-            message = f"'{output.name}' {what} where no rule fires, to {self.program} {usual}"
+            state = "holds its value" if value == "hold" else f"is {value}"
+            message = f"'{output.name}' {state} where no rule fires, to {self.program} {usual}"
             self.findings.loss("no-rule", message)
             return None
         return value
 
     def _usual(self, output: Output) -> float:
-        """Return what the program takes where no rule fires and the file says nothing."""
+        """Return the program's default for an output without a fired rule."""
         match self.dialect.silent:
             case "middle":
                 return 0.5 * (output.low + output.high)
@@ -166,7 +166,7 @@ class SystemWriter:
         return math.nan
 
     def _takes_maximum_of_nothing(self, output: Output) -> bool:
-        """Whether the C++ program of fuzzylite has its own value where no rule concludes this."""
+        """Whether fuzzylite (C++) has its own value for this output without a fired rule."""
         if output.defuzzifier.record.of != "top":
             return False
         self._warn_of_error(output)
@@ -179,7 +179,7 @@ class SystemWriter:
         return True
 
     def one_line(self, text: str, forbidden: str) -> str:
-        """Return `text` on one line and without `forbidden` characters; report a change."""
+        """Return `text` on one line without `forbidden` characters; report a change."""
         cleaned = "".join(" " if c in forbidden or not c.isprintable() else c for c in text)
         cleaned = cleaned.strip()
         if cleaned != text:
@@ -187,14 +187,14 @@ class SystemWriter:
             self.findings.info("changed-text", message)
         return cleaned
 
-    # --- Norms, hedges and shapes, or a refusal by name ---
+    # --- Words of norms, hedges and shapes, or a refusal by name ---
 
     def tnorm(self, name: str, other: str = "") -> str:
-        """Return the word for a T-norm; `other` is a key that is tried before min is taken."""
+        """Return the word for a T-norm; `other` is a key to try before min."""
         return self._norm(TNORMS, name, "min", other)
 
     def snorm(self, name: str, other: str = "") -> str:
-        """Return the word for an S-norm; `other` is a key that is tried before max is taken."""
+        """Return the word for an S-norm; `other` is a key to try before max."""
         return self._norm(SNORMS, name, "max", other)
 
     def _norm(self, kinds: Mapping[str, Norm], name: str, usual: str, other: str) -> str:
@@ -207,27 +207,27 @@ class SystemWriter:
         return word or word_of(kinds, usual, self.dialect.kinds) or usual
 
     def nothing_like(self, variable: Input | Output, term: Term, *, lossy: bool = False) -> None:
-        """Report a shape that the program does not have."""
+        """Report a shape that the program lacks."""
         kind = term.shape.kind
         message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({kind})"
         report = self.findings.loss if lossy else self.findings.error
         report("unsupported-shape", message, term.span)
 
     def bad_formula(self, shape: Shape, fault: FormulaError) -> None:
-        """Report a formula of the model that cannot be read."""
+        """Report an unreadable formula of the model."""
         self.findings.error("bad-formula", f"in '{shape.formula[:60]}': {fault}")
 
     def without_height(self, variable: Input | Output, term: Term) -> Shape:
-        """Return the shape of a term without a height; report that it has one."""
+        """Return the shape of a term with height 1; report its height."""
         if term.shape.height == 1.0:
             return term.shape
-        what = f"the height of '{term.name}' of '{variable.name}'"
-        message = f"{self.file} cannot hold {what}"
+        height = f"the height of '{term.name}' of '{variable.name}'"
+        message = f"{self.file} cannot hold {height}"
         self.findings.loss("unsupported-height", message, term.span)
         return replace(term.shape, height=1.0)
 
     def fuzzylite_term(self, variable: Input | Output, term: Term) -> str:
-        """Return class and numbers of a term as fuzzylite has them in FLL and FCL."""
+        """Return the class and numbers of a term for FLL and FCL of fuzzylite."""
         shape = term.shape
         if shape.kind in VALUES:
             shape = self.without_height(variable, term)
@@ -244,7 +244,7 @@ class SystemWriter:
     # --- Defuzzifiers ---
 
     def defuzzifier(self, output: Output) -> str:
-        """Return the word for the defuzzifier of an output; report what it means otherwise."""
+        """Return the word for the defuzzifier of an output; report a difference in meaning."""
         record = output.defuzzifier.record
         if record.inverts:
             self._need_inverses(output)
@@ -256,7 +256,7 @@ class SystemWriter:
         return self.method(output)
 
     def _need_inverses(self, output: Output) -> None:
-        """Report what keeps fuzzylite from Tsukamoto's method, which it chooses by the terms."""
+        """Report terms without inverse: fuzzylite chooses Tsukamoto's method by the terms."""
         if not self.dialect.says_inference and not all_invertible(
             {term.shape.kind for term in output.terms}
         ):
@@ -267,7 +267,7 @@ class SystemWriter:
             self.findings.loss("unsupported-defuzzifier", message)
 
     def note_sampling(self, output: Output) -> None:
-        """Report an output whose samples are not those of the program."""
+        """Report an output with samples other than the program's."""
         defuzzifier, (count, sampling) = output.defuzzifier, self.dialect.samples
         resolution = defuzzifier.resolution
         if count == 0:  # an exact integral
@@ -283,11 +283,11 @@ class SystemWriter:
             self.findings.loss("sampling", message, slight=True)
 
     def method(self, output: Output) -> str:
-        """Return the word for a defuzzifier, or for that which it is like, or refuse it by name."""
+        """Return the word for a defuzzifier or its closest relative, or refuse it by name."""
         return word_of_method(output, self.dialect.methods, self.program, self.findings)
 
     def need_values(self, output: Output, *, refused: bool = False) -> None:
-        """Report sets where a weighted defuzzifier needs values; some programs refuse them."""
+        """Report sets under a weighted defuzzifier; some programs refuse them."""
         if not {term.shape.kind for term in output.terms} <= VALUES:
             method = output.defuzzifier.method
             message = f"'{output.name}' has sets where {self.program} needs values ({method})"
@@ -295,7 +295,7 @@ class SystemWriter:
             report("set-as-value", message)
 
     def need_sets(self, output: Output) -> None:
-        """Report values where an integral needs sets."""
+        """Report values under an integrating defuzzifier."""
         if {term.shape.kind for term in output.terms} & VALUES:
             to_fuzzylite = "which fuzzylite takes for sets"
             why = to_fuzzylite if self.dialect.activates else "which cannot be integrated"
@@ -303,7 +303,7 @@ class SystemWriter:
             self.findings.loss("value-as-set", message)
 
     def _warn_of_error(self, output: Output) -> None:
-        """Report an output that is an error where no rule fires."""
+        """Report an output with an error where no rule fires."""
         if output.no_rule == "error":
             instead = self.dialect.instead_of_error or "the file cannot say so"
             message = f"'{output.name}' is an error where no rule fires; {instead}"
@@ -311,9 +311,9 @@ class SystemWriter:
 
 
 def word_of_method(output: Output, key: str, program: str, findings: Findings) -> str:
-    """Return the word for a defuzzifier, or that for what it is like, with a loss.
+    """Return the word for a defuzzifier, or, as a loss, that of its closest relative.
 
-    Refused by name where a program has neither.
+    A program with neither refuses it by name.
     """
     record = output.defuzzifier.record
     names = (record.name, *_same_over(output))
@@ -330,7 +330,7 @@ def word_of_method(output: Output, key: str, program: str, findings: Findings) -
 
 
 def _same_over(output: Output) -> Iterator[str]:
-    """Yield the defuzzifiers that take the same position in a range on one side of 0."""
+    """Yield the defuzzifiers with the same result in a range on one side of 0."""
     record, values = output.defuzzifier.record, {term.shape.kind for term in output.terms} & VALUES
     if record.of != "top" or output.low < 0.0 < output.high or values:
         return
@@ -354,9 +354,9 @@ def best(attempts: list[Exported]) -> Exported:
 
 
 def likeliest(attempts: list[Exported]) -> Exported:
-    """Return the first attempt, or the best one if that loses less of the numbers inside ranges.
+    """Return the first attempt, or the best one if it changes fewer numbers inside ranges.
 
-    The first is for the program whose format it is, as a reader takes it where nothing tells.
+    The first program is the one that a reader assumes for a file without other evidence.
     """
     edges = ("threshold", "outside-range", "no-rule")
     first, other = attempts[0], best(attempts)
@@ -364,24 +364,24 @@ def likeliest(attempts: list[Exported]) -> Exported:
 
 
 def _lost(attempt: Exported, slight: tuple[str, ...]) -> tuple[int, int]:
-    """Return the numbers of errors, and of warnings except for some."""
-    # fuzzylite's threshold moves less than the coarser samples of another program.
+    """Return the number of errors, and of warnings other than the slight ones."""
+    # fuzzylite's threshold changes less than the coarser samples of another program.
     warned = [d for d in attempt.diagnostics if d.severity is Severity.WARNING]
     return len(attempt.errors), sum(d.name not in slight for d in warned)
 
 
-# --- What must be left out ---
+# --- Omissions ---
 
 
 def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
-    """Refuse a rule base of interval type 2, by name: without its lower terms it is another."""
+    """Refuse interval type 2, by name: without the lower terms it is a different system."""
     if not rulebase.is_type2:
         return False
     variables = (*rulebase.inputs, *rulebase.outputs)
-    what = [f"'{v.name} is {t.name}'" for v in variables for t in v.terms if t.lower is not None]
+    used = [f"'{v.name} is {t.name}'" for v in variables for t in v.terms if t.lower is not None]
     ways = [o for o in rulebase.outputs if o.defuzzifier.record.type2]
-    what += [f"{way.defuzzifier.method} of '{way.name}'" for way in ways]
-    message = f"{what[0]} is of interval type 2, which is not written for {program}"
+    used += [f"{way.defuzzifier.method} of '{way.name}'" for way in ways]
+    message = f"{used[0]} is of interval type 2, which is not written for {program}"
     findings.error("unsupported-type", message)
     return True
 
@@ -389,7 +389,7 @@ def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
 def note_left_out(
     rulebase: RuleBase, findings: Findings, *, descriptions: bool, outside: str = "extend"
 ) -> None:
-    """Report the parts that none of the formats has; `outside` is the program's manner."""
+    """Report the parts that no format has; `outside` is the program's treatment of them."""
     if rulebase.lookup is not None:
         findings.info("dropped-lookup", "the lookup settings are left out")
     if rulebase.expectations:
@@ -411,10 +411,10 @@ def note_left_out(
 def note_chaining(
     rulebase: RuleBase, findings: Findings, program: str, *, only_across_blocks: bool
 ) -> None:
-    """Report outputs in antecedents; with `only_across_blocks` only those of another block.
+    """Report outputs in antecedents; with `only_across_blocks` those of another block alone.
 
-    fuzzylite takes their activation so far; that is the same only where all rules that
-    conclude the output stand in the block, before those that use it.
+    fuzzylite takes their current activation; that is the same only if all rules that conclude the
+    output are in the block, before those that use it.
     """
     outputs = {output.name for output in rulebase.outputs}
     last: dict[str, tuple[int, int]] = {}
@@ -433,7 +433,7 @@ def note_chaining(
 
 
 def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: float) -> None:
-    """Report blocks whose threshold is not the one that the program has."""
+    """Report blocks with a threshold other than the program's."""
     for block in rulebase.blocks:
         if block.threshold == usual:
             continue
@@ -444,7 +444,7 @@ def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: 
 
 
 def _with_usual_thresholds(rulebase: RuleBase, dialect: Dialect) -> RuleBase:
-    """Give blocks the threshold of a program where hedges of conclusions make theirs of it."""
+    """Set the program's threshold in blocks where hedged conclusions yield it."""
     if not dialect.activates:
         return rulebase
     blocks = tuple(

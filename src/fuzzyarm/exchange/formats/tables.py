@@ -1,7 +1,7 @@
-"""Rules that fill a table, put into its order: the language then writes them as a grid.
+"""Reorder the rules of a table so that the language writes them as a grid.
 
-Other programs have a line for each rule, often with several outputs, and their conditions in
-any order. :func:`in_tables` changes nothing of what the rules mean.
+Other programs write one line for each rule, often with several outputs, and conditions in any
+order. :func:`in_tables` keeps the meaning.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from math import prod
 from fuzzyarm.language.model.rulebase import And, Is, Rule, RuleBase, RuleBlock, propositions
 
 _FEWEST = 4
-"""Rules that make a table worth its lines."""
+"""Fewest rules worth a grid."""
 
 _ANY_ORDER = frozenset({"min", "product"})
-"""Conjunctions of three and more degrees whose order only matters for rounding."""
+"""Conjunctions of three and more degrees that commute but for rounding."""
 
 _Order = dict[tuple[str, str], int]  # (variable, term) → index of the term
 _Key = tuple[frozenset[str], tuple[str, ...]]  # inputs and outputs of a rule
 
 
 def in_tables(rulebase: RuleBase) -> RuleBase:
-    """Return the rule base with the rules of each table one after another, row by row.
+    """Return the rule base with the rules of each table in a row, row by row.
 
-    Rules with several conclusions become a table for each output. Conditions stand in the
-    order row, column, what a table of more than two inputs is for (``when …``).
+    Rules with several conclusions become a table for each output. Conditions are ordered as row,
+    column, then the fixed ones of a table of more than two inputs (``when …``).
     """
     outputs = {output.name for output in rulebase.outputs}
     order = {
@@ -42,9 +42,9 @@ def in_tables(rulebase: RuleBase) -> RuleBase:
 def _ordered(block: RuleBlock, order: _Order, outputs: set[str]) -> RuleBlock:
     names = {part.variable for rule in block.rules for part in propositions(rule.antecedent)}
     if names & outputs:
-        return block  # which rules come first may matter
+        return block  # the order of its rules may matter
     tables: dict[_Key, dict[frozenset[tuple[str, str]], Rule]] = {}
-    pieces: list[_Key | Rule] = []  # in the order of the text, a table where its first rule stood
+    pieces: list[_Key | Rule] = []  # in text order, a table at its first rule
     for rule in block.rules:
         key = _key(rule, block)
         table = tables.setdefault(key, {}) if key is not None else {}
@@ -65,7 +65,7 @@ def _ordered(block: RuleBlock, order: _Order, outputs: set[str]) -> RuleBlock:
 
 
 def _key(rule: Rule, block: RuleBlock) -> _Key | None:
-    """Return the table that a rule may belong to: a plain *and* of two and more inputs."""
+    """Return the key of a rule's table: a plain *and* of two and more inputs, else None."""
     antecedent = rule.antecedent
     if not isinstance(antecedent, And) or not rule.consequents:
         return None
@@ -80,7 +80,7 @@ def _key(rule: Rule, block: RuleBlock) -> _Key | None:
 
 
 def _table(rules: list[Rule], order: _Order) -> list[Rule]:
-    """Return rules over the same inputs in the order of tables; what fills none comes last."""
+    """Return rules over the same inputs in the order of their grids, the rest last."""
     terms = {(p.variable, p.term) for rule in rules for p in propositions(rule.antecedent)}
     counts = Counter(variable for variable, _ in terms)
     inputs = [part.variable for part in propositions(rules[0].antecedent)]
@@ -93,8 +93,8 @@ def _table(rules: list[Rule], order: _Order) -> list[Rule]:
         cells = [cell(rule, way) for rule in rules]
         return prod(counts[name] for name in way[:-2]), cells != sorted(cells)
 
-    # From the slowest to the fastest: as the language has it, as the text may have it, and with
-    # the longest rows and columns. Of those with the fewest grids one that is in order already.
+    # Orders from the slowest index to the fastest: the language's, the text's, its reverse, and the
+    # longest rows and columns. The fewest grids win, then an order that needs no sorting.
     longest = sorted(inputs, key=lambda name: counts[name])
     way = min([[*inputs[2:], *inputs[:2]], inputs, inputs[::-1], longest], key=cost)
     arranged = sorted(rules, key=lambda rule: cell(rule, way))

@@ -1,9 +1,9 @@
-"""Several rule bases, chained to one: what MATLAB calls a tree of fuzzy systems (`fistree`).
+"""Chained rule bases as one: MATLAB's trees of fuzzy systems (`fistree`).
 
-A connection leads from an output of one rule base to an input of another, or joins two inputs that
-have the same value. In the rule base that comes of it, a connected output has the terms of the
-inputs it leads to beside its own, so that later blocks read its value; each rule base keeps its
-norms in its own blocks, in the order in which they can be computed.
+A connection leads from an output of one rule base to an input of another, or joins two inputs of
+the same value. In the joint rule base a connected output also has the terms of the inputs that it
+feeds, so that later blocks can read it; each rule base keeps its norms in its own blocks, in an
+order of evaluation.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _Part = TypeVar("_Part", Is, Consequent)
 
 
 class Connection(NamedTuple):
-    """From a variable of one rule base to an input of another, each as (rule base, variable)."""
+    """A connection to an input of a rule base; both ends are (rule base, variable)."""
 
     source: tuple[str, str]
     target: tuple[str, str]
@@ -50,7 +50,7 @@ class Connection(NamedTuple):
 
 
 def read_connection(text: str) -> Connection | None:
-    """Return the connection in ``a/out -> b/in``; None where the text is not one."""
+    """Return the connection ``a/out -> b/in``; None for any other text."""
     source, arrow, target = text.partition("->")
     ends = [tuple(part.strip() for part in end.partition("/")[::2]) for end in (source, target)]
     if not arrow or not all(name for end in ends for name in end):
@@ -67,16 +67,16 @@ def tree(
     lossy: bool = False,
     strict: bool = False,
 ) -> Imported:
-    r"""Return one rule base of several, connected as a ``fistree`` of MATLAB is.
+    r"""Join rule bases, connected like a ``fistree`` of MATLAB.
 
     Parameters
     ----------
     rulebases : mapping of str to RuleBase
-        By the names that connections use.
+        Rule bases under the names in the connections.
     connections : iterable of Connection or str
-        As ``"a/out -> b/in"``: an output or an input of one, and an input of another.
+        As ``"a/out -> b/in"``: an output or input of one rule base, an input of another.
     name : str
-        Of the rule base that comes of it.
+        Name of the joint rule base.
     lossy, strict : bool
         As for :func:`fuzzyarm.exchange.formats.parse`.
 
@@ -111,7 +111,7 @@ def _place(end: tuple[str, str]) -> str:
     return "/".join(end)
 
 
-# --- What the connections say, and whether it can be ---
+# --- Connections: reading and checks ---
 
 
 def _read(connections: Iterable[Connection | str], findings: Findings) -> Iterator[Connection]:
@@ -125,7 +125,7 @@ def _read(connections: Iterable[Connection | str], findings: Findings) -> Iterat
 
 
 def _is_known(connection: Connection, parts: Mapping[str, RuleBase], findings: Findings) -> bool:
-    """Whether both ends are there, the second one an input; say so where they are not."""
+    """Whether both ends exist and the second one is an input; report it if not."""
     for end in connection:
         part = parts.get(end[0])
         if part is None:
@@ -139,8 +139,8 @@ def _is_known(connection: Connection, parts: Mapping[str, RuleBase], findings: F
             return False
         choices = inputs if end is connection.target else names
         if end[1] not in choices:
-            what = "input" if end is connection.target else "variable"
-            message = f"the rule base '{end[0]}' has no {what}"
+            role = "input" if end is connection.target else "variable"
+            message = f"the rule base '{end[0]}' has no {role}"
             findings.unknown("undefined-variable", message, TextPiece(end[1]), choices, ending="")
             return False
     return True
@@ -149,7 +149,7 @@ def _is_known(connection: Connection, parts: Mapping[str, RuleBase], findings: F
 def _order(
     parts: Mapping[str, RuleBase], connections: Sequence[Connection], findings: Findings
 ) -> list[str]:
-    """Return the rule bases, each after those that it reads; report what makes that impossible."""
+    """Return the rule bases in order of evaluation; report cycles and clashes."""
     waits: dict[str, set[str]] = {key: set() for key in parts}
     sources: dict[tuple[str, str], tuple[str, str]] = {}
     for source, target in connections:
@@ -157,7 +157,7 @@ def _order(
             message = f"two connections lead to '{_place(target)}'"
             findings.error("duplicate-connection", message)
         sources[target] = source
-        # Two inputs that are joined do not wait for each other: both read the same value.
+        # Joined inputs do not depend on each other: both read the same value.
         if any(source[1] == output.name for output in parts[source[0]].outputs):
             waits[target[0]].add(source[0])
     try:
@@ -176,7 +176,7 @@ def _order(
                 findings.error("circle", message)
                 return []
             visited.add(end)
-    # Those that wait for nothing stand in the order in which they were given.
+    # Independent rule bases keep the given order.
     places = {key: place for place, key in enumerate(parts)}
     depth: dict[str, int] = {}
     for key in order:
@@ -193,23 +193,23 @@ def _note_apart(
             findings.warn("not-connected", f"no connection leads to '{key}' or from it")
 
 
-# --- From rule bases to one ---
+# --- The joint rule base ---
 
 
 @dataclass(slots=True)
 class _Shared:
-    """A variable of the whole: an input or an output of one rule base, and the inputs it feeds."""
+    """A variable of the joint rule base: an input or output of a part, and the inputs it feeds."""
 
     variable: Input | Output
-    key: str  # of its rule base
+    key: str  # the part it comes from
     name: str = ""
     terms: list[Term] = field(default_factory=list)
     renamed: dict[tuple[str, str, str], str] = field(default_factory=dict)
-    """(rule base, variable, term) → what the term is called here."""
+    """(rule base, variable, term) → its name in the joint rule base."""
 
 
 class _Joint:
-    """Joins rule bases whose connections are known to be sound."""
+    """Joins rule bases along checked connections."""
 
     def __init__(
         self,
@@ -223,7 +223,7 @@ class _Joint:
         self.shared: dict[tuple[str, str], _Shared] = {}
 
     def rulebase(self, name: str, order: Sequence[str]) -> RuleBase:
-        """Return the rule base of parts in an order in which they can be computed."""
+        """Return the joint rule base of parts in order of evaluation."""
         for key in order:
             for variable in _variables(self.parts[key]):
                 if (key, variable.name) not in self.sources:
@@ -244,14 +244,14 @@ class _Joint:
         )
 
     def root(self, key: str, variable: str) -> _Shared:
-        """Return the variable of the whole that a variable of a rule base is."""
+        """Return the joint variable of a part's variable."""
         end = (key, variable)
         while end in self.sources:
             end = self.sources[end]
         return self.shared[end]
 
     def _settle_names(self) -> None:
-        """Keep names that stand once; put that of the rule base before the others."""
+        """Keep unique names; prefix the others with their rule base."""
         names = [shared.variable.name for shared in self.shared.values()]
         used_names: set[str] = set()
         for shared in self.shared.values():
@@ -264,7 +264,7 @@ class _Joint:
                 self.findings.info("renamed", message)
 
     def _take_terms(self, key: str, variable: Input | Output) -> None:
-        """Give the terms of a variable to that which it is in the whole."""
+        """Add the terms of a variable to its joint variable."""
         shared = self.root(key, variable.name)
         by_name = {term.name: term for term in shared.terms}
         for term in variable.terms:
@@ -281,7 +281,7 @@ class _Joint:
             self._note_range(key, variable, shared)
 
     def _note_range(self, key: str, variable: Input | Output, shared: _Shared) -> None:
-        """Report where a value goes beyond the range of the input that it is led to."""
+        """Report values beyond the range of the input that they feed."""
         source = shared.variable
         low, high = variable.low, variable.high
         if isinstance(source, Input):
@@ -329,7 +329,7 @@ class _Joint:
 
     def _output(self, shared: _Shared) -> Output:
         assert isinstance(shared.variable, Output)
-        # Only its own terms may be values over inputs; those it took over are sets.
+        # Only its own terms may be functions of inputs; the added ones are sets.
         term_names = {name for (key, _, _), name in shared.renamed.items() if key == shared.key}
         terms = [
             replace(term, shape=self._shape(shared.key, term.shape))
@@ -342,12 +342,12 @@ class _Joint:
     # --- Values that depend on inputs ---
 
     def _shape(self, key: str, shape: Shape) -> Shape:
-        """Return a consequent over the inputs of the whole."""
+        """Return a consequent as a function of the joint inputs."""
         part = self.parts[key]
         roots = {variable.name: self.root(key, variable.name) for variable in part.inputs}
         if shape.kind == "linear":
             *factors, constant = shape.parameters
-            # An input with the factor 0 is not read: it alone does not make a formula of the sum.
+            # A zero factor reads no input, so it alone does not turn the sum into a formula.
             terms = [(f, roots[v.name]) for f, v in zip(factors, part.inputs, strict=True) if f]
             if all(isinstance(root.variable, Input) for _, root in terms):
                 return replace(shape, parameters=(*self._factors(terms), constant))
@@ -366,7 +366,7 @@ class _Joint:
         return replace(shape, formula=text)
 
     def _factors(self, used: Sequence[tuple[float, _Shared]]) -> list[float]:
-        """Return a factor for each input of the whole; of two joined inputs they add up."""
+        """Return the factors of the joint inputs; those of joined inputs add up."""
         return [
             sum((factor for factor, root in used if root is shared), 0.0) for shared in self.inputs
         ]
@@ -400,7 +400,7 @@ class _Joint:
                 return replace(expression, operands=joint)
 
     def _named(self, key: str, part: _Part) -> _Part:
-        """Return a proposition or a conclusion with the names of the whole."""
+        """Return a proposition or conclusion under the joint names."""
         shared = self.root(key, part.variable)
         term = shared.renamed[key, part.variable, part.term]
         return replace(part, variable=shared.name, term=term)
@@ -408,7 +408,7 @@ class _Joint:
     def _note_left_out(self, part: RuleBase) -> None:
         lines = len(part.expectations) + len(part.properties)
         if lines or part.lookup is not None or part.tuning is not None:
-            message = f"what '{part.name}' expects, proves, tunes and looks up is left out"
+            message = f"the expectations, properties and settings of '{part.name}' are left out"
             self.findings.info("dropped-expectations", message)
 
 

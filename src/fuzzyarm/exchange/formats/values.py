@@ -1,7 +1,7 @@
-"""Values that fuzzylite takes for sets: constants and formulas of an output that is integrated.
+"""Constants and formulas of integrated outputs, which fuzzylite takes for sets.
 
-To it every term is a function of x. A constant is a set of that height over the whole range, a
-formula in x the set that it draws.
+To fuzzylite every term is a function of x: a constant is a set of that height over the whole
+range, a formula in x is its own graph.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ __all__ = ["formulas_of_input", "values_as_sets"]
 
 
 def formulas_of_input(draft: VariableDraft, findings: Findings) -> None:
-    """Put the shapes that the formulas of an input draw in their place.
+    """Replace the formulas of an input by the shapes they draw.
 
-    A formula may ask for the input by its name. One that draws none of the shapes stays, of x.
+    A formula may call the input by its name. One without a shape stays a formula in x.
     """
     for index, term in enumerate(draft.terms):
         if term.shape.kind != "formula":
@@ -43,7 +43,7 @@ def formulas_of_input(draft: VariableDraft, findings: Findings) -> None:
 
 
 def _drawn(formula: Formula, draft: VariableDraft) -> Shape | None:
-    """Return the shape that a formula in x is, also beyond the range, or None."""
+    """Return the shape with the graph of a formula in x, also beyond the range, or None."""
     if set(formula.names) != {POSITION} or not draft.bounded:
         return None
 
@@ -62,7 +62,7 @@ def _drawn(formula: Formula, draft: VariableDraft) -> Shape | None:
 def values_as_sets(
     draft: VariableDraft, implication: str | None, at: TextPiece, findings: Findings
 ) -> None:
-    """Put sets instead of an output's values, as fuzzylite has them; report the others."""
+    """Replace an output's values by sets, as fuzzylite does; report the impossible ones."""
     for index, term in enumerate(draft.terms):
         if term.shape.kind not in VALUES:
             continue
@@ -82,7 +82,7 @@ def _constant(
     draft: VariableDraft, term: Term, implication: str | None, findings: Findings
 ) -> Shape | None:
     (value,) = term.shape.parameters
-    # A higher set is cut at the firing strength all the same, but only by min.
+    # min also cuts a set higher than 1 at the firing strength; no other norm does.
     height = value if value <= 1.0 else float(implication == "min")
     if not height > 0.0:
         return None
@@ -97,11 +97,11 @@ def _constant(
 def _formula(
     draft: VariableDraft, term: Term, implication: str | None, findings: Findings
 ) -> Shape | None:
-    """Return the set that a formula in x is: its shape, or its degrees at the samples."""
+    """Return the set of a formula in x: its shape, or its sampled degrees."""
     formula = read_formula(term.shape.formula)
     if set(formula.names) - {POSITION}:
         return None
-    # The maximum of 0 and what is below it is 0, the minimum with a strength cuts above 1.
+    # max with 0 removes the negative part; min with a strength cuts values above 1.
     cut = implication == "min" and draft.aggregation == "max"
 
     def degree(x: float) -> float:
@@ -123,7 +123,7 @@ def _formula(
         shape = None
     if shape is None and count < 2:
         return None
-    what = f"the {shape.kind} that it draws" if shape else f"its degrees at the {count} samples"
-    message = f"the formula of '{term.name}' of '{draft.name}' is taken as {what}"
+    drawn = f"the {shape.kind} that it draws" if shape else f"its degrees at the {count} samples"
+    message = f"the formula of '{term.name}' of '{draft.name}' is taken as {drawn}"
     findings.info("formula-as-set", message, term.span)
     return shape or joined(xs, degrees)

@@ -1,7 +1,7 @@
 """Names that a format allows, and rules as FLL and FCL write them.
 
-:func:`written_sentences` writes the rules of a block, :func:`as_sentences` undoes what
-:mod:`fuzzyarm.exchange.formats.meaning` does with hedges.
+:func:`written_sentences` writes the rules of a block; :func:`as_sentences` is the inverse of
+:mod:`fuzzyarm.exchange.formats.meaning` for hedges.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ FUZZYLITE_WORDS = frozenset(
     | set(formulas.FUZZYLITE.functions)
     | {"gt", "ge", "eq", "neq", "le", "lt", "log1p", "acosh", "asinh", "atanh"}
 )
-"""Names that fuzzylite's rule parser takes for itself."""
+"""Reserved words of fuzzylite's rule parser."""
 
 # --- Names that a format allows ---
 
 
 @dataclass(slots=True)
 class WrittenNames:
-    """What variables, and terms by (variable, term), are called in the written file."""
+    """Names of variables, and of terms by (variable, term), in the written file."""
 
     variables: dict[str, str] = field(default_factory=dict)
     terms: dict[tuple[str, str], str] = field(default_factory=dict)
@@ -64,7 +64,7 @@ class WrittenNames:
 
 def identifier(name: str, reserved: frozenset[str], *, ignore_case: bool) -> str:
     """Return a name as an identifier that is not reserved."""
-    # A fraction or a raised digit is a word character, but no reader takes it for a letter.
+    # \w includes fractions and superscripts, which no reader takes for letters.
     plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
     word = re.sub(r"\W+", "_", plain).strip("_") or "_"
     if name.isidentifier() and re.fullmatch(r"\w+", name):
@@ -83,13 +83,13 @@ def identifiers(
     *,
     ignore_case: bool = False,
 ) -> WrittenNames:
-    """Return names that are identifiers and not reserved; report every change."""
+    """Return names as identifiers that are not reserved; report every change."""
 
-    def fitted(name: str, names: set[str], what: str) -> str:
+    def fitted(name: str, names: set[str], kind: str) -> str:
         word = unique_name(identifier(name, reserved, ignore_case=ignore_case), names)
         names.add(word)
         if word != name:
-            findings.warn("renamed", f"the {what} '{name}' is written as {word}")
+            findings.warn("renamed", f"the {kind} '{name}' is written as {word}")
         return word
 
     names = WrittenNames()
@@ -107,7 +107,7 @@ def identifiers(
 
 @dataclass(frozen=True, slots=True)
 class Sentence:
-    """A rule as fuzzylite says it: each conclusion with the hedges that stand before it."""
+    """A rule in fuzzylite's form: conclusions, each with its hedges."""
 
     antecedent: Expression
     conclusions: tuple[tuple[Consequent, tuple[Hedge, ...]], ...]
@@ -117,7 +117,7 @@ class Sentence:
 
 
 def plain_sentence(rule: Rule) -> Sentence:
-    """Return a rule as it stands, for programs that have no hedges before conclusions."""
+    """Return a rule as it is, for programs without hedges before conclusions."""
     conclusions = tuple((consequent, ()) for consequent in rule.consequents)
     return Sentence(rule.antecedent, conclusions, rule.weight, rule)
 
@@ -128,11 +128,11 @@ def as_sentences(
     findings: Findings,
     order: dict[str, int] | None = None,
 ) -> list[Sentence]:
-    """Return the rules of a block; those that differ in outer hedges alone become one again.
+    """Return the rules of a block; rules that differ in outer hedges alone are merged.
 
-    Hedges of a conclusion carry on to the conclusions after it, so that rules over one
-    antecedent whose hedges grow can be said as one. With `order`, the index of every
-    output, only where the conclusions then stand in that order.
+    Hedges of a conclusion carry on to the next ones, so rules with one antecedent and growing
+    hedges fit into one sentence. With `order`, the index of each output, only if the conclusions
+    then keep that order.
     """
     sentences: list[Sentence] = []
     for rule in block.rules:
@@ -149,9 +149,9 @@ def as_sentences(
 
 
 def _as_sentence(rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings) -> Sentence:
-    """Put the hedges around a whole antecedent before the first conclusion, where that can be.
+    """Move the hedges of a whole antecedent before the first conclusion, if possible.
 
-    A hedge around a parenthesis has no other place; it then makes its own threshold.
+    A hedge has no place around a parenthesis; before the conclusion it makes its own threshold.
     """
     antecedent, weight = rule.antecedent, rule.weight
     hedges = hedges_of_conclusion(rule, block, dialect)
@@ -173,7 +173,7 @@ def _as_sentence(rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findi
 
 
 def _carries_on(last: Sentence, sentence: Sentence, order: dict[str, int] | None) -> bool:
-    """Whether a rule can be said as further conclusions of the last one."""
+    """Whether a rule can be appended to the conclusions of the last one."""
     more = len(sentence.hedges) - len(last.hedges)
     if more <= 0 or sentence.hedges[more:] != last.hedges:
         return False
@@ -193,7 +193,7 @@ def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
         if hedge.name not in POWERS or guess <= 0.0:
             return None
         guess = guess ** (1.0 / (hedge.exponent or POWERS[hedge.name]))
-    # The root is rounded: maybe only its neighbour leads back to the weight.
+    # The root is rounded; its neighbour may be the one that leads back to the weight.
     for candidate in (guess, math.nextafter(guess, math.inf), math.nextafter(guess, 0.0)):
         if hedged_weight(candidate, hedges) == weight:
             return candidate
@@ -203,7 +203,7 @@ def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
 def written_sentences(
     block: RuleBlock, dialect: Dialect, names: WrittenNames, findings: Findings
 ) -> list[str]:
-    """Return the rules of a block as ``if … then …``; report what cannot be said so."""
+    """Return the rules of a block as ``if … then …``; report those without such a form."""
     as_they_stand = map(plain_sentence, block.rules)
     sentences = as_sentences(block, dialect, findings) if dialect.activates else as_they_stand
     writer = _SentenceWriter(block, dialect, names, findings)
@@ -212,10 +212,10 @@ def written_sentences(
 
 @dataclass(frozen=True, slots=True)
 class _SentenceWriter:
-    """Writes the rules of one block.
+    """Writes the rules of a block.
 
-    fuzzylite has hedges after *is* and nowhere else; jFuzzyLogic has *not* alone, before a
-    proposition or a parenthesis, and writes key words in capitals.
+    fuzzylite has hedges after *is* only; jFuzzyLogic has *not* alone, before a proposition or a
+    parenthesis, and keywords in upper case.
     """
 
     block: RuleBlock
@@ -265,7 +265,7 @@ class _SentenceWriter:
             if isinstance(part, Hedged) and self.dialect.activates:
                 operand = self.pushed_in(part)
             text = self.condition(operand, rule)
-            # To fuzzylite `and` binds tighter than `or`, to jFuzzyLogic they bind alike.
+            # fuzzylite: `and` binds tighter than `or`; jFuzzyLogic: equal precedence.
             apart = isinstance(operand, Or) or type(operand) is type(expression)
             if not self.dialect.activates:
                 apart = isinstance(operand, And | Or)
@@ -278,7 +278,7 @@ class _SentenceWriter:
         if not self.dialect.activates:
             return " ".join([*self.negations(proposition.hedges, rule), variable, "IS", term])
         names = [hedge.name for hedge in proposition.hedges]
-        if "any" in names:  # inside of which nothing matters, and no term is named
+        if "any" in names:  # the hedges inside have no effect, and there is no term
             hedges = proposition.hedges[: names.index("any") + 1]
             return " ".join([variable, "is", *self.hedge_words(hedges)])
         return " ".join([variable, "is", *self.hedge_words(proposition.hedges), term])
@@ -300,11 +300,11 @@ class _SentenceWriter:
             if hedge != NOT:
                 message = f"jFuzzyLogic has no hedge '{hedge.name}'"
                 self.findings.loss("unsupported-hedge", message, rule.span)
-        # Two of them cancel.
+        # Two negations cancel.
         return ["NOT"] * (sum(hedge == NOT for hedge in hedges) % 2)
 
     def pushed_in(self, expression: Hedged) -> Expression:
-        """Return the same without hedges on an ``and`` or ``or``, where that can be."""
+        """Return an equivalent without hedges on an ``and`` or ``or``, if there is one."""
         operand = expression.operand
         if isinstance(operand, Is | Hedged):
             return hedged(expression.hedges, operand)

@@ -1,9 +1,9 @@
-"""Systems of other fuzzy libraries, live: rule bases of them, their numbers compared.
+"""Live objects of other fuzzy libraries: import as rule bases, comparison of the numbers.
 
-A module for each library reads its objects by their attributes and asks them for their numbers;
-:mod:`fuzzyarm.exchange.live.objects` knows all of them, :mod:`fuzzyarm.exchange.live.gather` runs
-a script in a its own process. Nothing of a library is imported here, and nothing but the top names
-this package.
+A module for each library reads its objects by their attributes and evaluates them.
+:mod:`fuzzyarm.exchange.live.objects` lists the libraries; :mod:`fuzzyarm.exchange.live.gather` runs
+a script in its own process. No library is imported here, and nothing but the top-level names
+imports this package.
 """
 
 from __future__ import annotations

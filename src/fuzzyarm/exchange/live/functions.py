@@ -1,4 +1,4 @@
-"""Terms that libraries keep as functions: their shapes, inputs made of them, averages of values."""
+"""Terms that libraries keep as functions: shapes, inputs and averaged outputs made of them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from fuzzyarm.language.model.rulebase import Defuzzifier, Input, Output, Shape, 
 __all__ = ["input_of", "output_of_values", "shape_or_points", "terms_of"]
 
 _SAMPLED_AT = 1001
-"""Points over a range at which a function is sampled that is not a shape of the language."""
+"""Samples over a range of a function that is no shape of the language."""
 
 _ENDS = 97
-"""Points at which the terms of an input are compared with an evenly spread family."""
+"""Points for the comparison of an input's terms with an evenly spread family."""
 
 
 def shape_or_points(
@@ -26,13 +26,13 @@ def shape_or_points(
     Parameters
     ----------
     function : callable
-        From a position to a degree.
+        Membership function.
     low, high : float
         A finite range.
     words : str
-        What a message says of it in front of *taken at 1001 points*.
+        Subject of the message *taken at 1001 points*.
     findings : Findings
-        Where that is said.
+        Collector of that message.
     """
     shape = shape_of(function, low, high)
     if shape is not None:
@@ -44,7 +44,7 @@ def shape_or_points(
 
 
 def terms_of(shapes: Mapping[str, Shape]) -> tuple[Term, ...]:
-    """Return terms by their names."""
+    """Return terms from shapes by name."""
     return tuple(Term(name, shape) for name, shape in shapes.items())
 
 
@@ -57,16 +57,16 @@ def input_of(
     *,
     read_beyond: bool = False,
 ) -> Input:
-    """Return an input; it is clamped where that makes no difference to its terms.
+    """Return an input, clamped if that makes no difference to its terms.
 
     Parameters
     ----------
     name, low, high, description
-        Of the input.
+        As for the input.
     shapes : mapping of str to Shape
         Its terms; those of an evenly spread family get its numbers.
     read_beyond : bool, optional
-        Whether conclusions take its value as it is, so that a clamp would make a difference.
+        Whether conclusions read its value, so that a clamp would make a difference.
     """
     outside = "extend"
     if not read_beyond and all(constant_beyond(shape, low, high) for shape in shapes.values()):
@@ -85,7 +85,7 @@ def output_of_values(
     defuzzifier: Defuzzifier | None = None,
     no_rule: float = 0.0,
 ) -> Output:
-    """Return an output that averages values, each rule for itself; its range is theirs."""
+    """Return an output with the weighted average of values, over their range."""
     ends = {variable.name: (variable.low, variable.high) for variable in inputs}
     low, high = range_of_values((term.shape for term in terms), ends) or (0.0, 1.0)
     message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"

@@ -1,9 +1,9 @@
-"""fuzzylogic: a ``Rule`` over the sets of domains to a rule base.
+"""fuzzylogic: from a ``Rule`` over the sets of domains to a rule base.
 
-Its rules are sums of strength × centre over the sum of the strengths, where the centre of a set
-is that of its samples, counted in steps of the target's domain and then scaled by the range over
-the number of samples. The same centres stand here as values. The objects are known by their
-attributes; fuzzylogic itself is not imported.
+A rule is the sum of strength × centre over the sum of the strengths. The centre of a set is that of
+its samples, counted in steps of the target's domain, then scaled by range over number of samples;
+here these centres are values. Objects are recognised by their attributes; fuzzylogic itself is not
+imported.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ __all__ = ["from_fuzzylogic", "fuzzylogic_numbers"]
 
 
 def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
-    """Return what asks a rule for its own numbers."""
+    """Return a function that evaluates a rule in fuzzylogic."""
     domains = _domains(rule)
     target = str(next(iter(rule.conditions.values())).domain._name)
 
@@ -50,7 +50,7 @@ def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, f
 def from_fuzzylogic(
     rule: Any, name: str = "rule", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base that a rule of fuzzylogic is."""
+    """Return the rule base of a rule of fuzzylogic."""
     findings = Findings(lossy=lossy, strict=strict)
     rulebase = _rulebase(rule, name, findings)
     return findings.imported(rulebase, "fuzzylogic")
@@ -109,7 +109,7 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
 
 
 class _NamedSet(NamedTuple):
-    """A set as the rules call it; of one that is another term under hedges `set` is None."""
+    """A set under its name in the rules; `set` is None for another term under hedges."""
 
     term: str
     hedges: tuple[Hedge, ...]
@@ -117,7 +117,7 @@ class _NamedSet(NamedTuple):
 
 
 def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[int, _NamedSet]:
-    """Return by identity the sets of a domain, and those made of them on the way."""
+    """Return the sets of a domain by identity, and those derived from them on the way."""
     names_of_sets = {
         id(fuzzy_set): _NamedSet(str(name), (), fuzzy_set)
         for name, fuzzy_set in domain._sets.items()
@@ -136,9 +136,9 @@ def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[in
 
 
 def _under_hedges(fuzzy_set: Any, terms: list[_NamedSet], domain: Any) -> _NamedSet | None:
-    """Return the own term and the hedges that make a set, as ``~hot`` and ``very(hot)``."""
+    """Return the term and hedges of a derived set, such as ``~hot`` or ``very(hot)``."""
     low, width = float(domain._low), float(domain._high) - float(domain._low)
-    # Also an eighth of the range beyond its ends, where a complement looks different.
+    # The range extended by an eighth on either side, where a complement differs.
     xs = [low + width * (i - 20) / 160 for i in range(201)]
     degrees = [float(fuzzy_set(x)) for x in xs]
     for term in terms:
@@ -151,8 +151,8 @@ def _under_hedges(fuzzy_set: Any, terms: list[_NamedSet], domain: Any) -> _Named
 
 
 def _powers(before: list[float], after: list[float]) -> list[tuple[Hedge, ...]]:
-    """Return the power that leads from one degree to the other, told from the middle ones."""
-    # Near 0 and 1 a power changes little: its exponent would be lost in rounding.
+    """Return the power from one degree to the other, estimated from the middle ones."""
+    # A power changes degrees near 0 and 1 little: rounding would swamp its exponent.
     pairs = [(a, b) for a, b in zip(before, after, strict=True) if 0.1 < a < 0.9 and 0.0 < b < 1.0]
     if not pairs:
         return []
@@ -168,9 +168,9 @@ def _input(label: str, domain: Any, sets: Iterable[_NamedSet], findings: Finding
     shapes = {}
     for name, _, fuzzy_set in sets:
         if fuzzy_set is not None:
-            what = f"'{name}' of '{label}'"
-            with reading(what):
-                words = f"{what} is a user-defined function,"
+            quoted = f"'{name}' of '{label}'"
+            with reading(quoted):
+                words = f"{quoted} is a user-defined function,"
                 shapes[name] = shape_or_points(_degree_of(fuzzy_set), low, high, words, findings)
     return input_of(label, low, high, shapes)
 
@@ -182,7 +182,7 @@ def _degree_of(fuzzy_set: Any) -> Callable[[float], float]:
 def _output(label: str, target: Any, sets: Iterable[_NamedSet]) -> Output:
     low, high = float(target._low), float(target._high)
     step = (high - low) / len(target.range)
-    # `center_of_gravity` is a position in the range of the domain, counted from 0, not a value.
+    # `center_of_gravity` is an offset from the start of the domain, not a value.
     values = {name: low + step * float(fuzzy_set.center_of_gravity) for name, _, fuzzy_set in sets}
     return Output(
         label,

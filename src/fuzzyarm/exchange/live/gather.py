@@ -1,9 +1,9 @@
-"""Run a script in a process of its own and gather the fuzzy systems that it makes.
+"""Run a script in its own process and gather the fuzzy systems that it makes.
 
-This file is started by its path (see :mod:`fuzzyarm.exchange.live.systems`), maybe by another
-Python than the one that has fuzzyarm: the script may need libraries that do not go with ours. Until
-the script has ended nothing but the standard library is loaded; then the package beside this file
-is, which takes no array library to read live objects. What was found goes into a file as JSON.
+This file is run by its path (see :mod:`fuzzyarm.exchange.live.systems`), perhaps by a Python
+without fuzzyarm: the script's libraries may conflict with ours. Until the script has ended, only
+the standard library is loaded; then the package beside this file, which reads live objects without
+NumPy. The answer is a JSON file.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from types import FrameType, ModuleType
 from typing import Any, NamedTuple
 
 MEASURING = 40.0
-"""Seconds for the numbers of all systems."""
+"""Seconds for the evaluation of all systems."""
 
 MOST_MADE, DEEPEST = 1000, 3
-"""Systems that are kept though the script has dropped them; how deep in its objects they are."""
+"""Most systems kept alive after the script dropped them; search depth in its objects."""
 
 CALL = "_fuzzyarm_call"
-"""Attribute of a system whose settings are the arguments of its evaluation: the last of them, or
-the first that tells the order of the arguments of its functions."""
+"""Attribute of a system with the arguments of its evaluation: of the last one, or of the first that
+shows the order of its functions' arguments."""
 
-# --- What is remembered of the libraries' objects ---
+# --- Recording of the libraries' objects ---
 
 SYSTEMS = {
     "skfuzzy.control.controlsystem": {"ControlSystem": "", "ControlSystemSimulation": ""},
@@ -44,22 +44,22 @@ SYSTEMS = {
         ("IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK"), "evaluate"
     ),
 }
-"""Module → class → the method that computes, empty where an object is complete when it is made."""
+"""Module → class → its evaluation method, empty if an object is complete on construction."""
 
 
 class _Made(NamedTuple):
-    """A system and the frame that made it, whose variables are still to come."""
+    """A system and the frame that made it, for the variables assigned later."""
 
     system: Any
     frame: FrameType
 
 
 _made: list[_Made] = []
-_complete: set[int] = set()  # systems that have computed something, or are complete at once
+_complete: set[int] = set()  # systems that were evaluated, or need no evaluation
 
 
 def watch_imports() -> None:
-    """Let the classes of :data:`SYSTEMS` remember their objects from the import that loads them."""
+    """Wrap the import function: the classes of :data:`SYSTEMS` then record their objects."""
     plain, waiting = builtins.__import__, dict(SYSTEMS)
 
     def imports(*arguments: Any, **options: Any) -> Any:
@@ -82,7 +82,7 @@ def _remember(kind: Any, method: str) -> None:
         make(self, *arguments, **options)
         frame: FrameType | None = sys._getframe(1)
         while frame is not None and _top_module(frame.f_globals.get("__name__")) == home:
-            frame = frame.f_back  # the library itself: whoever has called it
+            frame = frame.f_back  # skip the library's own frames
         if frame is not None and len(_made) < MOST_MADE:
             _made.append(_Made(self, frame))
         if not method:
@@ -97,7 +97,7 @@ def _remember(kind: Any, method: str) -> None:
 
 
 def _noting(compute: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a method that notes that its object has computed, and with which arguments."""
+    """Wrap a method to record its object as evaluated, with the arguments."""
 
     def method(self: Any, *arguments: Any, **options: Any) -> Any:
         result = compute(self, *arguments, **options)
@@ -110,11 +110,11 @@ def _noting(compute: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _tells_order(arguments: tuple[Any, ...], options: dict[str, Any]) -> bool:
-    """Whether arguments of an evaluation tell which input each argument of functions is."""
+    """Whether the arguments of an evaluation identify the inputs of functions."""
     inputs, params, *_ = (*arguments, None, None)
     inputs, params = options.get("inputs", inputs), options.get("params", params)
     if not isinstance(inputs, dict) or not isinstance(params, (tuple, list)):
-        return False  # the settings of another class: the last of them count
+        return False  # settings of another class: the last ones win
     try:
         return len(set(map(float, inputs.values()))) == len(inputs)
     except (TypeError, ValueError):
@@ -136,7 +136,7 @@ def _interrupt() -> None:
 
 
 def _as_data(error: BaseException, script: str) -> dict[str, Any]:
-    """Return an exception with the last line of the script that it passed."""
+    """Return an exception as data, with the last line of the script in its traceback."""
     line, column = 0, 0
     if isinstance(error, SyntaxError) and error.filename == script:
         line, column = error.lineno or 0, error.offset or 0
@@ -153,11 +153,11 @@ def _as_data(error: BaseException, script: str) -> dict[str, Any]:
     }
 
 
-# --- What it has made, and what that is called ---
+# --- The script's systems and their names ---
 
 
 def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
-    """Yield names and objects: variables, what they contain, variables of functions."""
+    """Yield names and objects: variables, their contents, local variables of functions."""
     own_modules = _own_modules(module)
     visited: set[int] = set()
     variables = {n: v for n, v in vars(module).items() if not n.startswith("__")}
@@ -168,7 +168,7 @@ def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
 
 
 def _own_modules(module: ModuleType) -> frozenset[str]:
-    """Return the names of the modules that stand in the folder of the script."""
+    """Return the names of the modules in the folder of the script."""
     home = os.path.join(os.path.dirname(os.path.realpath(str(module.__file__))), "")
     files = {name: getattr(loaded, "__file__", None) for name, loaded in list(sys.modules.items())}
     inside = {n for n, f in files.items() if f and os.path.realpath(f).startswith(home)}
@@ -189,7 +189,7 @@ def _in_scope(
 
 
 def _inside(name: str, value: Any, modules: frozenset[str]) -> dict[str, Any]:
-    """Return what a value contains, by names: of a container, or of an object of the script."""
+    """Return the contents of a container or of an object of the script, by name."""
     if isinstance(value, dict):
         return {f"{name}_{key}": part for key, part in list(value.items())[:MOST_MADE]}
     if isinstance(value, list | tuple):
@@ -205,10 +205,10 @@ def _inside(name: str, value: Any, modules: frozenset[str]) -> dict[str, Any]:
 def _systems(
     module: ModuleType, stem: str, is_system: Callable[[Any], bool], *, whole: bool
 ) -> tuple[dict[str, Any], list[str]]:
-    """Return the systems by name, each once, however many names it has, and those left out.
+    """Return the systems by name, each once under its first name, and those left out.
 
-    What has no name at all counts where nothing has one. With `whole` only those count that have
-    computed something, which are complete.
+    Nameless systems are used only if none has a name. With `whole` only complete systems, that is
+    evaluated ones, are returned.
     """
     systems: dict[int, tuple[str, Any]] = {}
     simulations: dict[int, tuple[str, Any]] = {}
@@ -239,7 +239,7 @@ def _without_parts(objects: list[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
 
 
 def _with_names(objects: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Give every system a name that can be that of a file, also where case does not count."""
+    """Give each system a unique file name, also where case does not matter."""
     systems: dict[str, Any] = {}
     for name, system in objects:
         plain = "".join(c if c.isalnum() or c in "_-" else "_" for c in name)[:80].strip("-")
@@ -252,11 +252,11 @@ def _with_names(objects: list[tuple[str, Any]]) -> dict[str, Any]:
     return systems
 
 
-# --- The answer ---
+# --- Answer ---
 
 
 def _load_fuzzyarm() -> None:
-    """Load the package beside this file, and nothing else from its folder."""
+    """Load the package beside this file without the rest of its folder."""
     if "fuzzyarm" in sys.modules:
         return
     home = Path(__file__).parents[2]
@@ -286,7 +286,7 @@ def _gathered(
 
 
 def _name_sets(module: ModuleType) -> None:
-    """Tell sets that have no name of their own what the script calls them."""
+    """Name anonymous sets after their variables in the script."""
     from fuzzyarm.exchange.live.pyit2fls import NAME
 
     for name, value in _named(module):
@@ -343,11 +343,11 @@ def main() -> None:
     except BaseException as error:
         answer["refused"] = f"{type(error).__name__}: {error}"[:500]
     target.write_text(json.dumps(answer), encoding="utf-8")
-    os._exit(0)  # whatever threads the script has left behind
+    os._exit(0)  # do not wait for threads of the script
 
 
 HARMLESS = ("EOFError", "SystemExit", "KeyboardInterrupt")
-"""What ends a script that has done what it could: no answer, no time."""
+"""Exceptions that end a script normally: no input, an exit, no more time."""
 
 if __name__ == "__main__":
     main()

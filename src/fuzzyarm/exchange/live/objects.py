@@ -1,7 +1,6 @@
-"""Live objects of other libraries: whose one is, the rule base that it is, its own numbers.
+"""Live objects of other libraries: recognition, rule base, evaluation.
 
-A library is known by the name of its module and of the classes that are systems; nothing of it
-is imported here.
+A library is recognised by its module and the classes of its systems; it is not imported here.
 
 To add a library: a module with ``from_<library>(object, name)``, which uses attributes only and
 imports nothing of the library, and a function that evaluates the object itself; its `Library`
@@ -37,21 +36,21 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Library:
-    """A library whose objects are read.
+    """A library with readable live objects.
 
     Attributes
     ----------
     name : str
-        As people call it.
+        Usual name.
     module : str
-        Its top module.
+        Top-level module.
     classes : tuple of str
-        Names of the classes that are systems.
+        Names of its system classes.
     read : callable
-        ``read(object, name, lossy=…, strict=…)`` gives an :class:`Imported`.
+        ``read(object, name, lossy=…, strict=…)`` returns an :class:`Imported`.
     numbers : callable
-        ``numbers(object)`` gives a function from the inputs by name to the outputs that have a
-        value, as the library computes them.
+        ``numbers(object)`` returns a function from inputs by name to the outputs with a value,
+        evaluated by the library.
     """
 
     name: str
@@ -61,17 +60,17 @@ class Library:
     numbers: Callable[[Any], Callable[[Mapping[str, float]], dict[str, float]]]
 
 
-# --- pyfuzzylite: it writes its engine as FLL, which is read like any file ---
+# --- pyfuzzylite: its own FLL text, read like any file ---
 
 
 def _from_pyfuzzylite(
     engine: Any, name: str, *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base of an engine, from the text that its own exporter makes."""
+    """Return the rule base of an engine, from its own exporter's text."""
     module = sys.modules[type(engine).__module__.partition(".")[0]]
     settings = module.settings
     before = {key: getattr(settings, key) for key in ("decimals", "atol")}
-    # Three decimals unless told otherwise; heights and weights within `atol` of 1 are left out.
+    # By default: three decimals, and no heights and weights within `atol` of 1.
     settings.decimals, settings.atol = 25, 0.0
     try:
         text = module.FllExporter().to_string(engine)
@@ -79,7 +78,7 @@ def _from_pyfuzzylite(
         for key, value in before.items():
             setattr(settings, key, value)
     imported = parse_fll(text, lossy=lossy, strict=strict)
-    # There is no text for the user to find a position in.
+    # The user has no text for positions.
     diagnostics = tuple(replace(d, span=NOWHERE, path="") for d in imported.diagnostics)
     rulebase = imported.rulebase
     if rulebase is not None and not rulebase.name.strip():
@@ -88,7 +87,7 @@ def _from_pyfuzzylite(
 
 
 def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
-    """Return what asks an engine for its own numbers."""
+    """Return a function that evaluates an engine in pyfuzzylite."""
 
     def numbers(values: Mapping[str, float]) -> dict[str, float]:
         engine.restart()
@@ -122,11 +121,11 @@ LIBRARIES = (
     Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, fuzzylogic_numbers),
     Library("pyit2fls", "pyit2fls", KINDS, from_pyit2fls, pyit2fls_numbers),
 )  # fmt: skip
-"""Libraries whose live objects are read."""
+"""Libraries with readable live objects."""
 
 
 def library_of(system: object) -> Library | None:
-    """Return the library that an object is a system of, or None."""
+    """Return the library of a system, or None for any other object."""
     for base in type(system).__mro__:
         module = str(base.__module__).partition(".")[0]
         for library in LIBRARIES:
@@ -143,7 +142,7 @@ def read_object(
     lossy: bool = False,
     strict: bool = False,
 ) -> Imported:
-    """Return the rule base that a live object of another library is."""
+    """Return the rule base of a live object."""
     library = library_of(system)
     if library is None:
         raise ArgumentError(
@@ -156,21 +155,21 @@ def read_object(
         return library.read(system, name, lossy=lossy, strict=strict, **options)
     except UnreadableError as error:
         return Imported(None, (Diagnostic("unreadable-object", str(error)[:500]),), library.name)
-    except Exception as error:  # whatever the library raises over an object that is half made
+    except Exception as error:  # an unfinished object may raise anything
         message = f"the object cannot be read: {type(error).__name__}: {error}"
         return Imported(None, (Diagnostic("unreadable-object", message[:500]),), library.name)
 
 
-# --- Its numbers at points that stand for all ---
+# --- Evaluation at representative points ---
 
 _SECONDS = 15.0
-"""Time for the numbers of one object; fewer points are compared where it is slow."""
+"""Time limit for the evaluation of an object; a slow one is compared at fewer points."""
 
 
 def measured(
     system: object, rulebase: RuleBase, deadline: float = math.inf
 ) -> list[tuple[dict[str, float], dict[str, float] | None]]:
-    """Return points and what a live object computes there itself, None where it raises."""
+    """Return points with the outputs of a live object, None where it raises."""
     if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
         return []
     library = library_of(system)
@@ -183,6 +182,6 @@ def measured(
             break
         try:
             results.append((point, numbers(point)))
-        except Exception:  # whatever the library, or a function of the user's in it, raises
+        except Exception:  # the library, or a user's function in it, may raise anything
             results.append((point, None))
     return results

@@ -1,10 +1,10 @@
-"""pyit2fls: its systems of interval type 2 and of type 1 to rule bases.
+"""pyit2fls: from its type-1 and interval type-2 systems to rule bases.
 
-A set there is a function or two with their parameters, and has no name. The centroid of a Mamdani
-system of type 2 is that of the points of the sets' domain, with both ends; where nothing fires, 0.
-One of type 1 is integrated by trapezoids. ``IT2FLS`` is told its norms when it is evaluated, the
-functions of ``T1TSK`` their arguments. The objects are known by their attributes; pyit2fls itself
-is not imported.
+A set there is one or two functions with parameters, without a name. The centroid of a type-2
+Mamdani system is taken over the points of the sets' domain, both ends included, and is 0 where
+nothing fires; that of type 1 is integrated by trapezoids. ``IT2FLS`` gets its norms at evaluation,
+the functions of ``T1TSK`` their arguments. Objects are recognised by their attributes; pyit2fls
+itself is not imported.
 """
 
 from __future__ import annotations
@@ -42,21 +42,21 @@ from fuzzyarm.symbolic.kinds import DEFUZZIFIERS
 __all__ = ["CALL", "KINDS", "NAME", "from_pyit2fls", "pyit2fls_numbers"]
 
 KINDS = ("IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK")
-"""Classes whose objects are systems."""
+"""Names of the system classes."""
 
 NAME = "_fuzzyarm_name"
-"""Attribute of a set that says what the script calls it."""
+"""Attribute of a set with its name in the script."""
 
 _NOTHING = "nothing"
-"""The term of an output in a rule of ``T1TSK`` that leaves it out: its sum counts the rule."""
+"""Term of an output that a rule of ``T1TSK`` leaves out; its strength still counts in the sum."""
 
 CALL = "_fuzzyarm_call"
-"""Attribute of a system with the arguments of its last evaluation; of functions that of the first
-with a different value for each input."""
+"""Attribute of a system with the arguments of its last evaluation; for functions, of the first
+evaluation with a different value for each input."""
 
 
 def pyit2fls_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
-    """Return what asks a system for its own numbers: the middle of both ends."""
+    """Return a function that evaluates a system in pyit2fls: the middle of both ends."""
     kind = _kind(system)
     order = _order(system).names if kind == "T1TSK" else ()
     settings = _evaluation(system) if kind == "IT2FLS" else {}
@@ -81,7 +81,7 @@ def _middle(value: Any) -> float:
 def from_pyit2fls(
     system: Any, name: str = "system", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base that a system of pyit2fls is."""
+    """Return the rule base of a system of pyit2fls."""
     findings = Findings(lossy=lossy, strict=strict)
     rulebase = _Reader(system, findings).rulebase(name)
     return findings.imported(rulebase, "pyit2fls")
@@ -103,11 +103,11 @@ _S_NORMS = {
     "nilpotent_maximum_s_norm": "nilpotent",
     "einstein_sum_s_norm": "einstein",
 }
-# --- What an object is, and what it was told when it computed ---
+# --- Class and recorded evaluation of an object ---
 
 
 def _kind(system: Any) -> str:
-    """Return which of the classes an object is of."""
+    """Return the name of an object's system class."""
     return next((c.__name__ for c in type(system).__mro__ if c.__name__ in KINDS), KINDS[0])
 
 
@@ -115,11 +115,11 @@ _EVALUATION = (
     "inputs", "t_norm", "s_norm", "domain", "method", "method_params", "algorithm",
     "algorithm_params",
 )  # fmt: skip
-"""Parameters of ``IT2FLS.evaluate``, in their order."""
+"""Parameters of ``IT2FLS.evaluate``, in order."""
 
 
 def _evaluation(system: Any) -> dict[str, Any]:
-    """Return how an ``IT2FLS`` was evaluated; of one that never was what the examples do."""
+    """Return the evaluation settings of an ``IT2FLS``; by default those of its examples."""
     positional, options = vars(system).get(CALL, ((), {}))
     settings = dict(zip(_EVALUATION, positional, strict=False)) | dict(options)
     settings.pop("inputs", None)
@@ -135,18 +135,18 @@ def _evaluation(system: Any) -> dict[str, Any]:
 
 
 class _InputOrder(NamedTuple):
-    """The inputs that the functions of a ``T1TSK`` get; what speaks against that, if anything."""
+    """The inputs of a ``T1TSK``'s functions in order, and objections to that order."""
 
     names: tuple[str, ...]
     is_guess: bool = False
-    strange: str = ""  # an argument that is the value of no input
+    strange: str = ""  # an argument other than an input's value
 
 
 def _order(system: Any) -> _InputOrder:
-    """Return the inputs in the order in which the functions of a ``T1TSK`` get them.
+    """Return the inputs in the order of a ``T1TSK``'s function arguments.
 
-    Told from an evaluation where each argument is the value of one input; else as the functions
-    call their parameters, or as the inputs were added.
+    From an evaluation in which each argument is the value of an input; else by the names of the
+    functions' parameters, or in the order in which the inputs were added.
     """
     names = tuple(str(name) for name in system.inputs)
     positional, options = vars(system).get(CALL, ((), {}))
@@ -157,7 +157,7 @@ def _order(system: Any) -> _InputOrder:
     candidates = []
     for argument in arguments:
         here = [name for name in names if name in values]
-        # The same object tells which input is passed, also where two have equal values.
+        # Identity distinguishes inputs with equal values.
         same = [name for name in here if values[name] is argument]
         candidates.append(same or [name for name in here if _equal(values[name], argument)])
         if not candidates[-1]:
@@ -165,7 +165,7 @@ def _order(system: Any) -> _InputOrder:
     if all(len(same) == 1 for same in candidates):
         return _InputOrder(tuple(same[0] for same in candidates))
     for order in (_as_called(system, names), names):
-        # With fewer arguments than inputs the first of them are meant.
+        # Fewer arguments than inputs: the first inputs.
         prefix = (order or ())[: len(candidates)]
         if len(prefix) == len(candidates) and all(map(contains, candidates, prefix)):
             return _InputOrder(prefix, is_guess=True)
@@ -176,7 +176,7 @@ def _order(system: Any) -> _InputOrder:
 
 
 def _equal(one: Any, other: Any) -> bool:
-    """Whether two numbers, or all of two arrays, are equal."""
+    """Whether two numbers, or all elements of two arrays, are equal."""
     if getattr(one, "shape", ()) != getattr(other, "shape", ()):
         return False
     same = one == other
@@ -184,7 +184,7 @@ def _equal(one: Any, other: Any) -> bool:
 
 
 def _as_called(system: Any, names: tuple[str, ...]) -> tuple[str, ...] | None:
-    """Return the inputs in the order of the parameters that all functions name after them."""
+    """Return the inputs in the order of the functions' parameters, if all use their names."""
     orders = set()
     for _, conclusions in system.rules:
         for _, function in conclusions:
@@ -195,7 +195,7 @@ def _as_called(system: Any, names: tuple[str, ...]) -> tuple[str, ...] | None:
 
 
 class _Reader:
-    """One system; `sets` has the terms of each variable in the order of their first use."""
+    """Reader of one system; `sets` has the terms of each variable in the order of first use."""
 
     def __init__(self, system: Any, findings: Findings) -> None:
         self.system = system
@@ -203,7 +203,7 @@ class _Reader:
         self.kind = _kind(system)
         self.sets: dict[str, list[Any]] = {str(name): [] for name in system.inputs}
         self.results: dict[str, list[Any]] = {str(name): [] for name in system.outputs}
-        self.partly: list[str] = []  # outputs of functions that a rule leaves out
+        self.partly: list[str] = []  # outputs of functions with rules that leave them out
 
     @property
     def _is_type1(self) -> bool:
@@ -237,7 +237,7 @@ class _Reader:
             for when, then in self.system.rules
             for rule in self._rules(self._rule(when, then, names), then)
         ]
-        # pyit2fls has one T-norm, for `and` and for the implication.
+        # pyit2fls has one T-norm, for *and* and for the implication.
         block = RuleBlock(tuple(rules), conjunction=conjunction, implication=conjunction)
         return RuleBase(name, inputs, outputs, (block,))
 
@@ -271,7 +271,7 @@ class _Reader:
         return norm or "min"
 
     def _engine(self) -> str:
-        """Return the T-norm of a system of type 1, which is its implication too."""
+        """Return the T-norm of a type-1 system, for *and* and for the implication."""
         if self.kind == "T1TSK":
             return "product"
         engine = str(self.system.engine)
@@ -288,11 +288,11 @@ class _Reader:
     # --- Rules ---
 
     def _gather(self) -> bool:
-        """List the sets and values of each variable; whether every rule can be carried."""
+        """List the sets and values of each variable; return whether every rule can be converted."""
         for number, (conditions, conclusions) in enumerate(self.system.rules, 1):
             if not conditions or not conclusions:
-                what = "conclusion" if conditions else "condition"
-                self.findings.error("empty-rule", f"rule {number} has no {what}")
+                missing = "conclusion" if conditions else "condition"
+                self.findings.error("empty-rule", f"rule {number} has no {missing}")
             for uses, parts in ((self.sets, conditions), (self.results, conclusions)):
                 for variable, fuzzy_set in parts:
                     if variable not in uses:
@@ -310,14 +310,14 @@ class _Reader:
         return not self.findings.failed
 
     def _left_out(self) -> list[str]:
-        """Return what some rule leaves out of the outputs that are divided by the sum of all."""
+        """Return the outputs with rules that leave them out but count in their denominators."""
         if self.kind != "T1TSK":
             return []
         ends = [{str(name) for name, _ in then} for _, then in self.system.rules]
         return [name for name in self.results if not all(name in end for end in ends)]
 
     def _check_order(self) -> bool:
-        """Say what is not certain about the arguments of functions; whether they can be carried."""
+        """Report doubts about the functions' arguments; return whether they can be converted."""
         if self.kind != "T1TSK":
             return True
         order = _order(self.system)
@@ -337,7 +337,7 @@ class _Reader:
         return not order.strange
 
     def _note_silence(self) -> None:
-        """Say that the centres of pyit2fls are nan where one of several rules does not fire."""
+        """Report that pyit2fls has no value by centres where one of several rules does not fire."""
         if self.kind == "T1Mamdani" and self._by_centres:
             message = (
                 "pyit2fls has no value by centres (CoA) where a single rule does not fire; here "
@@ -357,7 +357,7 @@ class _Reader:
         return Rule(And(parts) if len(parts) > 1 else parts[0], ends)
 
     def _rules(self, rule: Rule, conclusions: Any) -> list[Rule]:
-        """Return a rule, or one for each conclusion where they count with different weights."""
+        """Return a rule, or one for each conclusion if their weights differ."""
         if self.kind != "T1Mamdani" or not self._by_centres:
             return [rule]
         return [
@@ -393,29 +393,29 @@ class _Reader:
         return tuple(terms)
 
     def _term(self, fuzzy_set: Any, name: str, variable: str, low: float, high: float) -> Term:
-        what = f"'{name}' of '{variable}'"
+        quoted = f"'{name}' of '{variable}'"
         if self._is_type1:
-            return Term(name, self._shape(fuzzy_set.mf, fuzzy_set.params, low, high, what))
-        upper = self._shape(fuzzy_set.umf, fuzzy_set.umf_params, low, high, what)
-        lower = self._shape(fuzzy_set.lmf, fuzzy_set.lmf_params, low, high, what)
+            return Term(name, self._shape(fuzzy_set.mf, fuzzy_set.params, low, high, quoted))
+        upper = self._shape(fuzzy_set.umf, fuzzy_set.umf_params, low, high, quoted)
+        lower = self._shape(fuzzy_set.lmf, fuzzy_set.lmf_params, low, high, quoted)
         return Term(name, upper, lower=None if lower == upper else lower)
 
     def _shape(
-        self, function: Any, parameters: Sequence[Any], low: float, high: float, what: str
+        self, function: Any, parameters: Sequence[Any], low: float, high: float, quoted: str
     ) -> Shape:
-        """Return the shape of a function: by its name, where it says true, or by its degrees."""
+        """Return the shape of a function: by its name, if the degrees agree, or by its degrees."""
 
         def degree(x: float) -> float:
             return min(1.0, max(0.0, float(function(x, parameters))))
 
         xs = [low + (high - low) * i / 1000 for i in range(1001)]
-        # Also half a range beyond either end, where a function of a known name may differ.
+        # Half a range beyond either end too, where a function of a known name may differ.
         wide = [low + (high - low) * (i - 50) / 100 for i in range(201)]
         maker = _KNOWN.get(str(getattr(function, "__name__", "")))
         shape = maker(*map(float, parameters)) if maker else None
         if shape is not None and _fits(shape, degree, [*xs, *wide]):
             return shape
-        words = f"a function of {what} ({_called(function)}) is"
+        words = f"a function of {quoted} ({_called(function)}) is"
         return shape_or_points(degree, low, high, words, self.findings)
 
     # --- Sets of Mamdani ---
@@ -450,7 +450,7 @@ class _Reader:
         )
 
     def _plain_sets(self, name: str) -> Output:
-        """Return an output of type 1, whose centroid is that of trapezoids."""
+        """Return a type-1 output, with the centroid of trapezoids."""
         low, high, count = self._points(name)
         way = str(getattr(self.system, "defuzzification", "CoG"))
         if way != "CoG":
@@ -468,9 +468,9 @@ class _Reader:
         )
 
     def _centres(self, name: str) -> Output:
-        """Return an output that averages the centres of its sets, by their degrees there.
+        """Return an output with the average of its sets' centres, weighted by their degrees there.
 
-        Of a set that is scaled by a product the centre stays where it is.
+        A set scaled by a product keeps its centre.
         """
         low, high, _ = self._points(name)
         if self._engine() != "product":
@@ -514,7 +514,7 @@ class _Reader:
         return output_of_values(name, terms, inputs, self.findings, way)
 
     def _functions(self, name: str, inputs: tuple[Input, ...]) -> Output:
-        """Return the values of functions, which get the inputs in the order of an evaluation."""
+        """Return the values of functions of the inputs, in the order of an evaluation."""
         order = list(_order(self.system).names)
         terms = []
         for number, function in enumerate(self.results[name], 1):
@@ -527,7 +527,7 @@ class _Reader:
         return output_of_values(name, tuple(terms), inputs, self.findings, no_rule=default)
 
     def _function(
-        self, function: Any, order: list[str], inputs: tuple[Input, ...], what: str
+        self, function: Any, order: list[str], inputs: tuple[Input, ...], quoted: str
     ) -> Shape:
         try:
             ends = {
@@ -538,7 +538,7 @@ class _Reader:
             ranges = [ends.get(name, (-100.0, 100.0)) for name in order]
             shape = function_shape(function, order, ranges)
         except (SyntaxError, ValueError, FormulaError, OSError, TypeError) as error:
-            message = f"{what} is a function that is not arithmetic of the inputs: {error}"
+            message = f"{quoted} is a function that is not arithmetic of the inputs: {error}"
             self.findings.error("bad-formula", message[:300])
             return Shape("singleton", (0.0,))
         if shape.kind != "linear":
@@ -577,7 +577,7 @@ def _definition(fuzzy_set: Any) -> tuple[Any, ...]:
 
 
 def _range(sets: Sequence[Any]) -> tuple[float, float]:
-    """Return the range that the domains of sets span."""
+    """Return the range spanned by the sets' domains."""
     ends = [float(x) for fuzzy_set in sets for x in (min(fuzzy_set.domain), max(fuzzy_set.domain))]
     return (min(ends), max(ends)) if ends else (0.0, 1.0)
 
@@ -596,7 +596,7 @@ def _value(factors: Mapping[str, Any], inputs: tuple[Input, ...]) -> Shape:
 
 
 def _ordered(kind: str, *numbers: float, height: float) -> Shape | None:
-    """Return a shape whose corners must not decrease, or None where they do."""
+    """Return a shape, or None if its corners decrease."""
     rising = all(a <= b for a, b in pairwise(numbers))
     return Shape(kind, numbers, height) if rising and 0.0 < height <= 1.0 else None
 
@@ -617,4 +617,4 @@ _KNOWN: dict[str, Callable[..., Shape | None]] = {
     "gbell_mf": lambda a, b, c, h: _plain("bell", c, a, b, height=h),
     "singleton_mf": lambda x, h: _plain("singleton", x, height=h),
 }
-"""The shapes of functions by their names; heights of 0 and other functions are asked."""
+"""Shapes by function name; functions of other names, and of height 0, are sampled."""

@@ -20,7 +20,7 @@ _FUNCTIONS = frozenset({"abs", "min", "max", "log10"})
 
 
 def text_shape(text: str, names: list[str], factor: float = 1.0) -> Shape:
-    """Return a linear consequent where an expression is one, else a formula."""
+    """Return a linear consequent if the expression is one, else a formula."""
     if "{" in text:
         raise ValueError("templates are not supported")
     return _shape(ast.parse(text.strip(), mode="eval").body, names, factor)
@@ -31,10 +31,10 @@ def function_shape(
     names: list[str],
     ranges: Sequence[tuple[float, float]] | None = None,
 ) -> Shape:
-    """Return what a function of the inputs computes: a linear consequent, else a formula.
+    """Return a function of the inputs as a linear consequent, else as a formula.
 
-    Its own text is read where it is arithmetic of the inputs; whatever is returned has the values
-    of the function at points all over the ranges.
+    Its source text is translated if it is arithmetic of the inputs; the result agrees with the
+    function at points all over the ranges.
     """
     points = _points(function, ranges or [(-100.0, 100.0)] * len(names))
     linear = _linear_at_points(function, points, len(names))
@@ -48,7 +48,7 @@ def function_shape(
         if linear is None:
             raise
         shape = Shape("linear", tuple(linear))
-    # Its numbers are those that somebody wrote: rounding has been taken off them.
+    # Rounding is removed: the numbers as written by a person.
     if linear is not None and shape.kind == "linear":
         return Shape("linear", tuple(linear)) if any(linear[:-1]) else _constant(linear[-1])
     return shape
@@ -59,21 +59,21 @@ def _constant(value: float) -> Shape:
 
 
 _TRIALS = (0.37, -1.61, 2.83, 0.59, -3.31, 1.13)
-"""Numbers at which a sum is tried, in no order."""
+"""Trial arguments of a sum, irregular on purpose."""
 
 _SPREAD = 256
-"""Points all over the ranges, beside those on the way through the middle along each input."""
+"""Points spread over the ranges, beside those along each input through the middle."""
 
 
 def _points(
     function: Callable[..., Any], ranges: Sequence[tuple[float, float]]
 ) -> list[list[float]]:
-    """Return points of the ranges: spread evenly, at their corners, and at a function's numbers.
+    """Return points of the ranges: evenly spread, at corners, and at a function's constants.
 
-    A kink mostly stands at a number that the function names.
+    Kinks are mostly at constants of the function.
     """
     middle = [0.5 * (low + high) for low, high in ranges]
-    # A Kronecker sequence: multiples of irrational steps spread evenly in any dimension.
+    # A Kronecker sequence: multiples of irrational steps are evenly spread in any dimension.
     steps = [math.sqrt(prime) % 1.0 for prime in _primes(len(ranges))]
     points = [
         [
@@ -102,7 +102,7 @@ def _primes(count: int) -> list[int]:
 
 
 def _numbers_of(function: Callable[..., Any]) -> list[float]:
-    """Return the numbers that the code of a function names, with those beside each."""
+    """Return the constants in a function's code, each with its neighbours."""
     code = getattr(function, "__code__", None)
     values = [x for x in getattr(code, "co_consts", ()) if isinstance(x, (int, float))]
     near = [(x, math.nextafter(x, -math.inf), math.nextafter(x, math.inf)) for x in values[:50]]
@@ -110,7 +110,7 @@ def _numbers_of(function: Callable[..., Any]) -> list[float]:
 
 
 def _value(function: Callable[..., Any], point: Sequence[float]) -> float | None:
-    """Return the number of a function, or None where it has none."""
+    """Return the value of a function, or None without one."""
     try:
         value = float(function(*point))
     except ArithmeticError:
@@ -121,9 +121,9 @@ def _value(function: Callable[..., Any], point: Sequence[float]) -> float | None
 def _linear_at_points(
     function: Callable[..., Any], points: Sequence[Sequence[float]], count: int
 ) -> list[float] | None:
-    """Return factors and constant of a function that is their sum at points, else None."""
+    """Return factors and constant of a function that is linear at all points, else None."""
     try:
-        # 0 and the unit vectors determine a linear function; all other points test that it is one.
+        # 0 and the unit vectors determine a linear function; the other points verify it.
         constant = float(function(*[0.0] * count))
         units = ([float(i == k) for i in range(count)] for k in range(count))
         factors = [float(function(*unit)) - constant for unit in units]
@@ -141,7 +141,7 @@ def _linear_at_points(
 
 
 def _agree(one: float, other: float, terms: Sequence[float] = ()) -> bool:
-    """Whether two numbers are the same except for the rounding of the terms of their sum."""
+    """Whether two numbers agree within the rounding of the terms of their sum."""
     return abs(one - other) <= 1e-9 * (1.0 + abs(one) + sum(map(abs, terms)))
 
 
@@ -151,7 +151,7 @@ def _compare(
     names: Sequence[str],
     points: Sequence[Sequence[float]],
 ) -> None:
-    """Refuse a shape that has other values than a function, which its text does not say."""
+    """Raise if a shape differs from its function, in spite of the text."""
     formula = read_formula(shape.formula).function(names) if shape.kind == "formula" else None
     for point in points:
         value = _value(function, point)
@@ -168,12 +168,12 @@ def _compare(
 
 
 def _plain(number: float) -> float:
-    """Return the number of twelve digits that a number is except for rounding."""
+    """Return the number of twelve digits that a number approximates."""
     return float(f"{number:.12g}")
 
 
 def _definition(function: Callable[..., Any]) -> tuple[list[str], ast.expr]:
-    """Return parameters and expression of a function of one expression."""
+    """Return parameters and expression of a function with a single expression."""
     if not inspect.isfunction(function):
         raise ValueError("it is not a function of one expression")
     code = function.__code__
@@ -191,7 +191,7 @@ def _definition(function: Callable[..., Any]) -> tuple[list[str], ast.expr]:
 
 
 def _body(node: ast.AST) -> ast.expr | None:
-    """Return the one expression of a function, or None."""
+    """Return the single expression of a function, or None."""
     if isinstance(node, ast.Lambda):
         return node.body
     if isinstance(node, ast.FunctionDef):
@@ -202,7 +202,7 @@ def _body(node: ast.AST) -> ast.expr | None:
 
 
 def _is_of(node: ast.AST, body: ast.expr, code: CodeType) -> bool:
-    """Whether an expression of a text is what a code computes: it spans its instructions."""
+    """Whether code was compiled from an expression of a text: it spans all instructions."""
     first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])  # type: ignore[attr-defined]
     if isinstance(node, ast.Lambda) != (code.co_name == "<lambda>") or code.co_firstlineno != first:
         return False
@@ -236,7 +236,7 @@ class _Renamed(ast.NodeTransformer):
 
 
 def _renamed(body: ast.expr, names: dict[str, str]) -> ast.expr:
-    """Return an expression of parameters as one of inputs; no other name is one of them."""
+    """Return an expression of parameters as one of inputs; any other name is an error."""
     for node in ast.walk(body):
         if isinstance(node, ast.Name) and node.id not in {*names, *_FUNCTIONS}:
             raise ValueError(f"'{node.id}' is not one of its parameters")
@@ -254,7 +254,7 @@ def _shape(tree: ast.expr, names: list[str], factor: float) -> Shape:
 
 
 def _affine(tree: ast.expr, names: list[str]) -> list[float] | None:
-    """Return a coefficient for each name and the constant, or None."""
+    """Return a coefficient for each name, then the constant; None if not affine."""
     match tree:
         case ast.Constant(value=int() | float() as number):
             return [*[0.0] * len(names), float(number)]

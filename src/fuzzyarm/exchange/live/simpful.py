@@ -1,9 +1,9 @@
-"""simpful: a ``FuzzySystem`` to a rule base.
+"""simpful: from a ``FuzzySystem`` to a rule base.
 
-Mamdani systems are summed over 1000 points with both ends; where nothing fires the result is 0.
-Sugeno systems divide the sum of strength × value × weight by the sum of the strengths, so that a
-weight there is a factor on the value. The objects are known by their attributes; simpful itself
-is not imported.
+Mamdani systems are summed over 1000 points, both ends included, and give 0 where nothing fires.
+Sugeno systems divide the sum of strength × value × weight by the sum of the strengths, so a weight
+is a factor on the value. Objects are recognised by their attributes; simpful itself is not
+imported.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ from fuzzyarm.symbolic.formulas import FormulaError
 __all__ = ["from_simpful", "simpful_numbers"]
 
 SUBDIVISIONS = 1000
-"""Points over which ``inference()`` sums, unless it is called with another number."""
+"""Default number of points of ``inference()``."""
 
 _NORMS = {"AND": "min", "AND_p": "product", "OR": "max", "OR_p": "probor"}
 
 
 def simpful_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
-    """Return what asks a system for its own numbers; it keeps the values that it had."""
+    """Return a function that evaluates a system in simpful and restores its values."""
     system = copy(system)
     system._variables = dict(system._variables)
 
@@ -62,7 +62,7 @@ def simpful_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, fl
 def from_simpful(
     system: Any, name: str = "system", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Return the rule base that a fuzzy system of simpful is, as ``inference()`` runs it."""
+    """Return the rule base of a fuzzy system, with the semantics of ``inference()``."""
     findings = Findings(lossy=lossy, strict=strict)
     reader = _Reader(system, findings)
     rulebase = reader.rulebase(name)
@@ -70,7 +70,7 @@ def from_simpful(
 
 
 class _Reader:
-    """One system while it is read."""
+    """Reader of one system."""
 
     def __init__(self, system: Any, findings: Findings) -> None:
         self.system = system
@@ -139,7 +139,7 @@ class _Reader:
         )
         factor = float(weight[0]) if weight else 1.0
         if self.sugeno and factor != 1.0:
-            # A factor on the value, so another value; `_value` takes its name apart.
+            # A factor on the value makes another value; `_value` splits its name.
             return norms, Rule(expression, (Consequent(variable, f"{term}*{written(factor)}"),))
         if self.sugeno:
             return norms, Rule(expression, (Consequent(variable, term),))
@@ -147,7 +147,7 @@ class _Reader:
         return norms, Rule(expression, (conclusion,), factor)
 
     def _term(self, variable: str, term: str) -> tuple[str, tuple[Hedge, ...]]:
-        """Return a term as rules name it: an inverse gaussian is not its complement."""
+        """Return a term and hedges as in rules: an inverse gaussian is a complement."""
         inverse = (
             fuzzy_set for fuzzy_set in self.variables[variable]._FSlist if fuzzy_set._term == term
         )
@@ -157,15 +157,15 @@ class _Reader:
         if self.sugeno:
             names = [*self.system._crispvalues, *self.system._outputfunctions]
             if term not in names:
-                what = f"in rule {number}, the value"
-                self.findings.unknown("undefined-term", what, TextPiece(term), names)
+                where = f"in rule {number}, the value"
+                self.findings.unknown("undefined-term", where, TextPiece(term), names)
             return term in names
         return self._known(variable, term, number)
 
     def _known(self, variable: str, term: str, number: int) -> bool:
         if variable not in self.variables:
-            what = f"in rule {number}, the variable"
-            self.findings.unknown("undefined-variable", what, TextPiece(variable), self.variables)
+            where = f"in rule {number}, the variable"
+            self.findings.unknown("undefined-variable", where, TextPiece(variable), self.variables)
             return False
         terms = [fuzzy_set._term for fuzzy_set in self.variables[variable]._FSlist]
         if term not in terms:
@@ -201,7 +201,7 @@ class _Reader:
 
     def _input(self, name: str) -> Input:
         low, high, shapes = self._range_and_shapes(name)
-        is_read = bool(self.system._outputfunctions)  # functions take an input as it is
+        is_read = bool(self.system._outputfunctions)  # functions read inputs without a clamp
         return input_of(name, low, high, shapes, self._description(name), read_beyond=is_read)
 
     def _sets(self, name: str, _inputs: tuple[Input, ...], _rules: list[Rule]) -> Output:
@@ -222,7 +222,7 @@ class _Reader:
         variable = self.variables[name]
         try:
             low, high = map(float, variable.get_universe_of_discourse())
-        except Exception:  # simpful raises an exception of its own, or what indexing raises
+        except Exception:  # simpful's own exception, or that of an index
             low, high = -math.inf, math.inf
         finite = -math.inf < low < high < math.inf
         shapes: dict[str, Shape] = {}
@@ -242,7 +242,7 @@ class _Reader:
         return low, high, shapes
 
     def _shape(self, term: Any, variable: str, low: float, high: float) -> Shape:
-        """Return the shape of a set: by the class of its function, or by asking it."""
+        """Return the shape of a set by the class of its function, or from samples."""
         function = getattr(term, "_funpointer", None)
         maker = _CLASSES.get(type(function).__name__)
         shape = maker(function) if maker else None
@@ -283,7 +283,7 @@ def _triangle(f: Any) -> Shape:
 
 
 def _shoulders(a: float, b: float, c: float, d: float) -> Shape:
-    """Return a trapezoid; equal numbers are a shoulder without end to simpful."""
+    """Return a trapezoid; equal numbers are an endless shoulder in simpful."""
     left, right = (-math.inf if a == b else float(a)), (math.inf if c == d else float(d))
     if left > -math.inf and right == math.inf:
         return Shape("ramp", (left, float(b)))
@@ -333,7 +333,7 @@ _CLASSES: dict[str, Callable[[Any], Shape | None]] = {
 
 
 def _polygon(term: Any) -> Shape:
-    """Return straight lines through points, with the values beyond them."""
+    """Return piecewise-linear points, constant beyond them."""
     points = [(float(x), float(y)) for x, y in term._points]
     first, last = map(float, term.boundary_values)
     if first != points[0][1]:

@@ -1,9 +1,9 @@
-"""scikit-fuzzy: a ``ControlSystem`` to a rule base and back.
+"""scikit-fuzzy: from a ``ControlSystem`` to a rule base and back.
 
-scikit-fuzzy keeps a term as numbers over the points of its universe and draws straight
-lines between them. A term comes over as the shape that these numbers came from, or, where that
-is asked for or nothing else has them, as ``points``, which is exactly the same function.
-Its centroid is the exact one of the clipped terms, but joins their union between the points
+scikit-fuzzy keeps a term as degrees at the points of its universe, joined by straight lines. A term
+is imported as the shape behind these degrees, or, on request or if there is none, as ``points``,
+which is exactly the same function. Its centroid is the exact one of the clipped terms, but joins
+their union between the points
 of the universe (and of the cuts) by straight lines: where two terms cross between two
 points, it differs from the integral by a triangle of that width.
 docs/howto/from-scikit-fuzzy.md has the sizes.
@@ -129,10 +129,10 @@ def from_skfuzzy(
 
 
 def skfuzzy_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
-    """Return what asks a control system, or a simulation of it, for its own numbers.
+    """Return a function that evaluates a control system or simulation in scikit-fuzzy.
 
-    The order of the rules is found once: scikit-fuzzy finds it again at each computation, which
-    takes longer than all the rest.
+    Orders the rules once: scikit-fuzzy orders them at each computation, which takes longer than all
+    the rest.
     """
     from skfuzzy.control import ControlSystemSimulation
 
@@ -451,8 +451,8 @@ def _check_output(output: Output, findings: Findings) -> None:
         message = f"'{output.name}' is sampled; scikit-fuzzy integrates between its points"
         findings.loss("sampling", message)
     if output.aggregation != "max":
-        what = f"the terms of '{output.name}' by the maximum, not {output.aggregation}"
-        message = f"scikit-fuzzy joins {what}"
+        needed = f"the terms of '{output.name}' by the maximum, not {output.aggregation}"
+        message = f"scikit-fuzzy joins {needed}"
         findings.loss("unsupported-norm", message)
     if output.no_rule != "error":
         message = f"'{output.name}' is left out of the result where no rule fires"

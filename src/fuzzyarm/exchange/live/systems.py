@@ -1,7 +1,7 @@
-"""Systems of other fuzzy libraries, live: rule bases of them, and how far their numbers differ.
+"""Live systems of other fuzzy libraries: their rule bases, compared with the originals.
 
-:func:`from_live` takes an object, :func:`read_script` a script that makes some. Either way the
-library's own object is asked for its numbers at a hundred points and the rule base beside it.
+:func:`from_live` takes an object, :func:`read_script` a script that makes some. The library's own
+object and the rule base are evaluated at a hundred points.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ __all__ = ["ScriptError", "System", "from_live", "read_script"]
 def from_live(
     system: object, name: str | None = None, *, points: bool = False, lossy: bool = False
 ) -> RuleBase:
-    """Return the rule base that a live object of another fuzzy library is.
+    """Return the rule base of a live object of another fuzzy library.
 
     Parameters
     ----------
@@ -49,30 +49,30 @@ def from_live(
         pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
         pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
     name : str, optional
-        What the rule base is called; by default that of the library.
+        Name of the rule base; by default that in the library.
     points : bool
-        Of scikit-fuzzy: whether every term stays the straight lines between the points of its
-        universe, rather than the gaussian, bell and so on that has the same degrees there.
+        scikit-fuzzy only: keep every term as straight lines between the points of its universe,
+        instead of the gaussian, bell and so on with the same degrees there.
     lossy : bool
-        Whether to go on where numbers differ by more than 1 % of the range of an output.
+        Accept differences of more than 1 % of the range of an output.
 
     Returns
     -------
     RuleBase
-        With what the library takes for granted written out.
+        With the library's implicit defaults written out.
 
     Warns
     -----
     FileWarning
-        For what differs, with the greatest difference at 100 points where the library's own
-        object was asked; its `diagnostic` has name and message.
+        For each difference, with its greatest value at 100 points if the library's own object could
+        be evaluated; its `diagnostic` has name and message.
 
     Raises
     ------
     TypeError
         If the object is none of these.
     RuleBaseError
-        If it cannot be carried; `diagnostics` says why.
+        If it cannot be converted; `diagnostics` says why.
     """
     library = library_of(system)
     name = name or (library.module if library else "")
@@ -96,12 +96,12 @@ def from_live(
 
 
 class ScriptError(FuzzyarmError, ValueError):
-    """A script that nothing could be gathered from.
+    """A script without a result.
 
     Attributes
     ----------
     diagnostics : tuple of Diagnostic
-        Why, with the line of the script where there is one.
+        The reasons, with the line of the script if there is one.
     """
 
     def __init__(
@@ -113,20 +113,20 @@ class ScriptError(FuzzyarmError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """A fuzzy system that a script has made.
+    """A fuzzy system made by a script.
 
     Attributes
     ----------
     name : str
-        The script's variable, as the name of a file.
+        The script's variable, as a file name.
     library : str
-        Whose object it is.
+        Name of its library.
     rulebase : RuleBase or None
-        None where any diagnostic is an error.
+        None after any error.
     text : str
         The rule base as a ``.frb`` text; empty if there is none.
     diagnostics : tuple of Diagnostic
-        What was found, the comparison of numbers last.
+        Findings, the comparison of numbers last.
     """
 
     name: str
@@ -145,11 +145,11 @@ def read_script(
     lossy: bool = False,
     strict: bool = False,
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
-    """Run a script in a separate process and return the fuzzy systems that it makes.
+    """Run a script in a separate process and return its fuzzy systems.
 
-    The script is run as ``python SCRIPT`` does it, with what is installed, in its own folder,
-    without a terminal and windows; what it prints is dropped. It can do whatever its user may do:
-    run only what you trust.
+    The script runs like ``python SCRIPT``, with the installed packages, in its own folder, without
+    a terminal or windows; its output is dropped. It has all rights of its user: run only scripts
+    that you trust.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def read_script(
         fuzzyarm; this one by default.
     points, lossy, strict : bool
         As for :func:`from_live`, and for :func:`fuzzyarm.exchange.formats.read`. `lossy` also
-        takes what a script has made before it failed and not yet used.
+        accepts the unused systems of a script that failed.
 
     Returns
     -------
@@ -179,7 +179,7 @@ def read_script(
         If the script fails, does not end, or makes no fuzzy system.
     """
     script = Path(path).resolve()
-    with script.open("rb"):  # a clear error before any process
+    with script.open("rb"):  # fail before the process is started
         pass
     options = {"seconds": seconds, "points": points, "lossy": lossy, "strict": strict}
     try:
@@ -198,21 +198,21 @@ def read_script(
 
 _NOTHING = (
     "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful, a Rule "
-    "of fuzzylogic or a system of pyit2fls must be there when the script has run: call what builds "
-    "it at the end; functions such as interp_membership leave no object that holds rules"
+    "of fuzzylogic or a system of pyit2fls must exist when the script ends: call the function that "
+    "builds it; functions such as interp_membership leave no object that holds rules"
 )
 
 _HINTS = {
     "EOFError": "input() has no answer: write the value into the script",
     "SystemExit": "the script gets no arguments: write the values into it",
 }
-"""What helps against some exceptions of a script."""
+"""Remedies for common exceptions of a script."""
 
 _PACKAGES = {
     "cv2": "opencv-python", "fuzzylite": "pyfuzzylite", "PIL": "Pillow", "RPi": "RPi.GPIO",
     "serial": "pyserial", "skfuzzy": "scikit-fuzzy", "sklearn": "scikit-learn", "yaml": "PyYAML",
 }  # fmt: skip
-"""Packages that are called otherwise than their module."""
+"""Packages with another name than their module."""
 
 
 def _hint(raised: Mapping[str, Any]) -> str:
@@ -226,13 +226,13 @@ def _hint(raised: Mapping[str, Any]) -> str:
 def _about_script(
     data: Mapping[str, Any], path: str, seconds: float, *, lossy: bool, strict: bool
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings about a script; raise an error if it yields nothing.
+    """Return the findings about a script; raise an error if it has no systems.
 
-    What had been made before a script ended early is taken, with a warning.
+    Systems made before an early end are returned, with a warning.
     """
     findings = Findings(path, lossy=lossy, strict=strict)
     has_systems = bool(data["found"])
-    so_far = "; what it had made by then is taken" if has_systems else ""
+    so_far = "; the systems made by then are taken" if has_systems else ""
     raised = data["raised"]
     say = partial(findings.loss, slight=True) if has_systems else findings.error
     if raised and raised["kind"] == "KeyboardInterrupt":
@@ -277,11 +277,11 @@ def _system(objects: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
 # --- The process ---
 
 _MEASURING = gather.MEASURING + 60.0
-"""Seconds for what comes after the script, before the process is ended from outside."""
+"""Seconds after the script until its process is killed."""
 
 
 def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """Run the script and return what the process has gathered, and the end of its errors."""
+    """Run the script; return the gathered answer, and the end of its error output."""
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         target, errors = Path(folder) / "answer.json", Path(folder) / "errors"
         with errors.open("wb") as stream:
@@ -309,7 +309,7 @@ def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[st
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """End the process and what it has started."""
+    """End the process and its children."""
     with suppress(OSError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)
