@@ -22,13 +22,13 @@ Which command to use:
   fit                       rules from a file of samples, without a plant
 
 """
-"""Of the commands that look for numbers, on the help page of each."""
+"""Advice on the help page of each command that looks for numbers."""
 
 _EXAMPLES = "Examples\n--------\n"
 
 
 def with_choice(description: str | None) -> str:
-    """Return a help text which says, before its examples, which of such commands is for what."""
+    """Insert the advice before the examples of a help text."""
     return (description or "").replace(_EXAMPLES, WHICH_ONE + _EXAMPLES)
 
 
@@ -39,7 +39,7 @@ def request_command(
     kind: type[AnyRequest],
     *more: Argument,
 ) -> Command:
-    """Return the record of a command whose arguments are the fields of a request, and others."""
+    """Return the record of a command with the fields of a request and others as arguments."""
 
     def run_words(words: argparse.Namespace) -> int:
         try:
@@ -54,13 +54,13 @@ def request_command(
 
 
 def request_of(kind: type[AnyRequest], words: argparse.Namespace) -> AnyRequest:
-    """Return the request that parsed words are."""
+    """Return the request in parsed words."""
     values = vars(words)
     return kind(**{field.name: values[field.name] for field in fields_of(kind)})
 
 
 def of_option(error: RequestError, kind: type[Request]) -> UsageError:
-    """Return an error that names the option in place of the field."""
+    """Convert an error about a field into one about its option."""
     spelling = {field.json_name: field.spelling for field in fields_of(kind)}
     renamed = error.called(spelling.get(error.field, error.field))
     return UsageError(renamed.message, hint=renamed.hint)
@@ -94,7 +94,7 @@ def _of_option(field: RequestField) -> dict[str, Any]:
         action = argparse.BooleanOptionalAction if field.spec.is_negatable else "store_true"
         return {"action": action, "default": field.default}
     if field.spec.is_repeated:
-        return {"action": "append", "default": []}  # which argparse copies
+        return {"action": "append", "default": []}  # argparse copies the list
     count = {} if field.count is None else {"nargs": field.count or "+"}
     return {"default": field.default, **count}
 
@@ -107,9 +107,9 @@ def _of_position(field: RequestField) -> dict[str, Any]:
 
 
 def _reader(field: RequestField) -> Callable[[str], Any]:
-    """Return what reads a word of the command line, and says what is wrong of another kind.
+    """Return a converter for a word of the command line, with a message for wrong types.
 
-    What is out of range is told when the request is made: its exit status is another.
+    Range errors are left to the request: they have another exit status.
     """
 
     def read(word: str) -> Any:

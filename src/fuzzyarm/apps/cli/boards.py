@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: bool) -> None:
-    """Write a folder for an IDE and say what is in it."""
+    """Write a folder for an IDE and print its contents."""
     from fuzzyarm.base.files import demand_own, write_folder
     from fuzzyarm.exchange.export.arduino import board_folder
     from fuzzyarm.exchange.export.boards import board_named
@@ -69,7 +69,7 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
 
 
 def _with_tables(how: Making) -> dict[str, Making]:
-    """Return the options that make tables of a controller, and what they make."""
+    """Return the options for the tables of a controller, and the tables' names."""
     tables = {"--table": None, "--q 15": 15, "--q 7": 7}
     if how.q is not None:
         return {}
@@ -80,7 +80,7 @@ def _with_tables(how: Making) -> dict[str, Making]:
 def _routines(
     model: RuleBase | LookupTable, board: Board, how: Making, progress: Any
 ) -> tuple[tuple[Routine, ...], tuple[CompileReport, ...]]:
-    """Return the routines; where only double precision could, say it of the board."""
+    """Return the routines; explain a need for double precision by the board."""
     from fuzzyarm.exchange.compiled import routines_for
     from fuzzyarm.exchange.export.numbers import ExportError
 

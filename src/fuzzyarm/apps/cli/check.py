@@ -38,11 +38,11 @@ from fuzzyarm.language.model.rulebase import RuleBase
 from fuzzyarm.language.reading import decoded
 
 _IN_FOLDERS = (*READABLE, ".lut")
-"""Files of a folder that are checked: other tables are any program's."""
+"""Files of a folder to check: other tables may belong to any program."""
 
 
 class EmptyFolderError(FuzzyarmError, ValueError):
-    """A folder without a file that can be checked."""
+    """A folder without a file to check."""
 
     def __init__(self, path: str) -> None:
         super().__init__(f"{path}: no files to check in this folder", hint=", ".join(_IN_FOLDERS))
@@ -50,15 +50,14 @@ class EmptyFolderError(FuzzyarmError, ValueError):
 
 _CHECK = """Find mistakes and doubts in rule bases and tables.
 
-Prints each finding with its position, the source line, a caret and, where there is one, what
-was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
+Prints each finding with its position, the source line, a caret and, if there is one, a
+suggestion. Exit status 1 if any file has an error (with --strict: or a warning).
 A comment `# allow NAME` on a line silences the finding of that name there; docs/reference/checks.md
-explains every name. --format github adds a line to each finding which GitHub shows beside the
-code. A controller is checked on the shipped plant that has its axes, or with
---plant on that one, where a port that it lacks is an error. Of a folder every rule base and
-.lut file in it is checked, and in the folders below it, but for hidden ones, Python
-environments, what a .gitignore leaves out and .xml files that are not FML; `-` checks the text
-of a .frb file from standard input.
+explains every name. --format github adds an annotation to each finding, which GitHub shows beside
+the code. A controller is checked on the shipped plant with its axes, or on that of --plant,
+where a missing port is an error. In a folder every rule base and .lut file is checked,
+subfolders included, except hidden ones, Python environments, paths in a .gitignore and .xml files
+other than FML; `-` checks the text of a .frb file from standard input.
 """
 
 
@@ -86,7 +85,7 @@ def _check(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json([finding_data(diagnostic) for diagnostic in diagnostics], 2)
     wrong = any(finding.is_error for finding in diagnostics)
-    # Errors that are printed speak for themselves; JSON, and warnings under --strict, do not.
+    # Printed errors speak for themselves; JSON, and warnings under --strict, do not.
     if failed and diagnostics and (arguments.json or not wrong):
         summary = Review("", tuple(diagnostics)).summary
         print_error(summary if wrong else f"{summary}; --strict lets no warning pass")
@@ -94,7 +93,7 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _files(paths: Iterable[str]) -> Iterator[str]:
-    """Yield the files among `paths`, and what can be checked in the folders among them."""
+    """Yield the files among `paths`, and the files to check in the folders among them."""
     for path in paths:
         if not os.path.isdir(path):
             yield path
@@ -106,7 +105,7 @@ def _files(paths: Iterable[str]) -> Iterator[str]:
 
 
 def _is_ours(path: str) -> bool:
-    """Whether a file of a folder can be checked; much else is called .xml."""
+    """Whether a file of a folder is to be checked: .xml has many other uses."""
     name = path.lower()
     if not name.endswith(".xml"):
         return name.endswith(_IN_FOLDERS)
@@ -120,7 +119,7 @@ def _is_ours(path: str) -> bool:
 
 
 def _plant_of(arguments: argparse.Namespace) -> PlantOf | None:
-    """Return the plant of ``--plant``; with ``--connect`` alone there is none to join."""
+    """Return the plant of ``--plant``; ``--connect`` alone is an error."""
     if arguments.plant is None:
         if arguments.connect:
             raise UsageError("--connect joins the ports of a plant", hint="add, say, --plant motor")
@@ -140,7 +139,7 @@ def _review_stdin(on: PlantOf | None) -> Review:
 
 
 def _annotation(finding: Diagnostic) -> str:
-    """Return a finding as a command that GitHub shows beside the line."""
+    """Return a finding as a GitHub annotation command."""
     level = {"error": "error", "warning": "warning"}.get(finding.severity.value, "notice")
     data = finding_data(finding)
     place = {"file": data["path"], "line": data["line"], "col": data["column"]}
@@ -150,15 +149,15 @@ def _annotation(finding: Diagnostic) -> str:
 
 
 def _escaped(text: str, more: str = "") -> str:
-    """Return text as GitHub wants it: what ends a command or a property as its code."""
-    # % first: the codes of the others begin with it.
+    """Return text with GitHub's escapes for the ends of commands and properties."""
+    # % first: the other escapes begin with it.
     for character in "%\r\n" + more:
         text = text.replace(character, f"%{ord(character):02X}")
     return text
 
 
 def _print_review(path: str, review: Review, *, quiet: bool) -> None:
-    # Errors are what a caller's log must show even when the output goes elsewhere.
+    # Errors go to the error stream, so that a caller's log has them.
     stream = sys.stderr if review.failed else sys.stdout
     if review.diagnostics:
         print_findings(review.diagnostics, review.text, stream)
@@ -167,7 +166,7 @@ def _print_review(path: str, review: Review, *, quiet: bool) -> None:
 
 
 def _engine_of(rulebase: RuleBase) -> str:
-    """Say which engine `compiled` takes, and why."""
+    """Return whether the kernel covers a rule base, and why not."""
     from fuzzyarm.inference.layout import what_is_not_covered
 
     reason = what_is_not_covered(rulebase)
@@ -249,7 +248,7 @@ COMMANDS = (
         ),
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
-        flag("--verbose -v", "also say what of a rule base the kernel does not cover"),
+        flag("--verbose -v", "also print whether the kernel covers a rule base"),
         argument(
             "--format FORMAT",
             "text, or github: also as annotations",
@@ -264,8 +263,8 @@ COMMANDS = (
         _FMT,
         _fmt,
         argument("files FILE", "a .frb file, or - for stdin", nargs="+"),
-        flag("--check", "only say which files would change", either="mode"),
-        flag("--diff", "only print what would change", either="mode"),
+        flag("--check", "only list the files that would change", either="mode"),
+        flag("--diff", "only print the changes", either="mode"),
         rewrites=always,
     ),
 )

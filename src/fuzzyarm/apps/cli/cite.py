@@ -15,10 +15,9 @@ from fuzzyarm.version import __version__
 
 _CITE = """Print BibTeX for the methods that a rule base or a controller uses, and for fuzzyarm.
 
-A comment above each entry says what it is the source of. Methods whose first publication
-could not be verified have none: what is printed can be copied into a bibliography. Of a
-controller its structure is cited as well, where its lines tell it; of a compiled table the
-rule base beside it.
+A comment above each entry names its method. Methods without a verified first publication have
+no entry, so the output can be copied into a bibliography. For a controller its structure is
+cited as well, if it is recognised; for a compiled table the rule base beside it.
 
   fuzzyarm cite rulebases/tipper2.frb > methods.bib
 """
@@ -49,7 +48,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _methods(path: str) -> dict[str, list[str]]:
-    """Return the sources of a file: of a controller its structure's, and its rule bases'."""
+    """Return the sources of a file: of a controller's structure, and of its rule bases."""
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.language.model.methods import methods_of, structures_of
 
@@ -71,12 +70,12 @@ def _methods(path: str) -> dict[str, list[str]]:
 
 
 def _compiled_from(path: str, provenance: Mapping[str, str]) -> RuleBase:
-    """Return the rule base that a table says it was compiled from, if it is what it was."""
+    """Return the rule base that a table was compiled from, if it is unchanged."""
     from fuzzyarm.language import write
 
     source = provenance.get("source", "")
     if provenance.get("made") != "compiled" or not source:
-        raise WordError(f"{path} is a table, which does not say by which methods it was made")
+        raise WordError(f"{path} is a table, without a record of its methods")
     beside = Path(path).parent / Path(source).name
     if not beside.is_file():
         raise WordError(f"{path} was compiled from {source}, which is not beside it")
@@ -84,7 +83,7 @@ def _compiled_from(path: str, provenance: Mapping[str, str]) -> RuleBase:
     if not isinstance(rulebase, RuleBase) or sha256(
         write(rulebase).encode()
     ).hexdigest() != provenance.get("sha256"):
-        raise WordError(f"{path} was compiled from {source}, which is another one now")
+        raise WordError(f"{path} was compiled from {source}, which has changed since")
     return rulebase
 
 

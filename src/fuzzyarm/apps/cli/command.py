@@ -1,4 +1,4 @@
-"""What every command shares: its record, arguments, words like ``e=1.3``, and what it prints."""
+"""Common parts of all commands: the record, arguments, words like ``e=1.3``, and output."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ if TYPE_CHECKING:
 
 
 EXIT_USAGE = 2
-"""Exit status where the words of a command are wrong."""
+"""Exit status after wrong usage."""
 
 DIVERGED = 3
-"""Exit status where a run diverged: the figures are those until then."""
+"""Exit status after a diverged run, whose figures end there."""
 
 EXIT_INTERRUPTED = 130
-"""Exit status after Ctrl-C, whatever was kept."""
+"""Exit status after Ctrl-C."""
 
 # --- The record of a command ---
 
 
 class Argument(NamedTuple):
-    """One argument: its names and options as `add_argument` takes them, and where it stands.
+    """An argument: names and options for `add_argument`, and its place on the help page.
 
-    `group` is a title on the help page; arguments of a group with the same word in `either`
-    exclude each other.
+    `group` is a title on the help page; arguments of a group with the same word in `either` exclude
+    each other.
     """
 
     names: tuple[str, ...]
@@ -51,11 +51,11 @@ class Argument(NamedTuple):
 
 
 class Command(NamedTuple):
-    """One command: the word behind ``fuzzyarm``, its help page, what it does, its arguments.
+    """A command: name, help page, function, arguments.
 
-    `run` takes the parsed arguments and returns the exit status. The line on the page of all
-    commands stands in `main.COMMANDS`, so that no module of a command is needed for it.
-    `rewrites` tells whether the arguments ask it to write over what it reads.
+    `run` takes the parsed arguments and returns the exit status. Its line on the page of all
+    commands is in `main.COMMANDS`, which needs no module of a command. `rewrites` decides from the
+    arguments whether the command replaces its own input.
     """
 
     name: str
@@ -65,12 +65,12 @@ class Command(NamedTuple):
     rewrites: Callable[[argparse.Namespace], bool] = lambda _arguments: False
 
     def parser(self) -> argparse.ArgumentParser:
-        """Return the parser of its words."""
+        """Return the argument parser."""
         parser = _Parser(
             prog=f"fuzzyarm {self.name}",
             description=self.description,
-            # argparse makes a formatter for each argument that is added: a given width saves
-            # it the question how wide the terminal is, and the imports for that.
+            # argparse makes a formatter for each added argument: a given width saves it the query
+            # of the terminal's, and the imports for that.
             formatter_class=partial(argparse.RawDescriptionHelpFormatter, width=80),
         )
         self.add_to(parser)
@@ -78,8 +78,8 @@ class Command(NamedTuple):
         return parser
 
     def add_to(self, parser: argparse.ArgumentParser) -> list[argparse.Action]:
-        """Add the arguments to a parser, each in its group; return what became of them."""
-        # A list of numbers with a sign, such as the way point -30,45, is not an option.
+        """Add the arguments to a parser, each in its group; return the actions."""
+        # A signed list of numbers, such as the way point -30,45, is not an option.
         parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
         groups: dict[tuple[str, str], Any] = {("", ""): parser}
         actions: list[argparse.Action] = []
@@ -96,10 +96,10 @@ class Command(NamedTuple):
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong with the words of a command in a sentence, without the list of all."""
+    """A parser with usage errors of one sentence, without the list of all options."""
 
     def error(self, message: str) -> NoReturn:
-        """Print a mistake in the words, and where all options are named; exit with status 2."""
+        """Print a usage error and a pointer to the options; exit with status 2."""
         head, _, words = message.partition("unrecognized arguments: ")
         if words and not head:
             message = self._unknown(words.split())
@@ -108,7 +108,7 @@ class _Parser(argparse.ArgumentParser):
         self.exit(EXIT_USAGE, f"{self.prog}: error: {message}\n{more}\n")
 
     def _unknown(self, words: Sequence[str]) -> str:
-        """Say of words that no argument takes which option may be meant."""
+        """Return the message about unused words, with the option that may be meant."""
         option = next((word for word in words if word.startswith("-")), None)
         if option is None:
             return f"too many arguments: {' '.join(words)}"
@@ -127,23 +127,23 @@ _OPTIONS_MEANT = {
     "duration": "for", "time": "for", "output": "out", "gain": "set", "gains": "set",
     "param": "set", "parameter": "set", "seconds": "for",
 }  # fmt: skip
-"""What people type for an option, by the word that it has here."""
+"""Common misnomers of an option, by its word here."""
 
 
 _OWN_WORDS = (
     (r"invalid int value: ('.*')", r"must be a whole number, not \1"),
     (r"invalid float value: ('.*')", r"must be a number, not \1"),
 )
-"""What argparse says of a value, and what a request says of one (`fuzzyarm.requests.fields`)."""
+"""argparse's message about a value → that of a request (`fuzzyarm.requests.fields`)."""
 
 
 def _in_own_words(message: str) -> str:
-    """Return what argparse says of an argument as a request says it of a field."""
+    """Return argparse's message about an argument in the words of a request about a field."""
     match = re.match(r"(?s)argument (\S+): (.*)", message)
     if match is None:
         return message
     name, why = match[1].rpartition("/")[2], match[2]
-    if why.startswith(name):  # a request has said it
+    if why.startswith(name):  # already in a request's words
         return why
     for pattern, words in _OWN_WORDS:
         if re.fullmatch(pattern, why, re.DOTALL):
@@ -174,15 +174,15 @@ def command(
 
 
 def always(_arguments: argparse.Namespace) -> bool:
-    """Whether a command writes over what it reads: it is made for that."""
+    """Whether a command replaces its input: always."""
     return True
 
 
 def argument(words: str, text: str | None = None, *, either: str = "", **options: Any) -> Argument:
-    """Return an argument whose `words` are as on the help page, and `text` its line there.
+    """Return an argument; `words` are its spellings on the help page, `text` its line there.
 
-    The spellings of an option or the name of a positional argument stand first, then what
-    its values are called: ``-o --out FILE``, ``--angles A1 A2``, ``file FILE``.
+    The spellings of an option or the name of a positional argument come first, then the names of
+    its values: ``-o --out FILE``, ``--angles A1 A2``, ``file FILE``.
     """
     first, *others = words.split()
     names = [first, *(word for word in others if word.startswith("-"))]
@@ -212,19 +212,19 @@ JSON = flag("--json", "print the result as JSON")
 FORCE = flag("--force", "replace files that fuzzyarm did not write")
 
 
-def json_of(what: str) -> Argument:
-    """Return ``--json`` with what it prints."""
-    return flag("--json", f"print {what} as JSON")
+def json_of(content: str) -> Argument:
+    """Return ``--json``, which prints `content`."""
+    return flag("--json", f"print {content} as JSON")
 
 
-def out(metavar: str, what: str, *, required: bool = True) -> Argument:
+def out(metavar: str, text: str, *, required: bool = True) -> Argument:
     """Return ``-o``."""
-    return argument(f"-o --out {metavar}", what, required=required)
+    return argument(f"-o --out {metavar}", text, required=required)
 
 
-def at(what: str) -> Argument:
-    """Return ``--at``, a point in the words of `read_assignments`."""
-    return argument("--at NAME=VALUE,...", what)
+def at(text: str) -> Argument:
+    """Return ``--at``, a point in the syntax of `read_assignments`."""
+    return argument("--at NAME=VALUE,...", text)
 
 
 WordError = errors.WordError
@@ -234,7 +234,7 @@ UsageError = errors.UsageError
 
 
 def require_suffix(path: str, suffixes: Iterable[str]) -> str:
-    """Return the suffix of `path` in small letters; WordError if it is none of those known."""
+    """Return the suffix of `path` in lower case; WordError if it is unknown."""
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in suffixes:
@@ -245,31 +245,31 @@ def require_suffix(path: str, suffixes: Iterable[str]) -> str:
 
 
 class Saved(NamedTuple):
-    """Where a result of long work was written, empty for nowhere, and what failed meanwhile."""
+    """The file with the result of long work, empty for none, and the failure on the way."""
 
     path: str
     fault: str = ""
 
 
 def saved(path: str, write: Callable[[str], object]) -> Saved:
-    """Write the result of long work; where that fails, into a folder for temporary files."""
+    """Write the result of long work; on failure, into a temporary folder."""
     try:
         write(path)
     except (OSError, SourceFileError, ForeignFileError) as error:
         from tempfile import mkdtemp
 
-        what = errors.sentence_of(error)
+        failure = errors.sentence_of(error)
         try:
             other = os.path.join(mkdtemp(prefix="fuzzyarm-"), os.path.basename(path))
             write(other)
         except OSError:
-            return Saved("", f"{what}; the report has the result")
-        return Saved(other, f"{what}; {other} has the result")
+            return Saved("", f"{failure}; the report has the result")
+        return Saved(other, f"{failure}; {other} has the result")
     return Saved(path)
 
 
 def attempted(work: Callable[[], object]) -> list[str]:
-    """Do what is not worth losing a report for, as a figure; return what failed."""
+    """Do optional work, such as a figure; return its failure instead of raising."""
     try:
         work()
     except Exception as error:
@@ -278,7 +278,7 @@ def attempted(work: Callable[[], object]) -> list[str]:
 
 
 def demand_places(*paths: str | None) -> None:
-    """Tell before long work what cannot be written after it."""
+    """Check before long work that its results can be written."""
     from fuzzyarm.base.files import demand_writable
 
     for path in filter(None, paths):
@@ -287,7 +287,7 @@ def demand_places(*paths: str | None) -> None:
 
 
 def demand_figure(path: str | None) -> None:
-    """Tell before long work that a figure cannot be written after it."""
+    """Check before long work that a figure can be written."""
     if path is not None:
         from fuzzyarm.base.figure_files import require_figure_suffix
 
@@ -296,22 +296,22 @@ def demand_figure(path: str | None) -> None:
 
 
 def demand_folder_of(path: str) -> None:
-    """Refuse a path into a folder that is not there."""
+    """Refuse a path into a missing folder."""
     folder = os.path.dirname(path)
     if folder and not os.path.isdir(folder):
         raise WordError(f"no such folder: '{folder}'")
 
 
-# --- What is printed ---
+# --- Output ---
 
 
 def say(*lines: str, to_errors: bool = False) -> None:
-    """Print lines that may have anybody's names in them."""
+    """Print lines with any characters."""
     text = "\n".join(map(printable, lines))
     if not to_errors:
         print(text)
         return
-    with suppress(OSError):  # nobody can be told
+    with suppress(OSError):  # there is no one left to tell
         print(text, file=sys.stderr)
 
 
@@ -325,13 +325,13 @@ def write_text(text: str) -> None:
 
 
 def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
-    """Print data as JSON to the standard output; what is not a finite number is null."""
+    """Print data as JSON to the standard output; numbers that are not finite become null."""
     import json
 
     ascii_only |= "utf" not in (sys.stdout.encoding or "utf-8").lower()
     text = json.dumps(jsonable(data), indent=indent, ensure_ascii=ascii_only, allow_nan=False)
     lines = text.split("\n")
-    # JSON itself escapes control characters, but not those that turn the direction of writing.
+    # JSON escapes control characters, but not those that turn the direction of writing.
     print("\n".join(x if x.isprintable() else _UNPRINTABLE.sub(_escaped, x) for x in lines))
 
 
@@ -346,12 +346,12 @@ def _escaped(character: re.Match[str]) -> str:
 
 
 def print_error(message: object) -> None:
-    """Print one line about what is wrong."""
+    """Print an error in one line."""
     say(f"fuzzyarm: {message}", to_errors=True)
 
 
 def print_os_error(error: OSError, path: str | None = None) -> None:
-    """Print why a file could not be read or written."""
+    """Print the reason why a file could not be read or written."""
     path = path or error.filename
     folder = os.path.dirname(path) if isinstance(path, str) else ""
     if isinstance(error, FileNotFoundError) and folder and not os.path.isdir(folder):
@@ -410,7 +410,7 @@ def _display() -> Progress:
 
 @contextmanager
 def _long_work() -> Iterator[Progress]:
-    """Give a display; what it shows need not be said."""
+    """Provide a display; its content needs no announcement."""
     _shown.set()
     with _display() as display:
         yield display
@@ -419,28 +419,29 @@ def _long_work() -> Iterator[Progress]:
 _QUIET = os.environ.get("FUZZYARM_PROGRESS") == "0"
 
 SOON = math.inf if _QUIET else 1.5
-"""Seconds after which a command says what it does, where no bar shows it."""
+"""Seconds until a command without a progress bar says what it is doing."""
 
 TOLD_EVERY = math.inf if _QUIET else 10.0
-"""Seconds between two lines of progress, where no bar shows it."""
+"""Seconds between two lines of progress without a progress bar."""
 
 _doing: list[str] = []
-"""What is being done, the innermost last."""
+"""Announced activities, the innermost last."""
 
 _shown, _hushed = threading.Event(), threading.Event()
-"""Whether it has been said, or is shown by a bar; whether no more is to be said."""
+"""Whether the activity was announced or has a bar; whether announcements are off."""
 
 
 def hush() -> None:
-    """Say no more of what this command does: its screen or its server shows it."""
+    """Turn announcements off: the command has its own screen or server."""
     _hushed.set()
 
 
 @contextmanager
 def announced(words: str, *, shown: bool = True) -> Iterator[None]:
-    """Say in one line on the standard error what is being done, where it takes a while.
+    """Announce an activity in one line on the standard error, if it takes a while.
 
-    Within another one it takes over what is said there, or says it itself, if that was said.
+    An inner activity replaces the announcement of an outer one, or is printed at once if that was
+    printed.
     """
     if not shown or math.isinf(SOON):
         yield
@@ -469,7 +470,7 @@ def _say_what_is_done() -> None:
 
 
 def print_progress(words: str) -> None:
-    """Print one line about what is being done, without the outcome."""
+    """Print the current activity in one line."""
     stream = sys.stderr
     with suppress(OSError):
         print(printable(f"fuzzyarm: {words}"), file=getattr(stream, "stream", stream), flush=True)
@@ -477,7 +478,7 @@ def print_progress(words: str) -> None:
 
 @contextmanager
 def busy(message: str) -> Iterator[Callable[[str], None]]:
-    """Show `message` while something runs; give what changes it, now and then off a terminal."""
+    """Show `message` during an activity; yield a function to update it, rarely off a terminal."""
     if not sys.stderr.isatty():
         with announced(message):
             yield _told_now_and_then()
@@ -489,7 +490,7 @@ def busy(message: str) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Callable[[int], None]]:
-    """Show a bar, and elsewhere than on a terminal a line now and then; give what moves it on."""
+    """Show a bar, off a terminal a line now and then; yield a function that advances it."""
     if not shown:
         yield lambda _count: None
         return
@@ -511,7 +512,7 @@ def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Call
 
 @contextmanager
 def steps_bar(title: str, total: int, done: int = 0) -> Iterator[Callable[[int], None]]:
-    """Show how many of equal steps are done, their rate and the time left; give what hears it."""
+    """Show progress, rate and remaining time of equal steps; yield a function to report steps."""
     pace = Pace(total)
 
     def state(now: int) -> str:
@@ -531,14 +532,14 @@ def steps_bar(title: str, total: int, done: int = 0) -> Iterator[Callable[[int],
 
 
 class Pace:
-    """How fast equal steps go by, and how long the others take.
+    """Rate and remaining time of equal steps.
 
     Parameters
     ----------
     total : int
-        How many there are.
+        Number of steps.
     seconds : float, optional
-        After which they end in any case.
+        Time limit.
     """
 
     def __init__(self, total: int, seconds: float = math.inf) -> None:
@@ -546,7 +547,7 @@ class Pace:
         self.first: tuple[int, float] | None = None
 
     def rate(self, done: int) -> float | None:
-        """Return steps in a second; None at first, with what had to be loaded."""
+        """Return steps per second; None at first, which includes loading."""
         now = time.monotonic()
         if self.first is None:
             self.first = done, now
@@ -554,14 +555,14 @@ class Pace:
         return (done - count) / max(now - begin, 1e-9) if done > count else None
 
     def left(self, done: int) -> float:
-        """Return how many seconds the other steps take; infinite where nobody knows."""
+        """Return the seconds for the remaining steps; infinite if unknown."""
         rate = self.rate(done)
         left = math.inf if rate is None else (self.total - done) / rate
         return max(0.0, min(left, self.until - time.monotonic()))
 
 
 def duration_words(seconds: float) -> str:
-    """Return a time as one says it."""
+    """Return a duration in words."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
@@ -570,7 +571,7 @@ def duration_words(seconds: float) -> str:
 
 
 def _told_now_and_then() -> Callable[[str], None]:
-    """Return what says words on the standard error, once in `TOLD_EVERY` seconds."""
+    """Return a function that prints on the standard error, at most once in `TOLD_EVERY` seconds."""
     last = time.monotonic()
 
     def tell(words: str) -> None:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command shows and draws of a comparison."""
+    """Output of a comparison."""
 
     plot: str | None = option("--plot FIG", "draw error against cost", None)
     markdown: bool = option("--markdown", "print a table for a page", False)
@@ -41,35 +41,34 @@ class _Output(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class CompareWords(CompareRequest, _Output):
-    """All that ``fuzzyarm compare`` takes."""
+    """All arguments of ``fuzzyarm compare``."""
 
 
 _COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
 
 CONTROLLER is a name of the catalogue, a sum or a file; by default those of the study's
-summary table and those that it does not have. The arm follows reach-return and
-pick-and-place, another plant with trajectories those that it names, all under the
-conditions that the options say, whatever the controllers are called. Without options:
-with load, also in the hold; double precision and the true π; set points held for the
-periods that a controller asks for (laws: five of 0.6 ms), motors without inductance, any
-torque. What the study did for a row of its own, `fuzzyarm reproduce` does.
+summary table and the new ones beside them. The arm follows reach-return and pick-and-place,
+another plant its own trajectories, all under the conditions of the options, whatever the
+controllers. By default: with load, also in the hold; double precision and the true π; set
+points held for as many periods as a controller needs (laws: five of 0.6 ms), motors without
+inductance, unlimited torque. For the conditions of the study see `fuzzyarm reproduce`.
 
 "rms" are the RMS errors of links 1 and 2 on the first trajectory, then on the second, in
 degrees: at the set points, each in the last of its periods, as the study samples them; in
-all control periods, from the set point that is held; and from the path itself, which moves
-on while a set point stands. "change" is the mean magnitude by which the torque of a joint
-(on another plant the first drive of an axis) changes from one control period to the next,
-the largest of all, in N m: chatter.
+all control periods, against the held set point; and against the path itself, which moves on
+while a set point is held. "change" measures chatter: the mean magnitude of the change of a
+joint's torque (on another plant: of the first drive of an axis) from one control period to the
+next, the largest of all, in N m.
 
 With --operations: floating-point operations of a control step, both joints together
-(counted as the loop does them, sines and cosines among them, in the mean along a short
-move), and those of a step of the program that `fuzzyarm compile` writes, at most. With
---cost the time, too, that a step adds to the loop. Both are counted on the arm.
+(measured in the loop, sines and cosines included, averaged along a short move), and those of
+a step of the program by `fuzzyarm compile`, at most. With --cost also the processor time of a
+step in the loop. Both are for the arm.
 
-On a plant without trajectories, that of --plant or the shipped one that has the axes of the
-controllers, and on any with --reference or --step, they follow the same references, with the
+On a plant without trajectories (that of --plant, or the shipped one with the axes of the
+controllers), and with --reference or --step on any, they follow the same references, with the
 options of `fuzzyarm simulate`; the table has the metrics of each run, and --plot draws the
-runs beside one another.
+runs side by side.
 
 Examples
 --------
@@ -99,7 +98,7 @@ def _compare(request: CompareWords) -> int:
 
 
 def _require_counted(request: CompareWords, plant: Plant, *, along: bool) -> None:
-    """Raise WordError for an option that is not for this kind of comparison."""
+    """Raise WordError for an option of the other kind of comparison."""
     from fuzzyarm.apps.study.comparison import is_counted
 
     option = request.given(("cost", "operations"))
@@ -175,7 +174,7 @@ def _print_notes(compared: Sequence[Compared | Run]) -> None:
 
 
 def _conditions(request: CompareWords, plant: Plant) -> str:
-    """Return in words, to follow others, under which conditions all are compared."""
+    """Return the common conditions of all controllers in words."""
     from fuzzyarm.control.loop.words import conditions, conventions_of
     from fuzzyarm.plant.following import carries
 
@@ -185,14 +184,14 @@ def _conditions(request: CompareWords, plant: Plant) -> str:
 
 
 def _load(conventions: Conventions, *, payload: bool) -> str:
-    """Return in words what is carried."""
+    """Return the load in words."""
     if not payload:
         return " without load"
     return " with load" if conventions.load_in_hold else " with load but not in the hold"
 
 
 def _counting(conventions: Conventions) -> str:
-    """Return in words how all of them count."""
+    """Return the numerical conventions in words."""
     numbers = f"{conventions.precision}, π {conventions.pi:.7g}"
     return f"{conventions.name} conventions, {numbers}"
 
@@ -240,18 +239,18 @@ def _compared_json(compared: Compared, cost: ControlStepCost | None) -> dict[str
 
 
 _SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
-"""Of errors: by the word of ``--errors``, how they are called."""
+"""Names of the errors by the word of ``--errors``."""
 
 
 def _compared_lines(
     compared: Sequence[Compared], costs: Sequence[ControlStepCost], senses: Sequence[str]
 ) -> Iterator[str]:
-    """Yield a table with a line for each controller and sense of error."""
+    """Yield a table with a line for each controller and kind of error."""
     heads = ["change", *(_cost_heads(costs) if costs else [])]
     count = len(compared[0].rms)
     yield _columns("controller", "", [*_rms_heads(compared[0]), *heads], count)
     for comparison, cost in zip_longest(compared, costs):
-        # Where all runs diverged, one line says it.
+        # One line for a controller with diverged runs only.
         sense_names = senses if any(time is None for time in comparison.diverged) else senses[:1]
         for at, sense in enumerate(sense_names):
             name, others = (comparison.name, _others(comparison, cost)) if at == 0 else ("", [])
@@ -259,14 +258,14 @@ def _compared_lines(
 
 
 def _outputs_of(compared: Compared) -> list[int]:
-    """Return which of the outputs that follow each error is of, counted from 1."""
-    # Errors stand one trajectory after the other, each with all outputs that follow it.
+    """Return the output of each error, counted from 1."""
+    # Errors are ordered by trajectory, then by output.
     outputs = len(compared.rms) // len(compared.diverged)
     return [1 + index % outputs for index in range(len(compared.rms))]
 
 
 def _rms_heads(compared: Compared) -> list[str]:
-    """Return a head for each error; degrees need no word."""
+    """Return a heading for each error; degrees go without saying."""
     units = ["" if unit == "degrees" else f", {unit}" for unit in compared.units]
     return [f"rms {at}{unit}" for at, unit in zip(_outputs_of(compared), units, strict=True)]
 
@@ -274,7 +273,7 @@ def _rms_heads(compared: Compared) -> list[str]:
 def _compared_markdown(
     compared: Sequence[Compared], costs: Sequence[ControlStepCost], senses: Sequence[str]
 ) -> Iterator[str]:
-    """Yield a table with a line for each controller; of costs those, beside mean errors."""
+    """Yield a table with a line for each controller; with costs, beside mean errors."""
     if costs:
         heads = ["controller", "geometric mean at set points", "from the path"]
         heads += _cost_heads(costs)
@@ -314,7 +313,7 @@ def _errors(compared: Compared, sense: str) -> list[str]:
 
 
 def _others(compared: Compared, cost: ControlStepCost | None) -> list[str]:
-    """Return the largest change of torque, and what a step costs."""
+    """Return the largest change of torque, and the cost of a step."""
     diverges = any(time is not None for time in compared.diverged)
     change = "" if diverges else f"{max(compared.variation, default=0.0):.2f}"
     return [change, *(_cost_cells(cost) if cost is not None else [])]
@@ -332,7 +331,7 @@ def _cost_cells(cost: ControlStepCost) -> list[str]:
 
 
 def _columns(name: str, sense: str, cells: Sequence[str], errors: int) -> str:
-    """Return a line of the table, in which so many cells are errors."""
+    """Return a line of the table with this many cells of errors."""
     least = [18, 12, *[10] * errors, 12]
     return in_columns([(name, sense, *cells)], "<<>", gap="", least=least)[0]
 
@@ -340,13 +339,13 @@ def _columns(name: str, sense: str, cells: Sequence[str], errors: int) -> str:
 # --- Along references ---
 
 SHOWN = ("rms", "max", "overshoot", "settling", "effort", "chatter")
-"""Metrics of a run that the table has."""
+"""Metrics of a run in the table."""
 
 
 def _compare_references(
     request: CompareWords, controllers: Sequence[Controller], plant: Plant
 ) -> int:
-    """Run controllers along the same references, and print what came of them."""
+    """Run controllers along the same references and print the metrics."""
     from fuzzyarm.control.loop.experiments import with_drives
     from fuzzyarm.control.loop.run import run_along
     from fuzzyarm.control.loop.words import conditions, connections, conventions_of, motion_of
@@ -377,7 +376,7 @@ def _compare_references(
 
 
 def _plot_runs(runs: list[Run], path: str, title: str) -> None:
-    """Draw runs beside one another, the conditions above them."""
+    """Draw runs side by side below their conditions."""
     from fuzzyarm.apps.show.figures.panels import draw_runs
     from fuzzyarm.apps.study.figures import save_figure
 
@@ -385,7 +384,7 @@ def _plot_runs(runs: list[Run], path: str, title: str) -> None:
 
 
 def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
-    """Yield a row for each controller and tracked output, the heads first."""
+    """Yield the headings, then a row for each controller and tracked output."""
     several = len(runs[0].labels) > 1
     unit = dict(zip(runs[0].labels, runs[0].units, strict=True))
     yield ["controller", "error of", *SHOWN]

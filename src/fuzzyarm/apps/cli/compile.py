@@ -1,28 +1,29 @@
 """Compile a rule base to a lookup table or to source text, or a controller to a program.
 
-The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
-and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
+The suffix of OUT selects the format. Tables: .lut (text), .csv, .npz or .json,
+and .tex (LaTeX, for print). Source text: .h (a single C99 header), .c (with a .h
 beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML), .scl (SCL for the
 TIA Portal), or a module: .py for MicroPython, .mjs or .js for JavaScript, .rs for Rust.
-FILE may be a table already; it is then rewritten in the other format.
+A FILE that is a table is rewritten in the other format.
 
-The levels, bins and rounding are those of the file's `lookup` settings; an input without
-any gets 13 even levels. Prints how far the table is from direct inference, at worst and on
-average, for each way of looking it up; "proved" holds between the points too.
-With --tolerance T the smallest even grid is searched whose linear interpolation differs nowhere
-by more than T; the file's lookup settings are then not used.
+Levels, bins and rounding are those of the file's `lookup` settings; an input without
+any gets 13 even levels. Prints the worst and mean error of the table against direct inference,
+for each lookup mode; "proved" bounds hold between the points too. --tolerance T searches the
+smallest even grid whose linear interpolation is nowhere off by more than T, and ignores the
+file's lookup settings.
 
-Source text infers the rules themselves; of a file with `lookup` settings it looks tables up, by
---mode, with --q 15 or --q 7 in whole numbers. --direct and --table say which, and an option of
-a table (--levels, --mode, --q …) means one. All outputs go into one file unless --output names one.
+Source text infers the rules themselves; with `lookup` settings in the file it looks tables up, by
+--mode, with --q 15 or --q 7 in integers. --direct and --table choose explicitly, and an option of
+tables (--levels, --mode, --q …) implies one. All outputs go into one file unless --output names
+one.
 
-With --for arduino or platformio OUT is a folder that opens in that program: a library whose
-tables stay in flash, a sketch, a self-test, and a README with the bytes and cycles that a board
-takes, measured where avr-gcc and simavr are installed.
+With --for arduino or platformio OUT is a folder for that IDE: a library with the tables in flash, a
+sketch, a self-test, and a README with the size and cycles on the board, measured where avr-gcc and
+simavr are installed.
 
 A controller becomes a state with `init` and `step` in C, or a function block. Its rules are
-inferred, or with --table looked up in tables that are made as above. With .fmu all three become
-a co-simulation unit (FMI), built with the C compiler that is there.
+inferred, or with --table looked up in tables made as above. With .fmu any of the three becomes
+a co-simulation unit (FMI), built with the installed C compiler.
 
   fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
   fuzzyarm compile rulebases/stfc.frb -o stfc.h
@@ -64,7 +65,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """Where a command writes, and how it says it."""
+    """Output file and form of the report."""
 
     out: str = option("-o --out OUT", "the file to write")
     json: bool = option("--json", "print the report as JSON", False)
@@ -72,17 +73,17 @@ class _Output(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class ExportWords(ExportRequest, _Output):
-    """All that ``fuzzyarm compile`` takes."""
+    """All arguments of ``fuzzyarm compile``."""
 
     report: str | None = option(
-        "--report DIR", "of a .c: what it is made of, proofs, self-test, coverage", None,
+        "--report DIR", "of a .c: provenance, proofs, self-test, coverage", None,
         group=SOURCE,
     )  # fmt: skip
 
 
 _UNIT = ".fmu"
 
-# Options that make no sense for some inputs or outputs, by their names.
+# Options that apply to some inputs or outputs only, by name.
 _SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
 _RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
@@ -121,7 +122,7 @@ def _run(request: ExportWords) -> int:
 
 
 def _demand_report(out: str, folder: str) -> None:
-    """Refuse a report of what is not C, or into a folder of somebody else's."""
+    """Refuse a report about anything but C, or into a folder with other files."""
     from fuzzyarm.base.files import demand_own
 
     if Path(out).suffix.lower() != ".c":
@@ -134,7 +135,7 @@ def _demand_report(out: str, folder: str) -> None:
 def _report(
     request: ExportWords, how: Making, exported: Exported | ExportedController
 ) -> dict[str, Any] | None:
-    """Return the report that was asked for, not yet written."""
+    """Return the requested report, not yet written."""
     if request.report is None:
         return None
     from fuzzyarm.apps.dossier import report_of
@@ -143,7 +144,7 @@ def _report(
 
 
 def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
-    """Write a report beside what it is about."""
+    """Write a report into its folder."""
     if folder is not None and report is not None:
         from fuzzyarm.apps.dossier import write_report
 
@@ -151,7 +152,7 @@ def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
 
 
 def _report_line(folder: str | None, report: dict[str, Any] | None) -> list[str]:
-    """Return what is said of a report, if there is one."""
+    """Return the lines about a report, if there is one."""
     if report is None:
         return []
     rows, coverage = report["self_test"]["rows"], report["coverage"]
@@ -267,7 +268,7 @@ def _write(table: LookupTable, request: ExportWords) -> None:
 
 
 def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
-    """Write source text and say how accurate and how large it is."""
+    """Write source text and print its accuracy and size."""
     from fuzzyarm.exchange.compiled import making_of, source_of
 
     if request.precision is not None and request.q is not None:
@@ -288,7 +289,7 @@ def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
 
 @contextmanager
 def _of_file(path: str) -> Iterator[None]:
-    """Say of what cannot be exported in which file it stands."""
+    """Name the file in export errors."""
     from fuzzyarm.exchange.export.numbers import ExportError
 
     try:
@@ -298,7 +299,7 @@ def _of_file(path: str) -> Iterator[None]:
 
 
 def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
-    """Check a certificate; return what it proves, for the head of a program."""
+    """Check a certificate; return its claim, for the header comment."""
     from fuzzyarm.proof.check.checking import check_certificate, proof_words
     from fuzzyarm.proof.claim.text import claimed_plant
 
@@ -309,7 +310,7 @@ def _certified(path: str, controller: ControllerText, *, trust: bool) -> str:
 
 
 def _export_controller(controller: ControllerText, suffix: str, request: ExportWords) -> None:
-    """Write a controller as a program and say what it is."""
+    """Write a controller as a program and print a summary."""
     from fuzzyarm.exchange.compiled import making_of, program_of
 
     if request.table and request.direct:
@@ -320,7 +321,7 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     how = making_of(request)
     if request.certificate is not None:
         if request.table or request.q:
-            raise WordError("the certificate is of the rules, not of a table or of whole numbers")
+            raise WordError("the certificate is about the rules, not about a table or integers")
         proved = _certified(request.certificate, controller, trust=request.trust)
         how = replace(how, proofs=(proved,))
     with busy("exporting") as progress, _of_file(request.file):
@@ -336,7 +337,7 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     say(*lines, *controller_lines(exported), *_report_line(request.report, report))
 
 
-# --- What --json says of tables and of source text ---
+# --- JSON of tables and source text ---
 
 
 def _table_data(table: LookupTable, out: str) -> dict[str, Any]:

@@ -10,11 +10,11 @@ from fuzzyarm.apps.cli.command import Command
 SHELLS = ("bash", "zsh", "tcsh")
 
 _FILES = {"FILE", "OUT", "FIG", "DATA", "MODEL", "IN", "A", "B", "PLANT", "CONTROLLER"}
-"""What values are called on the help pages that are files, up to a dot, as in ``FILE.frb``."""
+"""Names of file values on the help pages, up to a dot as in ``FILE.frb``."""
 
 
 def completion_script(shell: str, commands: Iterable[tuple[Command, str]]) -> str:
-    """Return the script that a shell completes with."""
+    """Return the completion script of a shell."""
     import shtab
 
     script: str = shtab.complete(_whole_parser(commands), shell=shell)
@@ -22,7 +22,7 @@ def completion_script(shell: str, commands: Iterable[tuple[Command, str]]) -> st
 
 
 def _whole_parser(records: Iterable[tuple[Command, str]]) -> argparse.ArgumentParser:
-    """Return one parser of all commands; to run one takes only its own."""
+    """Return one parser of all commands (a run builds its own command's only)."""
     import shtab
 
     parser = argparse.ArgumentParser(prog="fuzzyarm", description="Fuzzy controllers as text.")
@@ -42,7 +42,7 @@ def _whole_parser(records: Iterable[tuple[Command, str]]) -> argparse.ArgumentPa
 
 
 def _offer_names(action: argparse.Action) -> None:
-    """Offer shipped plants, and their trajectories; an option takes others as well."""
+    """Offer shipped plants and their trajectories, not exclusively."""
     from fuzzyarm.plant import PLANTS
 
     if "--plant" in action.option_strings:

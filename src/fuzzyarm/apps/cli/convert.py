@@ -1,28 +1,28 @@
-"""Convert a rule base between .frb, .fll, .fcl and .fis, by suffix; or what a script makes.
+"""Convert a rule base between .frb, .fll, .fcl and .fis, by suffix; or the systems of a script.
 
     fuzzyarm convert tipper.fis tipper.frb
     fuzzyarm convert robot.fcl robot.fll --from jfuzzylogic
 
-Everything that does not come across is said, with its position in the file. Where numbers
-change a little (another sampling of the defuzzifier, another manner outside a range, fuzzylite's
-threshold of 1e-6), the file is written with a warning, and refused with --strict; what would
-change numbers beyond that is an error, and nothing is written, unless --lossy. Where anything is
-warned about, what was written is read back and compared at 100 points: the warning has the greatest
-difference, and beyond 1 % of the range of an output it is an error. From .frb to .frb
-the text is formatted and its comments stay; other files have no place for them.
+Every loss is reported with its position in the file. Where numbers change a little (another
+sampling of the defuzzifier, another treatment of values outside a range, fuzzylite's threshold of
+1e-6), the file is written with a warning, and refused with --strict. A greater change is an error,
+and nothing is written, unless with --lossy. After a warning the written file is read back and
+compared at 100 points: the warning has the greatest difference, and beyond 1 % of the range of an
+output it is an error. From .frb to .frb the text is formatted and keeps its comments; other
+formats have no place for them.
 
     fuzzyarm convert light.fis move.fis tree.frb --connect "light/out -> move/level"
 
-Several files become one rule base, as a `fistree` of MATLAB chains them: --connect leads an output
-of one to an input of another, or joins two inputs. Files are called by their names without suffix.
+Several files become one rule base, like a `fistree` of MATLAB: --connect feeds an output of one to
+an input of another, or joins two inputs. The name of a file in it is that without the suffix.
 
     fuzzyarm convert project.py -o rules/
 
 A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run as python does it,
-with all your permissions, in a process of its own, and each fuzzy system that it makes becomes a
-.frb, named after the variable; what it has made by the end of its time is taken. Numbers are
-compared at 100 points with those of the library's own object: they are the same to 1e-9 of the
-range, or the greatest difference is said.
+with all your permissions, in its own process. Each of its fuzzy systems becomes a .frb, named after
+its variable; after a timeout the systems made so far are converted. The numbers are compared with
+the library's own at 100 points: they agree to 1e-9 of the range, or the greatest difference is
+printed.
 """
 
 from __future__ import annotations
@@ -64,20 +64,20 @@ if TYPE_CHECKING:
     from fuzzyarm.exchange.live import System
 
 SCRIPT = ".py"
-"""The suffix of what is run."""
+"""Suffix of scripts."""
 
 SECONDS = 60.0
-"""Time for a script, unless told otherwise."""
+"""Default time limit of a script."""
 
 _FIELDS = ("name", "severity", "message", "hint", "line", "column")
-"""What --json tells of a finding."""
+"""Fields of a finding in --json."""
 
 _READ_AS = sorted({program for programs in MEANINGS.values() for program in programs})
 _WRITTEN_FOR = sorted({program for programs in PRODUCERS.values() for program in programs})
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    # The last of all names is the file to write, which argparse cannot know.
+    # The last name is the file to write, which argparse cannot know.
     names = [*arguments.source, *filter(None, [arguments.target])]
     *sources, last = names if len(names) > 1 else [*names, None]
     arguments.source, arguments.target = sources[0], last
@@ -95,7 +95,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _convert_one(arguments: argparse.Namespace, target: str) -> int:
-    """Write one file as another."""
+    """Convert one file."""
     if Path(arguments.source).suffix.lower() in SUFFIXES:
         hint = f"fuzzyarm fit {arguments.source} -o {arguments.target} makes rules of it"
         raise WordError(f"{arguments.source} is a table, not a rule base", hint=hint)
@@ -118,7 +118,7 @@ def _convert_one(arguments: argparse.Namespace, target: str) -> int:
 
 
 def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
-    """Write a rule base; a text of the language keeps its comments, or they are counted."""
+    """Write a rule base; .frb keeps its comments, other formats count them as lost."""
     is_own = Path(arguments.source).suffix.lower() == ".frb"
     return converted(
         rulebase,
@@ -132,7 +132,7 @@ def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) ->
 
 
 def _convert_tree(arguments: argparse.Namespace, sources: Sequence[str], target: str) -> int:
-    """Chain several rule bases to one, and write it."""
+    """Chain several rule bases into one and write it."""
     from fuzzyarm.exchange.formats.trees import tree
 
     usage = COMMANDS[0].parser().error
@@ -184,8 +184,8 @@ def _report_of_tree(
     *,
     written: bool,
 ) -> None:
-    """Say what was found in each file, then in how they are connected."""
-    # Rules of a tree stand nowhere in the files: what is said of several of them is said once.
+    """Print the findings of each file, then those of the connections."""
+    # Rules of the tree have no position in the files: a finding about several is printed once.
     diagnostics = list(
         dict.fromkeys(replace(d, path=d.path or arguments.target) for d in diagnostics)
     )
@@ -203,17 +203,17 @@ def _report_of_tree(
         say(f"{arguments.target}: written, {_summary(diagnostics)}")
 
 
-# --- What a script makes ---
+# --- Scripts ---
 
 
 def _convert_script(arguments: argparse.Namespace) -> int:
-    """Run a script and write a rule base for each fuzzy system that it makes."""
+    """Run a script and write a rule base for each of its fuzzy systems."""
     from fuzzyarm.exchange.live import ScriptError, read_script
 
     source = arguments.source
     if arguments.target is not None and suffix_of(arguments.target) != ".frb":
         hint = "then convert the .frb"
-        raise WordError("what a script makes is written as .frb only", hint=hint)
+        raise WordError("the systems of a script are written as .frb only", hint=hint)
     try:
         with busy(f"running {source}"):
             systems, diagnostics = read_script(
@@ -249,7 +249,7 @@ def _convert_script(arguments: argparse.Namespace) -> int:
 
 
 def _targets(arguments: argparse.Namespace, systems: Sequence[System]) -> list[Path]:
-    """Return where each system goes: into the folder of -o by its name, a single one to OUT."""
+    """Return the file of each system: by its name in the folder of -o, or OUT for a single one."""
     if arguments.target is not None:
         if len(systems) > 1:
             names = ", ".join(system.name for system in systems)
@@ -262,12 +262,12 @@ def _targets(arguments: argparse.Namespace, systems: Sequence[System]) -> list[P
 
 
 def _write_system(arguments: argparse.Namespace, system: System, target: Path) -> bool:
-    """Write a system; not over another text, unless its file was named or --force is given."""
+    """Write a system; replace another text only if its file was named or with --force."""
     if system.rulebase is None:
         return False
     try:
         write_atomically(target, system.text)
-    except ForeignFileError as error:  # the other systems of the script have files of their own
+    except ForeignFileError as error:  # the other systems have their own files
         print_error(error)
         return False
     return True
@@ -275,7 +275,7 @@ def _write_system(arguments: argparse.Namespace, system: System, target: Path) -
 
 def _say_findings(findings: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
     stream = sys.stderr if to_errors else sys.stdout
-    # Neighbours at once: each call divides the text into lines.
+    # Neighbours together: each call splits the text into lines.
     for has_position, neighbours in groupby(findings, lambda finding: finding.span != NOWHERE):
         if has_position:
             print_findings(list(neighbours), text_to_show(source), stream)
@@ -290,10 +290,10 @@ def _say_system(
     arguments: argparse.Namespace, system: System, target: Path, *, written: bool
 ) -> None:
     diagnostics = [d for d in system.diagnostics if d.is_error or not arguments.quiet]
-    what = f"{arguments.source}: {system.name}"
+    origin = f"{arguments.source}: {system.name}"
     for diagnostic in diagnostics:
         hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
-        line = f"{what}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}"
+        line = f"{origin}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}"
         say(line, *hint, to_errors=not written)
     if not written:
         print_error(f"{target}: not written")
@@ -392,13 +392,13 @@ COMMANDS = (
         flag("--strict", "refuse small differences too", either="mode"),
         argument("--from", "the program IN was written for", dest="producer", choices=_READ_AS),
         argument("--for", "the program OUT is written for", dest="consumer", choices=_WRITTEN_FOR),
-        argument("--block NAME", "which function block of an .fcl to take"),
+        argument("--block NAME", "the function block of an .fcl"),
         flag("--quiet -q", "print errors only"),
         FORCE,
-        json_of("what was found"),
+        json_of("the findings"),
         *group(
             "scripts",
-            argument("-o --out DIR", "where the rule bases go; here by default"),
+            argument("-o --out DIR", "folder of the rule bases; the current one by default"),
             argument(
                 "--seconds S",
                 f"time for the script (default: {SECONDS:g})",

@@ -1,12 +1,12 @@
 """A rule base as text and as a picture, in a browser.
 
-The text stays what counts: a corner that is dragged and a cell that is chosen are edits of the
-text, and what is typed is drawn at once. With a folder its files are offered; nothing outside it
-is read or written. The page is served to this machine only, under an address with a token, which
-is the first line of the output. Ctrl-C ends it.
+The text is the model: a dragged corner or a chosen cell is an edit of the text, and typed text
+is drawn at once. A folder offers its files; nothing outside it is read or written. The page is
+served to this machine only, under an address with a token, the first line of the output. Ctrl-C
+ends it.
 
-The view Run runs a controller on a shipped plant, or on one that --plant names; the page has no
-other Python executed.
+The view Run runs a controller on a shipped plant or that of --plant; the page executes no other
+Python.
 
   fuzzyarm designer rulebases/pd7.frb
   fuzzyarm designer servo.frb --plant mine.py:Crane
@@ -76,7 +76,7 @@ COMMANDS = (
         argument("file FILE", "a .frb or .lut file, or a folder of them; it may be empty, or new"),
         argument(
             "--port N",
-            "where to serve; 0: any free port (default: the same for a folder, where it is free)",
+            "the port; 0: any free one (default: always the same for a folder, if free)",
             type=_port,
         ),
         flag("--no-browser", "only print the address"),

@@ -38,10 +38,10 @@ if TYPE_CHECKING:
 _WATCH = """Draw a file again whenever it is saved, for people who keep their own editor.
 
 Shows the control surface, the rules and the findings of a rule base, or a lookup table.
-While the text has mistakes they are shown above the last good drawing. With --table the
-compiled table is written at each save, with --figure a figure (.png, .svg or .pdf).
-In a terminal the arrow keys move the crisp inputs (with shift further), c puts them in the
-middle, x and y give the arrows other inputs, o shows the next output; q or Ctrl-C ends it.
+Mistakes in the text are shown above the last good drawing. --table writes the compiled table
+at each save, --figure a figure (.png, .svg or .pdf). In a terminal the arrow keys move the crisp
+inputs (with shift further), c centres them, x and y assign other inputs to the arrows, o shows
+the next output; q or Ctrl-C ends it.
 """
 
 _VIEWS = ("surface", "rules", "terms", "firing", "numbers")
@@ -55,7 +55,7 @@ def _watch(arguments: argparse.Namespace) -> int:
     from fuzzyarm.apps.watch.document import WatchedFile
 
     _demand_sense(arguments)
-    # Taken before the file is read: a save in between is then seen as one.
+    # Before the file is read: a save in between then counts as a change.
     stamp = stamp_of(arguments.file)
     document = WatchedFile(arguments.file)
     console = make_console()
@@ -68,7 +68,7 @@ def _watch(arguments: argparse.Namespace) -> int:
     from fuzzyarm.apps.watch.keys import keys_of_terminal
 
     try:
-        # Before anything is drawn: a key that answers the first picture is not lost.
+        # Before the first drawing, so that an early key is not lost.
         with keys_of_terminal() as read_key:
             _redraw(console, document, arguments)
             _follow(console, document, arguments, stamp, read_key)
@@ -101,7 +101,7 @@ def _follow(
         if key and document.scene is not None and apply_key(document.scene, key):
             _draw(console, document, arguments, [])
         stamp = stamp_of(document.path)
-        # An editor that replaces the file takes it away for a moment.
+        # An editor that replaces the file removes it for a moment.
         if stamp is None or stamp == last_stamp:
             continue
         last_stamp = stamp
@@ -120,7 +120,7 @@ def _follow(
 
 
 def _redraw(console: Console, document: WatchedFile, arguments: argparse.Namespace) -> bool:
-    """Draw the file and write what follows from it; tell whether all of that is written."""
+    """Draw the file and write its products; return whether all were written."""
     if arguments.at and document.scene is not None:
         document.scene.point |= read_assignments([arguments.at], list(document.scene.ranges))
     notes, faults = ([], []) if document.broken else _write_products(document, arguments)
@@ -134,7 +134,7 @@ def _draw(
     if console.is_terminal:
         console.clear()
     width, views = min(console.width, _WIDEST), arguments.view or _USUAL
-    # Keys are named where they act.
+    # Keys are explained only if they work.
     keys = console.is_terminal and not arguments.once
     console.print(_picture(document, width, views, keys=keys))
     for note in notes:
@@ -145,7 +145,7 @@ def _draw(
 def _write_products(
     document: WatchedFile, arguments: argparse.Namespace
 ) -> tuple[list[str], list[str]]:
-    """Write the table and the figure; return what is written, and what is not: watching goes on."""
+    """Write the table and the figure; return written files and failures, and go on watching."""
     notes, faults = [], []
     rulebase = document.session.review().rulebase
     for target, write in ((arguments.table, _write_table), (arguments.figure, _write_figure)):
@@ -184,7 +184,7 @@ def _write_figure(document: WatchedFile, rulebase: RuleBase | None, target: str)
 def _picture(
     document: WatchedFile, width: int, views: Sequence[str], *, keys: bool
 ) -> RenderableType:
-    """Return the findings and, of `views`, the drawings that the file has."""
+    """Return the findings and those of `views` that the file has."""
     from rich.console import Group
     from rich.text import Text
 
@@ -230,7 +230,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     server = make_server()
     hush()
     if arguments.tcp is None:
-        # The server closes its output when it ends; ours stays open for the farewell.
+        # The server closes its output at its end; a copy of ours stays open for the last line.
         stdin = cast("BinaryIO", MessageStream(sys.stdin.buffer))
         server.start_io(stdin, os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
         return 0
@@ -254,7 +254,7 @@ COMMANDS = (
         at("the crisp inputs (the middle)"),
         argument(
             "--view",
-            "what to draw, once or several times (surface and rules; of a table its numbers)",
+            "a part to draw, repeatable (surface and rules; of a table its numbers)",
             action="append",
             choices=_VIEWS,
         ),

@@ -1,7 +1,7 @@
 """Evaluate a rule base or a table at one point.
 
-Prints every output by name; with --json exactly one object such as {"u": 1.25}. With
---explain the way from the inputs to the outputs: memberships, the rules that fire with
+Prints every output by name; with --json exactly one object such as {"u": 1.25}. --explain
+prints the steps from the inputs to the outputs: memberships, the fired rules with
 their positions in the file, the clipped sets and the value. --plot FIG draws the same as a
 figure.
 
@@ -125,7 +125,7 @@ def _save(figure: Figure, arguments: argparse.Namespace) -> None:
 
 
 def _steps(table: LookupTable, values: dict[str, float], mode: str | None) -> list[str]:
-    """Return in words which cell each input falls into."""
+    """Return the cell of each input in words."""
     lookup_mode = mode or table.default_mode
     lines = [f"looked up by {lookup_mode}"]
     for axis in table.axes:
@@ -148,10 +148,10 @@ def _with_defuzzifier(rulebase: RuleBase, text: str) -> RuleBase:
 
 
 def _read_defuzzifier(text: str) -> Defuzzifier:
-    """Return the defuzzifier in the words of the language, such as ``centroid(101, midpoints)``."""
+    """Return the defuzzifier in language syntax, such as ``centroid(101, midpoints)``."""
     from fuzzyarm.language import parse
 
-    # The language itself reads it, inside the smallest rule base there is.
+    # Parsed by the language itself, in the smallest possible rule base.
     prefix = "inference  defuzzifier "
     around = "rulebase r\ninput x 0 .. 1\noutput y 0 .. 1\nterms x, y: triangles A B\n"
     parsed = parse(f"{around}{prefix}{' '.join(text.split())}\nrule if x is A then y is A\n")

@@ -1,14 +1,14 @@
-"""Learn a rule base from samples, and get a text that a person can read.
+"""Learn a rule base from samples, as readable text.
 
 DATA is a .csv or .parquet file with a row for each sample; its last column is the target
 unless --target names another. A target of words is learned as classes. A table (.lut) or a
 rule base is learned as well: the result is its surrogate, with its fidelity.
 
-The model is Takagi and Sugeno's: LOW and HIGH of the inputs that matter, a linear conclusion
-for each combination. Cross-validation decides how many terms there are, how far conclusions
-are shrunk towards linear regression, and whether moving the terms pays; with --series its
-parts are blocks of time. Up to 1000 samples a second one around all of it judges what came of
-it. --words N gives the rules of Wang and Mendel instead. What is written is scored as written.
+The model is Takagi and Sugeno's: LOW and HIGH of the relevant inputs, a linear conclusion
+for each combination. Cross-validation chooses the number of terms, the shrinkage of the conclusions
+towards linear regression, and whether to move the terms; with --series its folds are blocks of
+time. Up to 1000 samples an outer cross-validation estimates the error of the whole procedure.
+--words N gives the rules of Wang and Mendel instead. The score is that of the written file.
 Ctrl-C keeps the best so far (exit status 130), and so does the end of --time.
 
 Examples
@@ -43,15 +43,15 @@ from fuzzyarm.requests.learn import FitRequest
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command prints and writes of a model."""
+    """Output of a fit."""
 
-    out: str = option("-o --out FILE.frb", "where to write the rule base")
+    out: str = option("-o --out FILE.frb", "the rule base to write")
     json: bool = option("--json", "print the report as JSON", False)
 
 
 @dataclass(frozen=True, kw_only=True)
 class FitWords(FitRequest, _Output):
-    """All that ``fuzzyarm fit`` takes."""
+    """All arguments of ``fuzzyarm fit``."""
 
 
 def _run(request: FitWords) -> int:
@@ -85,7 +85,7 @@ def _run(request: FitWords) -> int:
         print_error(sentence)
     if model.limits:
         print_error(broken_off(model.limits))
-        # The end of --time was asked for: the status is that of a whole run.
+        # The end of --time is no interruption: the status is that of a full run.
         if "time" not in model.limits:
             return EXIT_INTERRUPTED
     return 1 if faults else 0

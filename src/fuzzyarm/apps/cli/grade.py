@@ -1,4 +1,4 @@
-"""Grade what students hand in: ``fuzzyarm grade``."""
+"""Grade students' rule bases: ``fuzzyarm grade``."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from fuzzyarm.apps.grading import Assignment, Grade, grade, read_assignment
 from fuzzyarm.base.columns import in_columns
 from fuzzyarm.base.numbers import counted
 
-_GRADE = """Grade the rule bases that students hand in.
+_GRADE = """Grade students' rule bases.
 
-DIR has `hidden.frb` with expect and prove lines (`# 2 points: what is told of it` behind
-them), `submissions` with a .frb of each student, and maybe `model.frb`, an answer that has to pass.
-Prints who passes what. A submission is a text: nothing of it is executed, and one that is
-broken is a row with the reason.
+DIR has `hidden.frb` with expect and prove lines (each may end in `# 2 points: description`),
+`submissions` with a .frb of each student, and optionally `model.frb`, an answer that must pass.
+Prints a table of passed lines. A submission is only read, never executed, and a broken one is
+a row with the reason.
 
   fuzzyarm grade examples/assignments/fan --csv > points.csv
 """
@@ -67,7 +67,7 @@ def _print(assignment: Assignment, grades: Sequence[Grade], *, reasons: bool) ->
 
 
 def _csv(assignment: Assignment, grades: Sequence[Grade]) -> str:
-    """Return a row for each submission: 1 and 0, empty where undecided or not read."""
+    """Return a row for each submission: 1 and 0, empty if undecided or unreadable."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["submission", "points", *(line.about for line in assignment.lines), "fault"])
@@ -80,7 +80,7 @@ def _csv(assignment: Assignment, grades: Sequence[Grade]) -> str:
 
 
 def _inert(text: str) -> str:
-    """Return text that no spreadsheet takes for a formula: names are the students' own."""
+    """Return text that no spreadsheet takes for a formula: students choose the names."""
     return f"'{text}" if text[:1] in {"=", "+", "-", "@", "\t"} else text
 
 
@@ -108,7 +108,7 @@ COMMANDS = (
         _GRADE,
         _run,
         argument("folder DIR", "an assignment"),
-        flag("--reasons", "also say why each line fails"),
+        flag("--reasons", "also print why each line fails"),
         flag("--csv", "print the table as CSV", either="as"),
         flag("--json", "print the rows as JSON", either="as"),
     ),

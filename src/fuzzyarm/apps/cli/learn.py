@@ -1,14 +1,14 @@
 """Train self-organizing control (SOC) on the arm or on any plant, see its tables grow, save them.
 
-The table begins at zero, at the shipped table (--start table) or at a file of yours. At
+The table starts at zero, at the shipped table (--start table) or at your own file. At
 every control step the performance table judges the error and its rate and corrects the
-cell that was responsible. Printed are, for each joint, the learned table with the cells
-that changed since the start in brackets, and how often each cell was used.
+responsible cell. Prints for each joint the learned table, with changed cells
+in brackets, and how often each cell was used.
 
--o FILE writes one table with an input 'joint' over those of both joints; with --joint N
-that of one joint alone. fuzzy-lut-x10, whose error gain is that of SOC, runs either. A table
-that is to be frozen is learned at a small rate: at rate 1 it keeps jumping to the end. Exit
-status 3 if the last pass diverged.
+-o FILE writes one table of both joints, with the input 'joint'; with --joint N that of one
+joint. fuzzy-lut-x10, whose error gain is that of SOC, runs either. Learn a table for
+freezing at a small rate: at rate 1 it jumps to the end. Exit status 3 if the last pass
+diverged.
 
 Examples
 --------
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command shows, draws and writes of a training."""
+    """Output of a training."""
 
     out: str | None = option("-o --out FILE", ".lut, .csv, .json or .npz", None, group=OUTPUT)
     date: bool = option("--date", "write the date into the file", False, group=OUTPUT)
@@ -73,11 +73,11 @@ class _Output(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class LearnWords(LearnRequest, _Output):
-    """All that ``fuzzyarm learn`` takes."""
+    """All arguments of ``fuzzyarm learn``."""
 
 
 LOOKS = 20
-"""In how many parts a pass is run."""
+"""Parts of a pass, for progress and Ctrl-C."""
 
 
 def _run(request: LearnWords) -> int:
@@ -106,7 +106,7 @@ def _run(request: LearnWords) -> int:
     for fault in faults:
         print_error(fault)
     if training.interrupted:
-        words = f"interrupted in pass {len(training.finished) + 1}: what was learned is kept"
+        words = f"interrupted in pass {len(training.finished) + 1}: the learned tables are kept"
         print_error(words)
         return EXIT_INTERRUPTED
     if faults:
@@ -115,11 +115,11 @@ def _run(request: LearnWords) -> int:
 
 
 def _check(request: LearnWords) -> None:
-    """Tell mistakes before anything is loaded."""
+    """Report mistakes before anything is loaded."""
     if request.freeze and request.out:
         raise UsageError("--freeze learns nothing, so there is nothing to write with -o")
     if request.joint and not request.out:
-        raise UsageError("--joint says which table to write, so it needs -o FILE")
+        raise UsageError("--joint selects the table to write, so it needs -o FILE")
     if request.out:
         from fuzzyarm.table import SUFFIXES
 
@@ -133,7 +133,7 @@ def _check(request: LearnWords) -> None:
 
 
 class _Watched:
-    """A training that is asked for, and what is printed and written of it."""
+    """A training on request, with its output."""
 
     def __init__(self, request: LearnWords) -> None:
         from fuzzyarm.learning.training import Training
@@ -149,7 +149,7 @@ class _Watched:
         self._latest: Snapshot | None = None
 
     def run(self) -> None:
-        """Train. Ctrl-C, or a plant that fails, ends it: what was learned until then stays."""
+        """Train until the end, Ctrl-C or a failing plant; keep the tables learned until then."""
         request = self.request
         try:
             for snapshot in self._snapshots():
@@ -163,7 +163,7 @@ class _Watched:
                     if not request.json:
                         self.show(snapshot)
         except KeyboardInterrupt:
-            # Nothing has been learned yet that could be kept.
+            # Nothing was learned yet.
             if self._latest is None:
                 raise
             self.interrupted = True
@@ -174,12 +174,12 @@ class _Watched:
 
     @property
     def last(self) -> Snapshot:
-        """The last pass that came to its end, or what there is of the first."""
+        """The last finished pass, or the first one in progress."""
         assert self._latest is not None
         return self.finished[-1] if self.finished else self._latest
 
     def _snapshots(self) -> Iterator[Snapshot]:
-        """Train, with a progress bar where a terminal shows it."""
+        """Train, with a progress bar on a terminal."""
         from fuzzyarm.control.loop.course import delay_notes
 
         request, motion = self.request, self.training.motion
@@ -187,7 +187,7 @@ class _Watched:
             print_error(f"note: {note}")
         points = len(motion.time)
         done = 0
-        # A bar and grids on one screen would be in each other's way.
+        # A bar and grids would overwrite each other.
         shown = not request.every or request.json
         with progress_bar("learning", points * request.passes, shown=shown) as advance:
             for snapshot in self.training.snapshots(self._every(points)):
@@ -196,9 +196,9 @@ class _Watched:
                 yield snapshot
 
     def _every(self, points: int) -> int:
-        """Return after how many set points it is looked at a table.
+        """Return the number of set points between two looks at a table.
 
-        For a film often enough, and else so that Ctrl-C is heard and it is seen how far it is.
+        Often enough for a film, else for Ctrl-C and the progress bar.
         """
         request = self.request
         if request.every:
@@ -210,7 +210,7 @@ class _Watched:
         return max(1, -(-points * request.passes // MOST_FRAMES))
 
     def draw(self) -> None:
-        """Write the figure and the film that were asked for."""
+        """Write the requested figure and film."""
         request = self.request
         if not (request.plot or request.animate):
             return
@@ -237,7 +237,7 @@ class _Watched:
             console.print(learned_view(before, after, visits, name, with_visits=with_visits))
 
     def show(self, snapshot: Snapshot) -> None:
-        """Print the tables while they grow."""
+        """Print the growing tables."""
         from fuzzyarm.apps.show.drawing import make_console
         from fuzzyarm.learning.self_organizing import error_words
 
@@ -249,7 +249,7 @@ class _Watched:
         self._print_tables(console, snapshot.learned, with_visits=False)
 
     def print(self, last: Snapshot, out: str | None) -> None:
-        """Print the errors of each pass and the tables at the end."""
+        """Print the errors of each pass and the final tables."""
         from fuzzyarm.apps.show.drawing import make_console
         from fuzzyarm.control.controllers.program import AXIS
         from fuzzyarm.learning.self_organizing import error_words
@@ -273,7 +273,7 @@ class _Watched:
             console.print(f"{out}: written{both}", soft_wrap=True)
 
     def write(self, last: Snapshot, path: str) -> None:
-        """Write the table of one joint, or one over both."""
+        """Write the table of one joint, or of both."""
         from fuzzyarm.table import write_table
 
         provenance = self.training.provenance(last, dated=self.request.date)

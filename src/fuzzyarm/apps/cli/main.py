@@ -1,8 +1,9 @@
 """Find the command, run it, turn errors into one line and an exit status.
 
 To add a command: its record in a module of this package and its line in ``COMMANDS``, under a
-heading. A status other than 0 comes with a sentence (``print_error``), long work uses ``busy`` or
-``progress_bar``, JSON ``print_json``. Help, completion and ``docs/reference/commands.md`` follow.
+heading. Print a sentence (``print_error``) with any status but 0, use ``busy`` or
+``progress_bar`` for long work, ``print_json`` for JSON. Help, completion and
+``docs/reference/commands.md`` follow.
 """
 
 from __future__ import annotations
@@ -48,10 +49,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "eval": ("eval", "the outputs at one point, and why"),
     "show": ("show", "rules, terms and tables in the terminal"),
     "plot": ("show", "terms and control surfaces as a figure"),
-    "diff": ("show", "what differs between two tables or rule bases"),
-    "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
+    "diff": ("show", "the differences of two tables or rule bases"),
+    "prove": ("prove", "statements about every point, with a bound or a counterexample"),
     "margins": ("margins", "gain, phase and delay margins of a loop, Bode and Nyquist"),
-    "grade": ("grade", "what students hand in, by hidden expect and prove lines"),
+    "grade": ("grade", "students' rule bases, by hidden expect and prove lines"),
     "cite": ("cite", "whom to cite for the methods of a file, as BibTeX"),
     "compile": ("compile", "a lookup table, C, Structured Text or an FMU"),
     "convert": ("convert", "rule bases of other programs, in and out"),
@@ -79,13 +80,13 @@ HEADINGS = {
     "fit": "From data",
     "reproduce": "The published study",
 }
-"""The command that a group of the help page begins with → its heading."""
+"""First command of a group on the help page → heading."""
 
 GONE = {
     "studio": "fuzzyarm designer FILE edits in a browser, fuzzyarm watch FILE draws it",
     "corpus": "python tools/corpus.py DIR does it in a clone",
 }
-"""Commands of earlier versions, and what to type instead."""
+"""Commands of earlier versions → replacement."""
 
 MEANT = {
     "export": "compile",
@@ -107,16 +108,16 @@ MEANT = {
     "import": "convert",
     "init": "new",
 }
-"""Words of other programs for what a command does, which spelling alone would not find."""
+"""Other programs' words for a command, too far for a spelling correction."""
 
 EXIT_INPUT = 1
 
 ENDINGS = {
     EXIT_INPUT: "not accepted: the output above says why",
     3: "a run diverged: its figures are those until then",
-    4: "not everything is decided: what was printed says what is open",
+    4: "not everything is decided: see the open statements above",
 }
-"""What is said of an exit status where a command said nothing itself."""
+"""Message for an exit status without one of the command's own."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -134,10 +135,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         4 = a proof stayed undecided, 130 = interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    # A command makes many small objects and ends soon: looking for cycles among them takes
-    # longer than reading the file that they come from.
+    # A command makes many small objects and ends soon: garbage collection would take longer than
+    # reading the file that they come from.
     gc.set_threshold(2_000_000)
-    if arguments is None:  # the process ends with the command: no last search for cycles either
+    if arguments is None:  # the process ends too: no last collection either
         atexit.register(gc.freeze)
     _prepare_output()
     warnings.formatwarning = _warning_text
@@ -149,12 +150,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _status(words: list[str]) -> int:
-    """Run one command, and turn what it raises into a sentence and an exit status."""
+    """Run one command; turn exceptions into a sentence and an exit status."""
     try:
         status = _run(words)
         sys.stdout.flush()
     except BaseException as error:
-        # What an import makes of Ctrl-C is not always a KeyboardInterrupt.
+        # An import may turn Ctrl-C into another exception than KeyboardInterrupt.
         if isinstance(error, KeyboardInterrupt) or interrupts.heard:
             print_error("interrupted")
             return EXIT_INTERRUPTED
@@ -163,14 +164,14 @@ def _status(words: list[str]) -> int:
 
 
 def _failure(error: BaseException) -> int:
-    """Print what was raised as a sentence and return the exit status; raise what is a fault."""
+    """Print an expected exception as a sentence and return the exit status; raise others."""
     if isinstance(error, RuleBaseError):
         _print_mistakes(error)
         return EXIT_INPUT
     if isinstance(error, FuzzyarmError):
         print_error(error)
         return EXIT_USAGE if isinstance(error, UsageError) else EXIT_INPUT
-    if isinstance(error, BrokenPipeError):  # the reader (head, less) has gone: not a fault
+    if isinstance(error, BrokenPipeError):  # the reader (head, less) has closed the pipe
         _discard_output()
         return 0
     if isinstance(error, OSError):
@@ -178,14 +179,14 @@ def _failure(error: BaseException) -> int:
         print_os_error(error, "standard output" if unnamed else None)
         _discard_output()
         return EXIT_INPUT
-    if isinstance(error, UnicodeEncodeError):  # the name of a file that a text uses
+    if isinstance(error, UnicodeEncodeError):  # a file name in a text
         print_error(f"'{error.object}' cannot be a name in the locale of this process")
         return EXIT_INPUT
     raise error
 
 
 class _ErrorStream:
-    """The standard error, which remembers whether a word was written to it."""
+    """The standard error, with a flag for whether anything was written."""
 
     def __init__(self, stream: TextIO) -> None:
         self.stream = stream
@@ -201,7 +202,7 @@ class _ErrorStream:
 
 @contextlib.contextmanager
 def _heard() -> Iterator[_ErrorStream]:
-    """Listen to the standard error meanwhile."""
+    """Record the use of the standard error."""
     before = sys.stderr
     errors = _ErrorStream(before)
     sys.stderr = cast("TextIO", errors)
@@ -215,12 +216,12 @@ _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 def _prepare_output() -> None:
-    """Let the outputs take anything: what their encoding has not is replaced."""
+    """Make the standard streams accept any text, with replacements for their encoding."""
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by whoever started the process
+        if getattr(sys, name) is None:  # closed by the parent process
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         stream = getattr(sys, name)
-        # In the locale C an encoding of few letters goes with the handler `surrogateescape`.
+        # In the locale C the narrow encoding comes with the handler `surrogateescape`.
         if hasattr(stream, "reconfigure") and stream.errors in {"strict", "surrogateescape"}:
             stream.reconfigure(errors="replace")
     # Figures are drawn without a backend, and an unknown one keeps matplotlib from loading.
@@ -228,7 +229,7 @@ def _prepare_output() -> None:
 
 
 def _discard_output() -> None:
-    """Let nothing more be written, not even at the end of the process."""
+    """Discard all further output, even that at the end of the process."""
     with contextlib.suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -240,7 +241,7 @@ def _warning_text(
     lineno: int,
     line: str | None = None,
 ) -> str:
-    """Return a warning about a file as the finding that it is."""
+    """Return a warning about a file as its finding."""
     if hasattr(message, "diagnostic"):
         return f"{message}\n"
     return f"{filename}:{lineno}: {category.__name__}: {message}\n"
@@ -261,7 +262,7 @@ def _run(words: list[str]) -> int:
                 return command.run(arguments)
             with sources_kept(force=getattr(arguments, "force", False)):
                 return command.run(arguments)
-    except SystemExit as stop:  # argparse leaves this way after --help or a usage error
+    except SystemExit as stop:  # argparse ends with it after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
 
 
@@ -271,11 +272,11 @@ def _shortened(words: list[str], most: int = 72) -> str:
 
 
 def _parse(parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
-    """Parse the words behind a command's name; options may stand anywhere among the others."""
+    """Parse the words after a command's name; options may be anywhere among them."""
     if words and not any(word.startswith("-") for word in words):
-        return parser.parse_args(words)  # nothing to intermix: the usage need not be written
+        return parser.parse_args(words)  # nothing to intermix: saves the usage text
     for word in words:
-        # argparse takes the two dashes away and gives an empty list for them.
+        # argparse removes the two dashes and passes an empty list.
         option, equals, value = word.partition("=")
         if option.startswith("--") and equals and value == "--":
             parser.error(f"argument {option}: expected a value, not '--'")

@@ -1,12 +1,12 @@
-"""How far a loop is from instability: gain, phase and delay margin, and peak sensitivity.
+"""Stability margins of a loop: gain, phase and delay margin, and peak sensitivity.
 
-The sampled loop is linearised about its rest, with sensors, delays, memory and held drives, and
-opened at each drive in turn, the others closed. The gain margin is the factor of the loop's gain,
-up and down, at which it becomes unstable; the delay margin is the same for dead time of the
-actuator, fractions of a period included.
+The sampled loop is linearised at its rest, with sensors, delays, memory and hold, and opened at
+each drive in turn with the others closed. The gain margin is the factor on the loop gain, up and
+down, at which it becomes unstable; the delay margin is the same for dead time of the actuator,
+fractions of a period included.
 
 A rule base has a single gain at rest only. Its gain over the ranges of its inputs (or over --share
-of them) has proved bounds; the worst margins found among those gains are printed beside.
+of them) has proved bounds; the worst margins found among those gains are printed as well.
 
 Exit status 3 if the loop at rest is not stable. --plot draws Bode and Nyquist diagrams.
 
@@ -34,7 +34,7 @@ EXIT_UNSTABLE = 3
 
 @dataclass(frozen=True, kw_only=True)
 class MarginsWords(MarginsRequest):
-    """All that ``fuzzyarm margins`` takes."""
+    """All arguments of ``fuzzyarm margins``."""
 
     plot: str | None = option("--plot FIG", "draw Bode and Nyquist as .png, .svg or .pdf", None)
     json: bool = option("--json", "print the margins as JSON", False)
@@ -60,7 +60,7 @@ def _run(request: MarginsWords) -> int:
 
 
 def margins_data(each: DriveMargins) -> dict[str, Any]:
-    """Return the margins at a drive as JSON has them; null for what is unlimited."""
+    """Return the margins at a drive as JSON data, null for infinity."""
     worst = each.worst
     return {
         "drive": ".".join(each.drive),

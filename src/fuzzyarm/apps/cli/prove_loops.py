@@ -1,4 +1,4 @@
-"""Controllers in their loops: what ``fuzzyarm prove`` says of claims and of certificates."""
+"""Loops and certificates in ``fuzzyarm prove``: claims, maps, tubes, checks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def prove_loops(request: ProveWords) -> int:
-    """Do what ``--stable``, ``--map``, ``--claim`` or ``--for`` says."""
+    """Carry out ``--stable``, ``--map``, ``--claim`` or ``--for``."""
     from fuzzyarm.proof.loop.orders import claim_of, loop_of
 
     path = request.files[0]
@@ -44,7 +44,7 @@ def prove_loops(request: ProveWords) -> int:
 
 
 def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
-    """Map the starts of a loop, and draw the map while it fills."""
+    """Map the starts of a loop, with a drawing that fills."""
     from fuzzyarm.proof.loop.orders import map_of
 
     if request.certificate is not None:
@@ -70,7 +70,7 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
 
 @contextmanager
 def _filling(request: ProveWords) -> Iterator[Callable[[StartMap], None]]:
-    """Draw a map in the terminal as it fills; wipe it afterwards, for the whole one is said."""
+    """Draw a map in the terminal as it fills; wipe it at the end, before the result is printed."""
     if not sys.stderr.isatty() or request.json:
         yield lambda _: None
         return
@@ -93,7 +93,7 @@ def _filling(request: ProveWords) -> Iterator[Callable[[StartMap], None]]:
 
 
 def map_data(found: StartMap) -> dict[str, Any]:
-    """Return a map of starts as JSON has it."""
+    """Return a map of starts as JSON data."""
     return {
         "property": found.statement,
         "window": {name: list(span) for name, span in found.window.items()},
@@ -126,7 +126,7 @@ def map_data(found: StartMap) -> dict[str, Any]:
 
 
 def _bound(request: ProveWords, path: str, controller: ControllerText) -> int:
-    """Bound all ports of the plant for a time; what is left open is said."""
+    """Bound all ports of the plant for a time; report the open ones."""
     from fuzzyarm.proof.loop.orders import tube_of
 
     if request.certificate is not None:
@@ -149,7 +149,7 @@ def _bound(request: ProveWords, path: str, controller: ControllerText) -> int:
 
 
 def tube_data(way: Tube | None) -> dict[str, Any] | None:
-    """Return a tube as JSON has it: of each port the bounds in all periods."""
+    """Return a tube as JSON data: the bounds of each port in all periods."""
     if way is None or not way.complete:
         return None
     return {
@@ -170,7 +170,7 @@ def tube_data(way: Tube | None) -> dict[str, Any] | None:
 def print_loops(
     request: ProveWords, path: str, controller: ControllerText, claims: Sequence[LoopClaim]
 ) -> Iterator[tuple[LoopVerdict, int]]:
-    """Judge claims about the loop of a controller, and print verdicts; yield them with a status."""
+    """Judge claims about a controller's loop and print the verdicts; yield them with a status."""
     if not claims:
         return
     for option, out in (("--certificate", request.certificate), ("--plot", request.plot)):
@@ -185,7 +185,7 @@ def print_loops(
 
     with progress() as tell:
         for verdict in loops_of(request, controller, tuple(claims), tell):
-            # Wipes the line of progress before something is printed.
+            # Wipe the line of progress before printing.
             tell("", 0, 0.0)
             if not request.json:
                 say(*_lines(path, verdict))
@@ -205,7 +205,7 @@ def _certify(
     request: ProveWords,
     tell: Callable[[str, int, float], None],
 ) -> int:
-    """Write the certificate of what is proved, and say so; return the exit status."""
+    """Write the certificate of a proof; return the exit status."""
     from fuzzyarm.proof.loop import LoopProofError
     from fuzzyarm.proof.loop.orders import certify
 
@@ -242,7 +242,7 @@ def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
 
 
 def check(request: ProveWords) -> int:
-    """Do what ``--check`` says."""
+    """Carry out ``--check``."""
     path = request.check or ""
     from fuzzyarm.proof.check import CertificateError
     from fuzzyarm.proof.check.checking import check_of
@@ -272,7 +272,7 @@ def _lines(path: str, verdict: LoopVerdict) -> list[str]:
 
 
 def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
-    """Return a verdict on a loop as JSON has it."""
+    """Return a verdict on a loop as JSON data."""
     return {
         **_common_data(verdict),
         "tube": tube_data(verdict.tube),
@@ -283,7 +283,7 @@ def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
 
 
 def _common_data(verdict: LoopVerdict | Checked) -> dict[str, Any]:
-    """Return what a verdict and a checked certificate share, as JSON has it."""
+    """Return the common JSON data of verdicts and checked certificates."""
     certificate = verdict.certificate
     return {
         "property": verdict.statement,

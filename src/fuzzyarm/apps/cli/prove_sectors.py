@@ -1,4 +1,4 @@
-"""Sectors of rule bases and the static part of controllers; what ``fuzzyarm prove`` shares."""
+"""Sectors of rule bases and of a controller's static part; common parts of ``fuzzyarm prove``."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ def exit_status(verdict: str) -> int:
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command writes and draws of proofs."""
+    """Output of proofs."""
 
     certificate: str | None = option(
-        "--certificate OUT", "write the certificate of what is proved of a loop", None
+        "--certificate OUT", "write the certificate of a proof about a loop", None
     )
     plot: str | None = option(
         "--plot FIG", "with --sector, or of a loop: draw it as .png, .svg or .pdf", None
@@ -44,19 +44,19 @@ class _Output(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class ProveWords(ProveRequest, _Output):
-    """All that ``fuzzyarm prove`` takes."""
+    """All arguments of ``fuzzyarm prove``."""
 
 
 @contextmanager
 def progress() -> Iterator[Callable[[str, int, float], None]]:
-    """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
+    """Show the open pieces and the gap in one line of the terminal; wipe it at the end."""
     is_terminal = sys.stderr.isatty()
     last = 0.0
 
     def tell(statement: str, count: int, gap: float) -> None:
         nonlocal last
         now = time.monotonic()
-        # An empty statement wipes the line, and is never held back.
+        # An empty statement wipes the line at once.
         if not is_terminal or (statement and now - last < 0.1):
             return
         last = now
@@ -75,7 +75,7 @@ def progress() -> Iterator[Callable[[str, int, float], None]]:
 
 
 def print_sectors(request: ProveWords) -> int:
-    """Do what ``--sector`` says."""
+    """Carry out ``--sector``."""
     path = request.files[0]
     controller = controller_if_any(path)
     if controller is None:
@@ -87,7 +87,7 @@ def print_sectors(request: ProveWords) -> int:
 
 
 def status_of_drives(data: list[dict[str, Any]]) -> int:
-    """Return the exit status: undecided where a drive may not be a number."""
+    """Return the exit status: undecided if a drive may be NaN."""
     return EXIT_UNDECIDED if any(drive["hole"] for drive in data) else 0
 
 
@@ -140,7 +140,7 @@ def _sector_data(sector: Sector) -> dict[str, Any]:
 def print_drives(
     request: ProveWords, path: str, controller: ControllerText
 ) -> list[dict[str, Any]]:
-    """Prove the static part of a controller, print it unless as data, and return the data."""
+    """Prove the static part of a controller; print it, except for JSON, and return the data."""
     from fuzzyarm.apps.show.proofs import drive_lines, grouped_drives
     from fuzzyarm.plant import find_plant
     from fuzzyarm.proof.loop.orders import drives_of

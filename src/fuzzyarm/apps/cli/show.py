@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 
 _SHOW = """Draw a rule base, a table or a controller in the terminal.
 
-A rule base: its variables with their terms as small plots, the rules as grids, how they are
-evaluated. A table: its axes, its origin and its values as a heat grid. With --at the
-inference (or the cell) at one point is shown as well. A controller: its gains, its lines with
-what flows from one to the next, and the rule bases and tables that it looks up.
+A rule base: its variables with their terms as small plots, the rules as grids, and the
+inference methods. A table: its axes, provenance and values as a heat grid. --at adds the
+inference (or the cell) at one point. A controller: its gains, its lines with the signal flow
+between them, and its rule bases and tables.
 
   fuzzyarm show rulebases/pd7.frb --at e=1.3,ce=-2
   fuzzyarm show rulebases/servo.frb
@@ -53,7 +53,7 @@ what flows from one to the next, and the rule bases and tables that it looks up.
 
 
 def _load(path: str, *, sheet: bool = False) -> Model:
-    """Return what is in a file; with `sheet` the rule base that stands in it with a controller."""
+    """Return the model in a file; with `sheet`, the rule base beside a controller in it."""
     from fuzzyarm.exchange.files import load
 
     return load_sheet(path) if sheet else load(path)
@@ -63,7 +63,7 @@ def _show(arguments: argparse.Namespace) -> int:
     models = [_load(path, sheet=arguments.at is not None) for path in arguments.files]
     if arguments.json:
         data = [_model_data(model) for model in models]
-        # One file is an object, several are an array.
+        # One file: an object, several: an array.
         print_json(data[0] if len(data) == 1 else data, 2, ascii_only=False)
         return 0
     from fuzzyarm.apps.show.drawing import make_console
@@ -146,20 +146,20 @@ def _without_spans(data: Any) -> Any:
     if isinstance(data, (list, tuple)):
         return [_without_spans(value) for value in data]
     if isinstance(data, float) and math.isinf(data):
-        return number_text(data)  # null would not say which way a shoulder or a step goes
+        return number_text(data)  # null would lose the sign of infinity
     return data
 
 
 _PLOT = """Draw a rule base, a table or a controller as a figure: .png, .svg or .pdf.
 
-A rule base gives the memberships of every variable and the control surface of every output:
+A rule base: the memberships of every variable and the control surface of every output,
 a line over one input, a surface and its map over two, a slice over two of more with the
-others at the middle of their ranges or where --at says. Points at which `prove` lines of the
-file fail are marked. A table gives its cells. A controller gives its block diagram above the
-surfaces of its rule bases and tables. With --what diagram there is the block diagram alone, also of
-a rule base: its inputs, rules and outputs.
+others at the middle of their ranges or at the point of --at. Points that violate `prove` lines
+of the file are marked. A table: its cells. A controller: its block diagram above the
+surfaces of its rule bases and tables. --what diagram draws the block diagram alone, also
+that of a rule base: inputs, rules and outputs.
 
-A rule base or a controller that remembers nothing has a describing function (its gain under a
+A rule base or a controller without memory has a describing function (its gain under a
 sinusoidal error); a rule base of error and rate, or a controller on a plant, a phase portrait.
 
   fuzzyarm plot rulebases/thermostat.frb -o thermostat.svg --at presence=1
@@ -186,7 +186,7 @@ def _plot(arguments: argparse.Namespace) -> int:
 
 
 LOOP_FIGURES = ("describing-function", "phase")
-"""What is drawn of a rule base or a controller in a loop."""
+"""Parts of a rule base or a controller in a loop."""
 
 
 def _loop_figure(arguments: argparse.Namespace) -> Figure:
@@ -232,11 +232,11 @@ def _figure(model: Model, arguments: argparse.Namespace) -> Figure:
 
 _DIFF = """Compare two tables cell by cell, two rule bases rule by rule, or two controllers.
 
-Tables are compared by the names of their inputs: one with rows and columns swapped is
-turned round first, and that is said. Rule bases are compared by meaning: the order of rules,
-comments, layout and whether conclusions share a rule do not count. Controllers are compared gain
-by gain and line by line, with the rule bases and tables that they look up. The exit status is 0
-whether or not they differ; with --json the answer has a field `same`.
+Tables are compared by the names of their inputs: swapped rows and columns are turned round
+first, with a note. Rule bases are compared by meaning: the order of rules, comments, layout and
+shared rules do not count. Controllers are compared gain by gain and line by line, with their rule
+bases and tables. The exit status is 0 whether or not they differ; with --json the answer has a
+field `same`.
 """
 
 
@@ -269,7 +269,7 @@ def _diff(arguments: argparse.Namespace) -> int:
 
 
 def _unlike(arguments: argparse.Namespace, before: Model, after: Model) -> WordError:
-    """Return why two files cannot be compared, and what could be."""
+    """Return the refusal to compare two files, with a comparable one as a hint."""
     from fuzzyarm.control.controllers.text import ControllerText, sheet_files
 
     hint = "compile the rule base"
@@ -338,7 +338,7 @@ COMMANDS = (
         FORCE,
         argument(
             "--what",
-            "part to draw, or what it does in a loop",
+            "the part to draw, or its behaviour in a loop",
             choices=("all", "diagram", "terms", "surface", *LOOP_FIGURES),
             default="all",
         ),

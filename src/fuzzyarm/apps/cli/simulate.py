@@ -1,14 +1,14 @@
 """Run controllers on a plant, the two-link arm or any other, and report their errors.
 
-CONTROLLER is a name (--list shows all), a controller as text (FILE.frb), a Python file of
-yours (FILE.py or FILE.py:CLASS) with a class derived from fuzzyarm.control.controllers.Controller,
-or several of these with plus signs between. Several controllers make the same run one after
+CONTROLLER is a name (--list shows all), a controller as text (FILE.frb), your own Python file
+(FILE.py or FILE.py:CLASS) with a class derived from fuzzyarm.control.controllers.Controller,
+or several of these joined by plus signs. Several controllers make the same run one after
 the other. Errors (of angles in degrees) are root mean square, largest magnitude with its
-sign, and final, each at the set points. Where a set point stands for several control
-periods it is sampled in the last of them; beside that stand the root mean square over all
-periods, and that from the path on which the set points lie. Exit status 3 if a run diverged.
+sign, and final, each at the set points. A set point held for several control periods is
+sampled in the last of them; beside it are the root mean square over all periods, and that
+against the path of the set points. Exit status 3 if a run diverged.
 
-A plant that has trajectories, as the arm, follows one of them, any plant references.
+A plant with trajectories, such as the arm, follows one of them, any plant references.
 --set changes gains of the controller and parameters of the plant (plant.NAME where both
 have a name). With --sweep or --random it is `fuzzyarm sweep`: many runs, a line for each.
 
@@ -59,7 +59,7 @@ OUTPUT = "output"
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command shows and writes of its runs."""
+    """Output of the runs."""
 
     list: bool = option("--list", "list all controllers", False)
     show_gains: bool = option("--show-gains", "print the gains and stop", False, group=OUTPUT)
@@ -78,7 +78,7 @@ class _Output(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class SimulateWords(SimulateRequest, ManyRuns, Workers, _Output):
-    """All that ``fuzzyarm simulate`` takes."""
+    """All arguments of ``fuzzyarm simulate``."""
 
 
 # --- The run ---
@@ -100,7 +100,7 @@ def _run(request: SimulateWords) -> int:
     if request.show_gains and request.plant is None:
         from fuzzyarm.plant import PLANTS
 
-        # Gains have the same values wherever they count.
+        # A gain has the same value wherever it is used.
         request = request.replaced(plant=next(iter(PLANTS)))
     request, plant = with_plant(request, controllers)
     controllers, plant = with_settings(request, controllers, plant)
@@ -135,7 +135,7 @@ def _print_results(results: Sequence[Run], *, as_json: bool) -> None:
 
 
 def _print_notes(name: str) -> None:
-    """Say where a controller of the catalogue must not be used."""
+    """Print the restrictions of a controller of the catalogue."""
     from fuzzyarm.control.controllers.catalogue import notes_on
 
     for note in notes_on(name):
@@ -151,7 +151,7 @@ def _sweep(request: SimulateWords) -> int:
 
 
 def _require_pictures(request: SimulateWords) -> None:
-    """Tell a mistake in the name of a picture before the run."""
+    """Report a mistake in the name of a picture before the run."""
     if request.out or request.resume:
         option = "-o" if request.out else "--resume"
         raise UsageError(
@@ -172,7 +172,7 @@ def _require_pictures(request: SimulateWords) -> None:
 
 
 def _watch(results: list[Run], plant: Plant) -> None:
-    """Show runs in the terminal, one after the other; Ctrl-C ends the showing."""
+    """Show runs in the terminal, one after the other; Ctrl-C stops it."""
     from fuzzyarm.apps.show.drawing import make_console
     from fuzzyarm.apps.show.live import play
 
@@ -208,7 +208,7 @@ def _simulate(controller: Controller, plant: Plant, request: SimulateRequest) ->
 
 
 def _slowdown(result: Run, motion: Motion, conventions: Conventions) -> str:
-    """Say how much longer an interpreted run took than a compiled one, where laws run."""
+    """Return a note on the slowdown of an interpreted run against a compiled one, for laws."""
     from fuzzyarm.control.controllers import controller
     from fuzzyarm.control.controllers.on_plant import lacking, site_of
     from fuzzyarm.control.loop.run import run_along
@@ -217,7 +217,7 @@ def _slowdown(result: Run, motion: Motion, conventions: Conventions) -> str:
     if result.compiled or not has_machine_code() or lacking(site_of(motion.plants[0])):
         return ""
     pd = controller("pd")
-    # The first run loads the machine code; only the second one is timed.
+    # The first run loads the machine code, so the second one is timed.
     run_along(pd, motion, conventions)
     compiled = run_along(pd, motion, conventions)
     if compiled.samples != result.samples:
@@ -281,7 +281,7 @@ def _as_text(result: Run) -> str:
 
 
 def _error_lines(result: Run) -> list[str]:
-    """Return a table of the errors along a trajectory, which no step has."""
+    """Return a table of the errors along a trajectory; steps have none."""
     from fuzzyarm.control.loop.run import judged_names
 
     names, units = [*judged_names(result.axes, result.labels)], dict.fromkeys(result.units)
@@ -301,11 +301,11 @@ def _metric_lines(result: Run) -> list[str]:
     names = [f"{label}, {unit}" for label, unit in zip(result.labels, result.units, strict=True)]
     columns = [metrics.as_dict() for metrics in result.metrics.values()]
     lines = [("error of", *names)]
-    # Where every control period has a set point of its own all three are the same.
+    # With a set point in every control period all three are equal.
     between = {"rms_periods": "  all periods", "rms_path": "  path"}
     shown = [name for name in columns[0] if name not in between]
     if result.every > 1:
-        # Behind the metric at the set points, of which they are other readings.
+        # Variants of a metric follow it.
         shown[1:1] = between
     for metric in shown:
         cells = ["-" if column[metric] is None else f"{column[metric]:.4g}" for column in columns]
@@ -321,7 +321,7 @@ def _plot(results: list[Run], path: str) -> None:
 
 
 def _animate(result: Run, plant: Plant, path: str) -> None:
-    """Write the animation of a run, with a progress bar where a terminal shows it."""
+    """Write the animation of a run, with a progress bar on a terminal."""
     from fuzzyarm.apps.show.figures.animation import animate
 
     with progress_bar("drawing", min(100, result.samples)) as advance:
@@ -329,7 +329,7 @@ def _animate(result: Run, plant: Plant, path: str) -> None:
 
 
 def _write_csv(results: list[Run], path: str) -> None:
-    """Write the samples of one run; of several, a file with the controller in the first column."""
+    """Write the samples of a run; of several, with the controller in the first column."""
     from fuzzyarm.base.files import write_atomically
     from fuzzyarm.requests.journal import csv_line
 
@@ -348,9 +348,9 @@ def _write_csv(results: list[Run], path: str) -> None:
 
 
 def _csv_columns(result: Run, *, constant_set_points: bool) -> dict[str, Any]:
-    """Return the columns of a file by their heads, which have the units.
+    """Return the columns of a file by heading, with units.
 
-    `constant_set_points`: they last several control periods, so one is earlier than its sample.
+    `constant_set_points`: held for several control periods, so set points are earlier than samples.
     """
     units = {
         **{f"{label} wanted": result.output_units[label] for label in result.wanted},

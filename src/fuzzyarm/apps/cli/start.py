@@ -48,7 +48,7 @@ _NEW = r"""A commented rule base to start from, or a controller around one; both
     fuzzyarm new hand --input "e -6..6 NB NM ZE PM PB" --input "ce -3..3 N Z P" \
                       --output "u -10..10 NB NM ZE PM PB"
 
-Writes NAME.frb in the current folder; what already exists is only replaced with --force.
+Writes NAME.frb in the current folder; an existing file is only replaced with --force.
 """
 
 
@@ -85,7 +85,7 @@ def _rule_base(path: Path, arguments: argparse.Namespace) -> str:
 
 
 def _controller(path: Path, arguments: argparse.Namespace) -> str:
-    """Return a controller around a rule base; where no such file is there, a shipped one."""
+    """Return a controller around a rule base; without such a file, around a shipped one."""
     if arguments.input or arguments.output or arguments.sugeno:
         raise NewFileError(
             "a controller has the inputs and outputs of its rule base", hint="--around names it"
@@ -106,8 +106,8 @@ def _controller(path: Path, arguments: argparse.Namespace) -> str:
 
 _SHIPPED = """List the rule bases, controllers and tables that come with fuzzyarm, or copy some.
 
-Wherever a controller names a file, and none of that name stands beside it, the shipped one is
-taken. To change one, copy it first.
+A file that a controller names is looked for beside it, then among the shipped ones. To change
+a shipped file, copy it first.
 
   fuzzyarm shipped                   all of them
   fuzzyarm shipped pd7.frb           the text of one
@@ -137,7 +137,7 @@ def _list_shipped(arguments: argparse.Namespace) -> int:
 
 
 class ShippedCopyError(FuzzyarmError, ValueError):
-    """Shipped files that cannot be copied as it was asked for."""
+    """Shipped files cannot be copied as requested."""
 
 
 def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
@@ -146,16 +146,16 @@ def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
     targets = [out / path.name if out.is_dir() else out for path in paths]
     there = [target for target in targets if target.exists() and not force]
     if there:
-        exist, what = ("exists", "it") if len(there) == 1 else ("exist", "them")
+        exist, them = ("exists", "it") if len(there) == 1 else ("exist", "them")
         listed = ", ".join(map(str, there))
-        raise ShippedCopyError(f"{listed} already {exist}", hint=f"--force replaces {what}")
+        raise ShippedCopyError(f"{listed} already {exist}", hint=f"--force replaces {them}")
     for path, target in zip(paths, targets, strict=True):
         write_atomically(target, path.read_text(encoding="utf-8"))
         say(f"{target}: a copy of the shipped {path.name}")
 
 
 def _what_is(name: str) -> tuple[str, str]:
-    """Return of which kind a shipped file is, and what it says of itself."""
+    """Return the kind of a shipped file and its own description."""
     return what_it_is(shipped(name).read_text(encoding="utf-8"))
 
 
@@ -190,7 +190,7 @@ def _tell() -> int:
         Path(name).write_text(content, encoding="utf-8")
     _say("A fuzzy controller is a text file: ranges, terms and a grid of 49 rules.")
     print(text)
-    _say("It is checked: for mistakes, and for what is allowed but probably not meant.")
+    _say("It is checked: for mistakes, and for doubtful statements.")
     statuses = [_step("check", "pd7.frb") == 0]
     _say("Every mistake of a file is found in one run, with its position and a hint.")
     statuses.append(_step("check", "broken.frb") == 1)
@@ -198,7 +198,7 @@ def _tell() -> int:
     statuses.append(_step("show", "pd7.frb") == 0)
     _say("It is evaluated, with the reason: which rules fire, how strongly, where.")
     statuses.append(_step("eval", "pd7.frb", *_POINT, "--explain") == 0)
-    _say("It is proved: no input whatever gives an output beyond these bounds.")
+    _say("It is proved: no input gives an output beyond these bounds.")
     statuses.append(_step("prove", "pd7.frb", "--range") == 0)
     _say("It is compiled to a lookup table, with the error that this makes.")
     statuses.append(_step("compile", "pd7.frb", "-o", "pd7.lut") == 0)
@@ -215,7 +215,7 @@ def _tell() -> int:
 
 
 def _broken(text: str) -> str:
-    """Return `text` with three slips of the kind that editing makes."""
+    """Return `text` with three typical slips of editing."""
     slips = (
         ("NM      NB  NM  NM", "NM      NB  NX  NM"),
         ("triangles", "triangels"),
@@ -235,7 +235,7 @@ def _step(*words: str) -> int:
 
     print(f"$ fuzzyarm {' '.join(words)}")
     sys.stdout.flush()
-    # What goes wrong is part of the story, so it is told in its place.
+    # Errors are part of the story: print them in order.
     with contextlib.redirect_stderr(sys.stdout):
         return main(words)
 
@@ -248,14 +248,12 @@ COMMANDS = (
         _NEW,
         _new,
         argument("name NAME", "name of the rule base; writes NAME.frb"),
-        argument("--kind", "what it is for; pd by default", choices=tuple(PURPOSES), default="pd"),
+        argument("--kind", "its purpose; pd by default", choices=tuple(PURPOSES), default="pd"),
         argument("--input SPEC", f"an input: {_FORM}", action="append", type=_wish),
         argument("--output SPEC", "the output, likewise", type=_wish),
-        flag(
-            "--sugeno", "rules conclude values, of which the average is taken, not sets (Mamdani)"
-        ),
+        flag("--sugeno", "rules conclude values with a weighted average, not sets (Mamdani)"),
         argument("--around FILE", "the rule base of a controller; pd7.frb by default"),
-        flag("--force", "replace a file that is there"),
+        flag("--force", "replace an existing file"),
         rewrites=always,
     ),
     command(
@@ -264,7 +262,7 @@ COMMANDS = (
         _list_shipped,
         argument("names NAME", "files to print, or with -o to copy", nargs="*"),
         out("DIR", "the folder, or the file, to copy to", required=False),
-        flag("--force", "replace files that are there"),
+        flag("--force", "replace existing files"),
         json_of("the list"),
         rewrites=always,
     ),

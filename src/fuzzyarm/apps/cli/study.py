@@ -29,21 +29,21 @@ if TYPE_CHECKING:
 _REPRODUCE = """Run the study's published experiments again and compare.
 
 ROW is a table (7.1.1), a controller (cdid+ie) or both (7.1.1/cdid+ie); every row by
-default. Where the study's text and figures disagree a row runs in both variants,
+default. Where text and figures of the study disagree a row runs in both variants,
 as-described and as-printed; the bounds are for as-printed.
 
 The eight figures of a row are the RMS error and the final error (on pick-and-place the
 maximum) of links 1 and 2 on the first trajectory, then on the second, in degrees.
 
-Rows that switch between the cells of a table are chaotic in single precision. They run
+Rows with switching between the cells of a table are chaotic in single precision. They run
 another --runs times, each with the last bit of every state disturbed at every step.
 
-With --plot DIR: fewer than five rows are drawn each, more by chapters and all beside
-each other (overview.png).
+--plot DIR draws fewer than five rows one by one, more by chapter and all side by side
+(overview.png).
 """
 
 _FEW = 5
-"""Rows from which on figures are by chapters."""
+"""From this number of rows on, figures are by chapter."""
 
 
 def _reproduce(arguments: argparse.Namespace) -> int:
@@ -62,7 +62,7 @@ def _reproduce(arguments: argparse.Namespace) -> int:
         print("fuzzyarm reproduce: --runs takes 0 to 100000", file=sys.stderr)
         return 2
     demand_figure(arguments.overview)
-    # Nothing is printed while the bar is on the screen: it would swallow it.
+    # Nothing is printed below the bar, which would overwrite it.
     results = list(_watched(rows, arguments.runs))
     if arguments.plot:
         _plot(results, Path(arguments.plot))
@@ -84,11 +84,11 @@ def _print(results: list[Reproduced]) -> None:
 
 
 def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
-    """Run the rows, with a progress bar where a terminal shows it."""
+    """Run the rows, with a progress bar on a terminal."""
     from fuzzyarm.apps.study import chaotic, reproduce_row, variants
 
     jobs = [(row, variant) for row in rows for variant in variants(row)]
-    # Two trajectories for each; those of a chaotic row are run `runs` times more.
+    # Two trajectories for each, and `runs` more for each one of a chaotic row.
     total = sum(2 + 2 * runs * chaotic(row) for row, _ in jobs)
     with progress_bar("runs", total) as watch:
         for row, variant in jobs:
@@ -129,7 +129,7 @@ def _ensemble_json(ensemble: Ensemble, row: PublishedRow) -> dict[str, Any]:
 
 
 def _differences(result: Reproduced) -> list[float | None]:
-    """Return relative differences; null where zero was printed."""
+    """Return relative differences, null for a published zero."""
     return [
         figure / target - 1.0 if target else None
         for figure, target in zip(result.figures, result.published.figures, strict=True)
@@ -178,7 +178,7 @@ def _ensemble_lines(ensemble: Ensemble, row: PublishedRow) -> list[str]:
 
 
 def _markdown(results: list[Reproduced]) -> Iterator[str]:
-    """Yield a table: the published figures of each row, and what each variant gives."""
+    """Yield a table of the published figures of each row and those of each variant."""
     yield "| row | | first trajectory: RMS, last 1; RMS, last 2 | second | RMS off | |"
     yield "|---|---|---|---|---|---|"
     last_row = ""
@@ -279,7 +279,7 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
 
 
 def _overview(results: Sequence[Reproduced], path: Path) -> None:
-    """Draw the rows of the summary, or, if there are none among them, all."""
+    """Draw the rows of the summary, or all if there are none."""
     from fuzzyarm.apps.study.figures import SUMMARY, draw_overview, save_figure
 
     summary = [result for result in results if result.published.table[0] == SUMMARY]
@@ -288,9 +288,9 @@ def _overview(results: Sequence[Reproduced], path: Path) -> None:
 
 _IDENTIFY = """Fit the gains that the study does not print to the figures that it does.
 
-NAME is a controller whose gains were identified (acdid+ie, mrac, mrac+ie, dac, dac+ie);
-all of them by default. Prints what a least-squares search from round numbers finds
-beside what fuzzyarm ships, and how well either explains the published RMS errors.
+NAME is a controller with identified gains (acdid+ie, mrac, mrac+ie, dac, dac+ie);
+all of them by default. Prints the result of a least-squares search from round numbers beside
+the shipped gains, and how well either explains the published RMS errors.
 """
 
 
@@ -340,7 +340,7 @@ COMMANDS = (
         "reproduce",
         _REPRODUCE,
         _reproduce,
-        argument("rows ROW", "which rows; all by default", nargs="*"),
+        argument("rows ROW", "rows; all by default", nargs="*"),
         flag("--list", "list the rows"),
         argument(
             "--runs N",
@@ -349,7 +349,7 @@ COMMANDS = (
             default=200,
         ),
         argument("--plot DIR", "draw the error profiles into a folder"),
-        argument("--overview FIG", "draw all rows beside each other"),
+        argument("--overview FIG", "draw all rows side by side"),
         FORCE,
         flag("--markdown", "print tables for a page"),
         JSON,

@@ -1,13 +1,13 @@
 """Run a controller many times: over ranges of gains, parameters of the plant, loads and noise.
 
-Each --sweep NAME=A..B:N takes N values from A to B (evenly in the logarithm with "log" behind);
+Each --sweep NAME=A..B:N takes N values from A to B (logarithmically with a final "log");
 several span a grid. With --random N values are drawn from ranges without a number of values.
 NAME is a gain of the controller, a parameter of the plant (plant.NAME where both have it), seed,
-disturbance, noise.PORT, delay.PORT or resolution.PORT, and of a plant that carries a load, as the
-arm, payload: a share of it, 0 for none, 1 for that of --payload, 2 for twice as much.
+disturbance, noise.PORT, delay.PORT or resolution.PORT, and for a plant with a load, such as the
+arm, payload: 0 for none, 1 for that of --payload, 2 for twice as much.
 
--o writes a line for each run. Interrupted, it is the front of the whole file, and --resume
-writes the rest. Results do not depend on how many workers there are.
+-o writes a line for each run. After an interruption it has the first part of the file, and
+--resume writes the rest. Results do not depend on the number of workers.
 
 Examples
 --------
@@ -50,24 +50,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command shows and draws of many runs."""
+    """Output of many runs."""
 
     plot: str | None = option(
-        "--plot FIG", "draw the metric over what is swept", None, idle=True, group="output"
+        "--plot FIG", "draw the metric over the swept values", None, idle=True, group="output"
     )
     json: bool = option("--json", "print the result as JSON", False, idle=True, group="output")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SweepWords(SweepRequest, _Output):
-    """All that ``fuzzyarm sweep`` takes."""
+    """All arguments of ``fuzzyarm sweep``."""
 
 
 # --- The runs ---
 
 
 def sweep(request: SweepWords) -> int:
-    """Do what the words ask; return the exit status."""
+    """Run a sweep; return the exit status."""
     _require_sensible(request)
     from fuzzyarm.control.loop.many import many_of
     from fuzzyarm.control.loop.sweeps import answered, cluster, map_axes, sweep_of
@@ -109,7 +109,7 @@ def sweep(request: SweepWords) -> int:
 
 
 def _require_sensible(request: SweepWords) -> None:
-    """Tell mistakes before anything runs."""
+    """Report mistakes before anything runs."""
     from fuzzyarm.control.loop.sweeps import require_sensible
 
     require_sensible(request)
@@ -118,7 +118,7 @@ def _require_sensible(request: SweepWords) -> None:
     demand_figure(request.plot)
 
 
-# --- What came of it ---
+# --- Results ---
 
 
 def _plot(many: Many, axes: tuple[Range, ...], request: SweepWords) -> None:

@@ -1,18 +1,18 @@
 """Tune the gains of a controller and the terms of its rule bases, or a rule base on samples.
 
-What may move is said in the file: a tune block in a rule base, tune LOW .. HIGH after a gain,
-or lines of --tune instead. Where nothing is said, all peaks move and what is even stays even.
-expect and prove lines are kept by every candidate.
+The file chooses the free numbers: a tune block in a rule base, tune LOW .. HIGH after a gain,
+or --tune lines instead. By default all peaks move, and even spacing stays even. Every candidate
+keeps the expect and prove lines.
 
 --cost is a formula of metrics, such as "rms + 0.002*variation" (rms, max, overshoot, settling,
-iae, effort, variation, chatter, …), or FILE.py:FUNCTION. A plant with trajectories, as the arm,
-follows those by which it has controllers compared, with its load, unless one is named or
-references are given; --scenarios N adds drawn moves, loads and seeds. A rule base alone is
-fitted to samples: --data set.csv.
+iae, effort, variation, chatter, …), or FILE.py:FUNCTION. A plant with trajectories, such as the
+arm, follows the ones for comparing controllers, with its load, unless another or a reference is
+given; --scenarios N adds random moves, loads and seeds. A rule base alone is fitted to samples:
+--data set.csv.
 
-The table shows the cost on what was tuned on, on unseen scenarios, and on these with noise of
-the sensors, beside a linear controller tuned on the same. -o writes the file with new numbers,
-comments kept; rule bases of their own files go beside it. Ctrl-C keeps the best so far (exit
+The table shows the cost in the tuning scenarios, in unseen ones, and in these with sensor
+noise, beside a linear controller tuned on the same. -o writes the file with new numbers and its
+comments; its rule bases in other files go beside it. Ctrl-C keeps the best so far (exit
 status 130); with --journal, --resume goes on.
 
 Examples
@@ -70,7 +70,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class _Output(Request):
-    """What a command shows and draws of tuning."""
+    """Output of tuning."""
 
     plot: str | None = option(
         "--plot FIG", "draw cost, front and table: .png, .svg or .pdf", None, idle=True,
@@ -81,7 +81,7 @@ class _Output(Request):
 
 @dataclass(frozen=True, kw_only=True)
 class TuneWords(TuneRequest, _Output):
-    """All that ``fuzzyarm tune`` takes."""
+    """All arguments of ``fuzzyarm tune``."""
 
 
 def _run(request: TuneWords) -> int:
@@ -127,14 +127,14 @@ def _run(request: TuneWords) -> int:
         return 1
     if tuned.found.best.score.diverged:
         print_error(
-            "runs with the best numbers diverge: there is nothing to go by (try `simulate`)"
+            "runs with the best numbers diverge: there is no cost to compare (try `simulate`)"
         )
         return DIVERGED
     return 0
 
 
 class _Result:
-    """The tuned file on the disk: written when it is found, and again with what it is worth."""
+    """The tuned file on disk: written after the search, then again with its evaluation."""
 
     def __init__(self, out: str | None) -> None:
         self.out = out
@@ -143,12 +143,12 @@ class _Result:
         self.faults: list[str] = []
 
     def take(self, tuned: Tuned) -> None:
-        """Write it; where that fails, somewhere else."""
+        """Write it; on failure, elsewhere."""
         if not self.out:
             return
         if self.files:
             self._again(tuned)
-        elif stamp_of(self.out) != self.stamp:  # somebody has worked on it meanwhile
+        elif stamp_of(self.out) != self.stamp:  # edited in the meantime
             other = str(Path(self.out).with_name(f"{Path(self.out).stem}-tuned.frb"))
             self.faults.append(f"{self.out} has changed since; it is left, and {other} written")
             self._first(tuned, other)
@@ -184,7 +184,7 @@ def _draw(tuned: Tuned, path: str, plot: str) -> None:
 
 
 def _require_sensible(request: TuneWords) -> None:
-    """Tell mistakes before anything runs."""
+    """Report mistakes before anything runs."""
     from fuzzyarm.learning.tuning.orders import require_sensible
 
     if request.out:
@@ -194,26 +194,26 @@ def _require_sensible(request: TuneWords) -> None:
     require_sensible(request)
 
 
-# --- While it runs ---
+# --- Progress ---
 
 REDRAWN_EVERY = 0.2
-"""Where it is one, s."""
+"""Seconds between drawings of the curve."""
 
 
 def _own_seconds(request: TuneWords) -> float:
-    """Return the seconds of the first search: its share where others follow."""
+    """Return the time limit of the first search: its share if others follow."""
     from fuzzyarm.learning.tuning.orders import longest
     from fuzzyarm.learning.tuning.result import TuningPlan
     from fuzzyarm.learning.tuning.search import Budget
 
     plan = TuningPlan(budget=Budget(seconds=longest(request)))
-    on_samples = bool(request.data)  # which are judged by others, and beside a regression
+    on_samples = bool(request.data)  # judged on other samples, and against a regression
     judged, linear = on_samples or request.unseen > 0, not on_samples and request.linear
     return plan.shared(judged=judged, linear=linear).seconds
 
 
 def _most(request: TuneWords) -> str:
-    """Return in words when the searches end at the latest."""
+    """Return the limits of the searches in words."""
     from fuzzyarm.learning.tuning.orders import longest
 
     words = f"up to {counted(request.evals, 'trial')}"
@@ -222,7 +222,7 @@ def _most(request: TuneWords) -> str:
 
 
 class _Progress:
-    """What is said every so many s of a search of at most so many s, then of the opponent's."""
+    """Progress lines at intervals: of a search within its limits, then of the opponent's."""
 
     def __init__(
         self,
@@ -236,7 +236,7 @@ class _Progress:
         self.last_report = time.monotonic()
 
     def search(self, result: Found) -> None:
-        """Hear of the search."""
+        """Report progress of the search."""
         has_rate = self.pace.rate(len(result.trials)) is not None
         if self._is_time():
             left = (
@@ -245,13 +245,13 @@ class _Progress:
             self.say(result, ", ".join([*self._state(result), *left]))
 
     def linear(self, result: Found) -> None:
-        """Hear of the search of the linear opponent."""
+        """Report progress of the search for the linear opponent."""
         if self._is_time():
             state = f"{counted(len(result.trials), 'trial')}, best {result.best.score.cost:.5g}"
             self.say(result, f"the linear controller, tuned on the same: {state}")
 
     def tell(self, words: str) -> None:
-        """Hear what follows the searches."""
+        """Report progress after the searches."""
         if self._is_time():
             self.say(None, words)
 
@@ -273,7 +273,7 @@ class _Progress:
 
 @contextmanager
 def _shown(evals: int, seconds: float) -> Iterator[_Progress]:
-    """Show trials, the best cost and its curve on stderr; give what is told of the searches."""
+    """Show trials, the best cost and its curve on stderr; yield the progress reporter."""
     if not sys.stderr.isatty():
         yield _Progress(evals, lambda _result, state: print_error(state), TOLD_EVERY, seconds)
         return
@@ -294,7 +294,7 @@ def _shown(evals: int, seconds: float) -> Iterator[_Progress]:
         yield _Progress(evals, draw, REDRAWN_EVERY, seconds)
 
 
-# --- What came of it ---
+# --- Results ---
 
 
 def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:

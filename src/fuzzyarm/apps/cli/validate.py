@@ -1,13 +1,13 @@
-"""Judge a rule base by samples: how good, where, and which rules these samples have tested.
+"""Judge a rule base by samples: its error, in which regions, and which rules were tested.
 
 DATA is a .csv or .parquet file with a column for each input of MODEL and, for errors, one
-that is called like its output (or --target). Of a controller it is the rule base it uses.
-Without a target, as in the record of a run, the rules are judged alone.
+named like its output (or --target). A controller is judged by its rule base. Without a
+target, as in the record of a run, only the rules are judged.
 
-Printed are the error beside that of always giving the mean, the error by region (where a
-term of an input holds most), calibration, and how often and how strongly each rule fires:
-often is the share of samples at which its firing strength is at least 0.01. Rules that never
-fire are named. --plot FIG draws residuals, calibration and the rules.
+Prints the error beside that of a constant mean, the error by region (where a term of an
+input holds most), calibration, and how often and how strongly each rule fires: "often" is the
+share of samples with a firing strength of at least 0.01. Rules that never fire are listed.
+--plot FIG draws residuals, calibration and the rules.
 
   fuzzyarm validate model.frb later.csv --plot residuals.png
 """
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.validation import Region, RuleUse, Validation
 
 _FEW = 20
-"""Rules that are listed, unless --all."""
+"""Rules in the list without --all."""
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -64,7 +64,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
-    """Return the samples with the columns that the rule base has."""
+    """Return the samples with the columns of the rule base."""
     from fuzzyarm.learning.data import Columns, column_names, read_samples
 
     inputs = tuple(variable.name for variable in rulebase.inputs)
@@ -75,8 +75,8 @@ def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
         raise WordError(f"{arguments.data} has no column '{target}'")
     if target is None:
         target = next((name for name in outputs if name in names), None)
-    # The last column that is not an input, as `fit` takes it.
-    if target is None and len(outputs) > 1:  # outputs that are classes: their column has words
+    # The last column other than an input, as in `fit`.
+    if target is None and len(outputs) > 1:  # outputs are classes, their column has words
         target = next((name for name in reversed(names) if name not in inputs), None)
     if target is None:
         say(
@@ -95,7 +95,7 @@ def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
     return samples
 
 
-# --- What is printed ---
+# --- Output ---
 
 
 def _lines(validation: Validation, samples: Samples, *, every: bool) -> list[str]:
@@ -205,7 +205,7 @@ COMMANDS = (
         _run,
         argument("model MODEL", "a rule base, or a controller that uses one"),
         argument("data DATA", "samples: .csv or .parquet"),
-        argument("--target NAME", "the column that the output is judged by"),
+        argument("--target NAME", "the column with the true output"),
         argument("--plot FIG", "draw residuals, calibration and rules: .png, .svg or .pdf"),
         FORCE,
         flag("--all", "list every rule"),
