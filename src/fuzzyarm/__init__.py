@@ -28,7 +28,7 @@ Rule bases and controllers in Python
     AnyRuleBase         A rule base: the immutable value of a file, or one under construction.
     ControllerText      A controller as text, with the rule bases and tables that it uses.
     Shape               The membership function of a term, or the value of a consequent.
-    from_live           Return the rule base that a live object of another fuzzy library is.
+    from_live           Return the rule base of a live object of another fuzzy library.
     kinds               Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones
                         built-in and user-defined.
     op                  The functions for definitions of shapes, norms, hedges and other
