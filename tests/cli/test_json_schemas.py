@@ -20,6 +20,7 @@ PD7 = str(ROOT / "rulebases" / "pd7.frb")
 THERMOSTAT = str(ROOT / "rulebases" / "thermostat.frb")
 TIPPER2 = str(ROOT / "rulebases" / "tipper2.frb")
 TANKS = str(ROOT / "rulebases" / "tanks.frb")
+PARTNERS = str(ROOT / "rulebases" / "acdid+fuzzy.frb")
 SERVO = str(ROOT / "rulebases" / "servo.frb")
 
 
@@ -36,6 +37,44 @@ def maker() -> Any:
 
 ON_MOTOR = ("--plant", "motor")
 BOX = "from position in 0.1 .. 0.11"
+
+
+FULL = """\
+rulebase full
+input  e -1 .. 1
+input  r -1 .. 1
+output u -1 .. 1
+terms e, r, u: triangles NB ZE PB
+inference and min, or max, implication min, aggregation max, defuzzifier centroid exact
+rule if e is power(2) NB and r is NB then u is very NB
+rule if e is ZE then u is ZE
+rule if e is PB then u is PB
+lookup
+  levels -1 0 1
+  bins e: -0.5 0.5
+  round 0.1
+expect e = 0, r = 0 -> u = 0 within 0.1
+prove e in 0 .. 1 -> u >= -1
+prove u rises with e
+prove table of u linear within 5
+tune
+  peaks e, r  mirrored, keep order, partition, gap 2 %
+  gain K  0.5 .. 2 times, per axis
+  keep u ZE
+"""
+"""A rule base with a statement of each kind."""
+
+WHOLE = """\
+controller whole
+period 1 ms
+gain K = 16
+axis shaft
+  e = error of position * K
+  r = error of velocity
+  u = rules full(e, r)
+  drive voltage = u, within -24 .. 24
+prove on motor from position in 0.1 .. 0.2: position in -1 .. 1
+"""
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +101,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "rulebase x\ninput e -inf .. inf\noutput u 0 .. 1\nterm e A: ramp 0 1\n"
         "terms u: triangles A B\ninference no-rule nan\nrule if e is A then u is A\n"
     )
+    (folder / "full.frb").write_text(FULL)
+    (folder / "whole.frb").write_text(WHOLE + FULL)
+    (folder / "part.frb").write_text(WHOLE + FULL.replace("PB then u is PB", "PB then u is ZE"))
     rows = [f"{x / 7},{y / 7},{(x * y + x) / 49}" for x in range(7) for y in range(7)]
     (folder / "samples.csv").write_text("\n".join(["x,y,z", *rows, ""]))
     pairs = [f"{e},{ce},{(e + ce) / 2}" for e in range(-6, 7) for ce in range(-6, 7)]
@@ -91,9 +133,20 @@ CALLS = {
         ["eval", THERMOSTAT, "error=1", "rate=0", "presence=1", "--explain"],
         ["eval", "endless.frb", "e=-1", "--explain"],
     ],
-    "show": [["show", PD7], ["show", THERMOSTAT], ["show", TIPPER2], ["show", "endless.frb"]],
+    "show": [
+        ["show", PD7],
+        ["show", THERMOSTAT],
+        ["show", TIPPER2],
+        ["show", "endless.frb"],
+        ["show", "full.frb"],
+    ],
     "show-table": [["show", str(shipped("thesis-6.1.lut"))]],
-    "show-controller": [["show", SERVO], ["show", TANKS]],
+    "show-controller": [
+        ["show", SERVO],
+        ["show", TANKS],
+        ["show", "whole.frb"],
+        ["show", PARTNERS],
+    ],
     "prove": [["prove", "claims.frb"], ["prove", "claims.frb", PD7]],
     "prove-range": [["prove", PD7, "--range"]],
     "prove-slope": [["prove", PD7, "--slope"]],
@@ -133,7 +186,7 @@ CALLS = {
     "convert-script": [["convert", "script.py", "-o", "systems"]],
     "diff-tables": [["diff", "a.lut", "b.lut"], ["diff", "a.lut", "a.lut"]],
     "diff-rules": [["diff", PD7, THERMOSTAT]],
-    "diff-controllers": [["diff", SERVO, TANKS]],
+    "diff-controllers": [["diff", SERVO, TANKS], ["diff", "whole.frb", "part.frb"]],
     "simulate": [["simulate", "pd"], ["simulate", SERVO, "--plant", "motor"]],
     "simulate-list": [["simulate", "--list"]],
     "simulate-gains": [["simulate", SERVO, "--show-gains"]],
@@ -158,11 +211,12 @@ RARE = {
     "eval-explain": {"lower_value"},  # of values of interval type 2
     "prove-loop": {"file"},
     "compare": {"seconds"},  # with --time, which measures for seconds
-    "fit": {"fidelity", "test"},
+    "fit": {"fidelity", "test", "worst", "rms", "worst_share", "rms_share"},
     "reproduce": {
         "runs", "median", "band_low", "band_high", "lowest", "highest", "published_inside",
     },
-    "diff-tables": set(),
+    "diff-controllers": {"comparable", "transposed", "header", "cells"},  # of tables
+    "show": {"outcome", "mode"},
 }  # fmt: skip
 """Properties that no call here prints."""
 

@@ -108,8 +108,8 @@ def test_c_that_computes_something_else_fails_in_its_report(tmp_path):
     (path, text), header = exported.files
     wrong = replace(exported, files=((path, text.replace("return ", "return 0.25f + ")), header))
     good, bad = (report_of(str(file), how, each) for each in (exported, wrong))
-    assert good["self_test"]["passed"]
-    assert not bad["self_test"]["passed"]
+    assert good.self_test.passed
+    assert not bad.self_test.passed
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from fuzzyarm.base.diagnostic import RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import printable
 from fuzzyarm.inference import check_expectations
 from fuzzyarm.language import parse
@@ -86,12 +87,21 @@ class Assignment:
 
 @dataclass(frozen=True)
 class Result:
-    """Result of one demand: ``passed``, ``failed`` or ``undecided``, and why."""
+    """Result of one demand.
+
+    Attributes
+    ----------
+    verdict : str
+        ``passed``, ``failed`` or ``undecided``.
+    says : str
+        Why; empty where it passed.
+    """
 
     verdict: str
     says: str = ""
 
 
+@json_properties("name points fault results")
 @dataclass(frozen=True)
 class Grade:
     """One row.

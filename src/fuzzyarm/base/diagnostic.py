@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import printable
 
 # --- A finding and its position in the text ---
@@ -23,7 +24,15 @@ class Severity(StrEnum):
 
 
 class Span(NamedTuple):
-    """A range of text; lines and columns count characters from 1, the end is exclusive."""
+    """A range of text; lines and columns count characters from 1.
+
+    Attributes
+    ----------
+    line, column : int
+        Of the first character.
+    end_line, end_column : int
+        Behind the last one.
+    """
 
     line: int
     column: int
@@ -39,13 +48,30 @@ NOWHERE = Span(1, 1, 1, 1)
 """The span of objects without a text, such as a model built in Python."""
 
 
+@json_properties("message line=span.line column=span.column")
 class Related(NamedTuple):
-    """Another position that a diagnostic refers to, for instance the first of two duplicates."""
+    """Another position that a diagnostic refers to, for instance the first of two duplicates.
+
+    Attributes
+    ----------
+    message : str
+        What is there.
+    span : Span
+        Where.
+    """
 
     message: str
     span: Span
 
 
+SHORT = "name severity message hint line column"
+"""Properties in JSON of a finding on a text that is not shown."""
+
+
+@json_properties(
+    "name severity message hint path line column"
+    " end_line=span.end_line end_column=span.end_column related"
+)
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding about a text.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.jsonable import json_properties, jsonable
 from fuzzyarm.base.shown import Drawn, one_line
 from fuzzyarm.inference.aggregate import Fired, aggregate, fold_at_point
 from fuzzyarm.inference.engine import Outcome, kept
@@ -43,6 +43,7 @@ SAMPLES = 201
 Curve = tuple[tuple[float, float], ...]
 
 
+@json_properties("* lower?")
 @dataclass(frozen=True, slots=True)
 class FuzzyValue:
     """An input (or an output that later rules use) and its membership in each of its terms.
@@ -68,6 +69,7 @@ class FuzzyValue:
     lower: tuple[tuple[str, float], ...] = ()
 
 
+@json_properties("* lower?")
 @dataclass(frozen=True, slots=True)
 class RuleTrace:
     """A rule and how far it fires.
@@ -114,6 +116,7 @@ def place_of(number: int, line: int, column: int) -> str:
     return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
 
 
+@json_properties("* lower? lower_value? lower_curve?")
 @dataclass(frozen=True, slots=True)
 class ConsequentTrace:
     """What is asserted of one term of an output by all its rules together.
@@ -142,6 +145,7 @@ class ConsequentTrace:
     lower_curve: Curve = ()
 
 
+@json_properties("* lower_aggregate? left? right?")
 @dataclass(frozen=True, slots=True)
 class OutputTrace:
     """An output: the sets that were asserted, their union and the value.
@@ -161,7 +165,7 @@ class OutputTrace:
     aggregate : tuple of (float, float)
         The aggregated set as a curve; empty for values.
     value : float
-        The result.
+        The result; NaN where there is none.
     lower_aggregate : tuple of (float, float)
         The lower set, where it is of interval type 2; `aggregate` is the upper one.
     left : float or None
@@ -216,7 +220,7 @@ class Trace(Drawn):
 
         Infinite ranges and values that are NaN become None.
         """
-        record: dict[str, Any] = jsonable(_without_absent(asdict(self)))
+        record: dict[str, Any] = jsonable(self)
         return record
 
     @property
@@ -229,17 +233,6 @@ class Trace(Drawn):
         """The rules that fire, the strongest first."""
         firing = [rule for rule in self.rules if rule.strength > 0.0]
         return tuple(sorted(firing, key=lambda rule: -rule.strength))
-
-
-_OF_TYPE_2 = {"lower", "lower_value", "lower_curve", "lower_aggregate", "left", "right"}
-
-
-def _without_absent(value: Any) -> Any:
-    """Return data without what nothing of type 1 has."""
-    if isinstance(value, dict):
-        absent = {key for key in _OF_TYPE_2 & value.keys() if value[key] in (None, ())}
-        return {key: _without_absent(item) for key, item in value.items() if key not in absent}
-    return [_without_absent(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def explain(

@@ -19,6 +19,7 @@ import numpy as np
 
 from fuzzyarm.base.diagnostic import MAX_OUTPUTS
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.keywords import demand_alone, wrong_argument
 from fuzzyarm.base.names import printable
 from fuzzyarm.base.numbers import counted
@@ -86,6 +87,44 @@ class FitError(FuzzyarmError, ValueError):
     """Samples or options from which no model can be made."""
 
 
+@json_properties("*")
+class TrainingErrors(NamedTuple):
+    """Errors on the samples of a fit.
+
+    Attributes
+    ----------
+    error : float
+        Root mean square, of the text as written.
+    error_of_numbers : float
+        The same before the numbers were rounded.
+    linear : float
+        Of a linear model.
+    """
+
+    error: float
+    error_of_numbers: float
+    linear: float
+
+
+@json_properties("*")
+class FitCandidate(NamedTuple):
+    """A structure that was tried.
+
+    Attributes
+    ----------
+    structure : str
+        In words.
+    rules : int
+        How many.
+    error : float
+        Of cross-validation.
+    """
+
+    structure: str
+    rules: int
+    error: float
+
+
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Fit:
     """A learned rule base and its quality.
@@ -109,8 +148,8 @@ class Fit:
         found without them.
     linear_cross_validation : float
         The same of linear regression.
-    candidates : tuple of (str, int, float)
-        The candidates: description, number of rules, cross-validation error.
+    candidates : tuple of FitCandidate
+        The structures that were tried.
     structure : str
         The one that was chosen, in words.
     shrinkage : float
@@ -137,7 +176,7 @@ class Fit:
     linear_error: float
     cross_validation: float
     linear_cross_validation: float
-    candidates: tuple[tuple[str, int, float], ...]
+    candidates: tuple[FitCandidate, ...]
     structure: str
     shrinkage: float
     support: tuple[float, ...]
@@ -146,6 +185,11 @@ class Fit:
     choice: float = math.nan
     judged: Judged = "fixed"
     limits: tuple[str, ...] = ()
+
+    @property
+    def training(self) -> TrainingErrors:
+        """The errors on the samples of the fit."""
+        return TrainingErrors(self.error, self.error_of_numbers, self.linear_error)
 
     def __repr__(self) -> str:
         words = f"error {self.error:.4g}, of linear regression {self.linear_error:.4g}"
@@ -496,9 +540,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         linear_error=score(samples, linear_outputs(samples)),
         cross_validation=error.value,
         linear_cross_validation=way.judge.linear_error(),
-        candidates=tuple(
-            (candidate.words, candidate.size, candidate.error) for candidate in way.tried
-        ),
+        candidates=tuple(FitCandidate(trial.words, trial.size, trial.error) for trial in way.tried),
         structure=best.words,
         shrinkage=shrinkage,
         support=tuple(strengths.sum(axis=0).tolist()),
@@ -588,7 +630,9 @@ def _fit_words(
         linear_error=score(samples, linear_outputs(samples)),
         cross_validation=judgement.value,
         linear_cross_validation=judge.linear_error(),
-        candidates=tuple((f"{words} words", words, squares) for words, squares in errors.items()),
+        candidates=tuple(
+            FitCandidate(f"{words} words", words, squares) for words, squares in errors.items()
+        ),
         structure=f"{chosen} words of each variable, after Wang and Mendel",
         shrinkage=math.nan,
         support=tuple(map(float, support)),
@@ -654,8 +698,17 @@ def linear_outputs(samples: Samples, points: Samples | None = None) -> Array:
     return values
 
 
+@json_properties("*")
 class SurrogateFidelity(NamedTuple):
-    """How far a surrogate is off, in the units of the output and as a share of its range."""
+    """How far a surrogate is off.
+
+    Attributes
+    ----------
+    worst, rms : float
+        In the units of the output.
+    worst_share, rms_share : float
+        As a share of its range.
+    """
 
     worst: float
     rms: float

@@ -1,66 +1,72 @@
-"""The report on a rule base learned from samples: as data, and in lines."""
+"""The report on a rule base learned from samples: for JSON, and in lines."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
 
 from fuzzyarm.base.columns import in_columns
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import counted, percent
 from fuzzyarm.learning.data import Samples
-from fuzzyarm.learning.fit import OUTER, Fit, fidelity, linear_outputs, outputs_of, score
+from fuzzyarm.learning.fit import OUTER, Fit, SurrogateFidelity, linear_outputs, outputs_of, score
 from fuzzyarm.learning.fit_options import Options
 
-__all__ = ["broken_off", "faithful", "report_lines", "report_of", "tested"]
+__all__ = ["FitReport", "broken_off", "report_lines", "tested"]
 
 
-def report_of(file: str, samples: Samples, fit: Fit) -> dict[str, Any]:
-    """Return the result of learning as JSON data."""
-    return {
-        "file": file,
-        "samples": len(samples),
-        "inputs": list(samples.names),
-        "target": samples.target,
-        "classes": list(samples.classes),
-        "rules": len(fit.rulebase.rules),
-        "structure": fit.structure,
-        "shrinkage": fit.shrinkage,
-        "digits": fit.digits,
-        "training": {
-            "error": fit.error,
-            "error_of_numbers": fit.error_of_numbers,
-            "linear": fit.linear_error,
-        },
-        "cross_validation": {
-            "error": fit.cross_validation,
-            "judged": fit.judged,
-            "of_the_choice": fit.choice,
-            "linear": fit.linear_cross_validation,
-            "candidates": [
-                {"structure": words, "rules": rules, "error": error}
-                for words, rules, error in fit.candidates
-            ],
-        },
-        "support": list(fit.support),
-        "interrupted": fit.interrupted,
-    }
+@json_properties(
+    "error=fit.cross_validation judged=fit.judged of_the_choice=fit.choice"
+    " linear=fit.linear_cross_validation candidates=fit.candidates"
+)
+@dataclass(frozen=True)
+class CrossValidation:
+    """Errors on samples that were held back."""
+
+    fit: Fit
 
 
-def tested(samples: Samples, fit: Fit, test: Samples) -> dict[str, Any]:
+@dataclass(frozen=True)
+class TestErrors:
+    """Errors on the file of --test."""
+
+    samples: int = entry("how many")
+    error: float = entry("root mean square, or the share of wrong answers")
+    linear: float = entry("of linear regression")
+
+
+@json_properties(
+    "file samples=of.__len__ inputs=of.names target=of.target classes=of.classes"
+    " rules=fit.rulebase.rules.__len__ structure=fit.structure shrinkage=fit.shrinkage"
+    " digits=fit.digits training=fit.training cross_validation support=fit.support"
+    " interrupted=fit.interrupted test? fidelity?"
+)
+@dataclass(frozen=True)
+class FitReport:
+    """Report on a rule base learned from samples."""
+
+    of: Samples
+    fit: Fit
+    file: str = entry("what was written")
+    fidelity: SurrogateFidelity | None = entry(
+        "where the samples are a model: how far the rules are from it", default=None
+    )
+    test: TestErrors | None = entry("errors on the file of --test", default=None)
+
+    @property
+    def cross_validation(self) -> CrossValidation:
+        """Errors on samples that were held back."""
+        return CrossValidation(self.fit)
+
+
+def tested(samples: Samples, fit: Fit, test: Samples) -> TestErrors:
     """Return the errors on the samples of --test, beside linear regression."""
-    return {
-        "samples": len(test),
-        "error": score(test, outputs_of(fit.rulebase, test)),
-        "linear": score(test, linear_outputs(samples, test)),
-    }
+    linear = score(test, linear_outputs(samples, test))
+    return TestErrors(len(test), score(test, outputs_of(fit.rulebase, test)), linear)
 
 
-def faithful(samples: Samples, fit: Fit) -> dict[str, float]:
-    """Return the errors against the sampled original."""
-    return fidelity(fit.rulebase, samples)._asdict()
-
-
-def report_lines(samples: Samples, fit: Fit, report: dict[str, Any], options: Options) -> list[str]:
+def report_lines(report: FitReport, options: Options) -> list[str]:
     """Return a report in lines: errors beside those of linear regression."""
+    samples, fit = report.of, report.fit
     kind = "wrong answers" if samples.classes else "RMS error"
     blocks = " in blocks" if options.series else ""
     nested, parts = "", options.parts
@@ -70,26 +76,19 @@ def report_lines(samples: Samples, fit: Fit, report: dict[str, Any], options: Op
     rows = [("", "model", "linear regression")]
     rows.append((f"training ({kind})", *_pair(fit.error, fit.linear_error)))
     rows.append((cross, *_pair(fit.cross_validation, fit.linear_cross_validation)))
-    if "test" in report:
-        tested = report["test"]
-        rows.append(
-            (
-                f"test, {counted(tested['samples'], 'sample')} ({kind})",
-                *_pair(tested["error"], tested["linear"]),
-            )
-        )
+    if test := report.test:
+        label = f"test, {counted(test.samples, 'sample')} ({kind})"
+        rows.append((label, *_pair(test.error, test.linear)))
     lines = [
-        f"{report['file']}: {counted(report['rules'], 'rule')}, {fit.structure}",
+        f"{report.file}: {counted(len(fit.rulebase.rules), 'rule')}, {fit.structure}",
         *in_columns(rows, "<>", indent="  ", least=(0, 10, 17)),
     ]
     if fit.judged == "by the choice":
         lines.append("  its structure was chosen on the same parts: on others it may be more")
-    if "fidelity" in report:
-        fidelity = report["fidelity"]
-        worst, mean = (percent(fidelity[key], 2) for key in ("worst_share", "rms_share"))
+    if of := report.fidelity:
         lines.append(
-            f"  fidelity: off by at most {fidelity['worst']:.4g}, {fidelity['rms']:.4g} RMS,"
-            f" {worst} and {mean} of the range"
+            f"  fidelity: off by at most {of.worst:.4g}, {of.rms:.4g} RMS,"
+            f" {percent(of.worst_share, 2)} and {percent(of.rms_share, 2)} of the range"
         )
     if fit.structure == "linear":
         lines.append("  no terms earned their rules: the model is linear regression")

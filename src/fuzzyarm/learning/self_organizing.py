@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.controller import CompiledController
 from fuzzyarm.control.controllers.on_plant import (
     LearnedTables,
@@ -259,16 +261,31 @@ class Trainee:
         }
 
 
-def state_of(snapshot: Snapshot, start: LearnedTables) -> list[dict[str, int]]:
+@json_properties("*")
+class TableState(NamedTuple):
+    """A table that learns.
+
+    Attributes
+    ----------
+    visited : int
+        Cells that were used.
+    changed : int
+        Cells that differ from the start.
+    never_visited : int
+        Cells that were not used.
+    """
+
+    visited: int
+    changed: int
+    never_visited: int
+
+
+def state_of(snapshot: Snapshot, start: LearnedTables) -> list[TableState]:
     """Return for each axis the numbers of visited, changed and unvisited cells."""
     learned = snapshot.learned
     changed = learned.values != start.values
     return [
-        {
-            "visited": int((visits > 0).sum()),
-            "changed": int(changes.sum()),
-            "never_visited": int((visits == 0).sum()),
-        }
+        TableState(int((visits > 0).sum()), int(changes.sum()), int((visits == 0).sum()))
         for visits, changes in zip(learned.visits, changed, strict=True)
     ]
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties, jsonable
 from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.inference.sets import degrees
 from fuzzyarm.inference.strengths import firing_strengths
@@ -39,6 +40,7 @@ class ValidationError(FuzzyarmError, ValueError):
     """Samples by which a rule base cannot be judged."""
 
 
+@json_properties("*")
 class Region(NamedTuple):
     """Samples with their highest membership in one term of an input, and the errors there.
 
@@ -64,6 +66,7 @@ class Region(NamedTuple):
     bias: float
 
 
+@json_properties("*")
 class RuleUse(NamedTuple):
     """How a rule fires over the samples.
 
@@ -110,6 +113,7 @@ class RuleUse(NamedTuple):
         return self.often == 0.0
 
 
+@json_properties("*")
 class Bin(NamedTuple):
     """Samples with predictions next to each other.
 
@@ -126,6 +130,7 @@ class Bin(NamedTuple):
     observed: float
 
 
+@json_properties("* -predicted -observed never_fired=silent_rules")
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Validation(Plotted):
     """The judgement of samples on a rule base.
@@ -192,23 +197,15 @@ class Validation(Plotted):
         """The rules that no sample makes fire."""
         return tuple(rule for rule in self.rules if rule.never_fires)
 
+    @property
+    def silent_rules(self) -> tuple[int, ...]:
+        """Numbers of the rules that no sample makes fire."""
+        return tuple(rule.number for rule in self.never_fired)
+
     def to_dict(self) -> dict[str, Any]:
         """Return it as JSON data: NaN is None, and the samples themselves are left out."""
-        data = {k: v for k, v in asdict(self).items() if k not in {"predicted", "observed"}}
-        data["calibration"] = [bin_._asdict() for bin_ in self.calibration]
-        data["regions"] = [region._asdict() for region in self.regions]
-        data["rules"] = [use._asdict() for use in self.rules]
-        data["never_fired"] = [rule.number for rule in self.never_fired]
-        data_: dict[str, Any] = _without_nan(data)
-        return data_
-
-
-def _without_nan(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _without_nan(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_without_nan(value) for value in data]
-    return None if isinstance(data, float) and math.isnan(data) else data
+        data: dict[str, Any] = jsonable(self)
+        return data
 
 
 def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:

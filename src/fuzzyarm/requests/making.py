@@ -32,7 +32,7 @@ class CompileRequest(Request):
     round: float | None = option(
         "--round STEP", "round the values; 0 for not at all", None, Limits(0.0)
     )
-    mode: LookupMode | None = option("--mode", "how to look up", None)  # noqa: RUF009 - a marker
+    mode: LookupMode | None = option("--mode", "how to look up", None)
     ends: bool = option(
         "--ends", "two tables: of the left and the right end of an interval type-2 output", False
     )

@@ -10,10 +10,11 @@ import math
 from bisect import bisect_left
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.folders import TABLES
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.shown import Drawn, Plotted, one_line
 from fuzzyarm.base.value_kinds import TABLE, OfKind
 from fuzzyarm.language.model.lookup_modes import LOOKUP_MODES
@@ -41,6 +42,7 @@ def mode_named(name: str) -> str:
     return mode
 
 
+@json_properties("name low high description levels bins")
 @dataclass(frozen=True, slots=True, repr=False)
 class Axis:
     """How one input of a table is divided.
@@ -149,6 +151,30 @@ def _require_increasing(numbers: tuple[float, ...], what: str) -> None:
 # --- The header ---
 
 
+@json_properties("*")
+class TableOutput(NamedTuple):
+    """The output of a table.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    low, high : float or None
+        The range, if known.
+    bounded : bool
+        Whether it is.
+    description : str
+        Free text, with the unit.
+    """
+
+    name: str
+    low: float | None
+    high: float | None
+    bounded: bool
+    description: str
+
+
+@json_properties("output=of index=names axes round=rounding mode provenance")
 @dataclass(frozen=True, eq=False, repr=False)
 class TableHeader(Plotted, Drawn, OfKind):
     """The axes of a table, its output, and its origin.
@@ -233,11 +259,22 @@ class TableHeader(Plotted, Drawn, OfKind):
         return tuple(len(axis.levels) for axis in self.axes)
 
     @property
+    def cells(self) -> int:
+        """The number of values."""
+        return math.prod(self.shape)
+
+    @property
     def default_mode(self) -> str:
         """The lookup mode by default."""
         if self.mode is not None:
             return self.mode
         return "bins" if any(axis.bins is not None for axis in self.axes) else "nearest"
+
+    @property
+    def of(self) -> TableOutput:
+        """The output."""
+        bounded = self.low is not None
+        return TableOutput(self.output, self.low, self.high, bounded, self.description)
 
     def axis(self, name: str) -> Axis:
         """Return the axis `name`; raise KeyError if there is none."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.table.table import LookupTable
 
 
@@ -29,6 +31,7 @@ class CellChange:
     after: float
 
 
+@json_properties("same comparable transposed header=settings cells")
 @dataclass(frozen=True, slots=True)
 class TableDiff:
     """The differences between two tables.
@@ -58,6 +61,23 @@ class TableDiff:
     def same(self) -> bool:
         """Whether nothing differs, provenance aside."""
         return self.comparable and not self.changes and not self.header and not self.transposed
+
+    @property
+    def settings(self) -> list[dict[str, str]]:
+        """Differences beside the values: what, before, after."""
+        return [dict(zip(("what", "before", "after"), row, strict=True)) for row in self.header]
+
+    @property
+    def cells(self) -> list[dict[str, Any]]:
+        """Cells that differ: their inputs, the value before and after."""
+        return [
+            {
+                "inputs": dict(zip(self.before.names, change.levels, strict=True)),
+                "before": change.before,
+                "after": change.after,
+            }
+            for change in self.changes
+        ]
 
 
 def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:

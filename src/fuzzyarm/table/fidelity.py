@@ -12,6 +12,7 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.keywords import demand_arguments
 from fuzzyarm.base.numbers import outward_text
 from fuzzyarm.base.shown import one_line
@@ -49,6 +50,7 @@ _CORNERS = 400_000_000
 """Points times corners of a cell between which the table interpolates."""
 
 
+@json_properties("mode worst=limit proved=is_proved sampled=worst rms at=point points")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fidelity:
     """The difference between a table and direct inference over a dense grid.
@@ -75,6 +77,21 @@ class Fidelity:
     at: tuple[tuple[str, float], ...]
     points: tuple[int, ...]
     proved: float | None = None
+
+    @property
+    def limit(self) -> float:
+        """The largest difference: proved, or of the samples."""
+        return self.worst if self.proved is None else self.proved
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether `limit` is a proved bound."""
+        return self.proved is not None
+
+    @property
+    def point(self) -> dict[str, float]:
+        """The inputs where the worst difference was found, by name."""
+        return dict(self.at)
 
     def __str__(self) -> str:
         size = " x ".join(map(str, self.points))
@@ -455,6 +472,10 @@ class _Probes:
 # --- Compile with a report on the error; or find the smallest table within a tolerance ---
 
 
+@json_properties(
+    "output=table.output index=table.names shape=table.shape cells=table.cells default_levels"
+    " tolerance mode=table.default_mode errors=fidelities"
+)
 @dataclass(frozen=True, slots=True, repr=False, kw_only=True)
 class CompileReport:
     """A compiled table and its error.

@@ -282,34 +282,7 @@ def _plain_cells(line_number: int, line: str, diagnostics: list[Diagnostic]) -> 
 
 def header_data(table: TableHeader) -> dict[str, Any]:
     """Return the header of `table` as plain data for JSON; an infinite end is null."""
-    data: dict[str, Any] = {
-        "format": FORMAT,
-        "version": VERSION,
-        "output": {
-            "name": table.output,
-            "low": table.low,
-            "high": table.high,
-            "bounded": table.low is not None,
-            "description": table.description,
-        },
-        "index": table.names,
-        "axes": [
-            {
-                "name": axis.name,
-                "low": axis.low,
-                "high": axis.high,
-                "description": axis.description,
-                "levels": axis.levels,
-                "bins": axis.bins,
-            }
-            for axis in table.axes
-        ],
-        "round": table.rounding,
-        "mode": table.mode,
-        "provenance": table.provenance,
-    }
-    whole: dict[str, Any] = jsonable(data)
-    return whole
+    return {"format": FORMAT, "version": VERSION, **jsonable(table)}
 
 
 def _write_json(table: PlainTable) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.cli.command import UsageError, WordError, busy, demand_folder_of, print_json, say
 from fuzzyarm.apps.show.compiled import report_lines
+from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.exchange.files import controller_if_any, load_sheet
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def write_for_board(request: ExportRequest, out: str, how: Making, *, as_json: b
             folder = board_folder(routines, stem, board, request.place or "arduino")
     write_folder(out, folder.files)
     if as_json:
-        print_json(_data(folder, out), 2)
+        print_json({"folder": out, **jsonable(folder)}, 2)
         return
     lines = [line for report in reports for line in report_lines(report, out)]
     say(*lines, *_lines(folder, out))
@@ -91,30 +92,6 @@ def _routines(
             raise
         hint = f"{board.named} has no double: --table, or --board due, pico or esp32"
         raise error.in_file(how.source, hint) from error
-
-
-def _data(folder: BoardFolder, out: str) -> dict[str, Any]:
-    measured = folder.measured
-    report: dict[str, Any] = {
-        "folder": out,
-        "files": sorted(folder.files),
-        "functions": list(folder.library.prototypes),
-        "board": folder.board.name,
-        "constants": folder.constants,
-        "state": folder.state,
-        "measured": None,
-    }
-    if measured is not None:
-        report["measured"] = {
-            "compiler": f"avr-gcc {measured.compiler}",
-            "flash": measured.footprint.flash,
-            "object": measured.object,
-            "ram": measured.footprint.static,
-            "stack": measured.footprint.stack if measured.cycles else None,
-            "cycles": list(measured.cycles) if measured.cycles else None,
-            "self_test": measured.passes,
-        }
-    return report
 
 
 def _lines(folder: BoardFolder, out: str) -> list[str]:

@@ -14,7 +14,6 @@ from fuzzyarm.apps.cli.command import (
     announced,
     argument,
     command,
-    finding_data,
     flag,
     print_error,
     print_findings,
@@ -83,7 +82,7 @@ def _check(arguments: argparse.Namespace) -> int:
             if arguments.verbose and review.rulebase is not None and not review.failed:
                 print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
-        print_json([finding_data(diagnostic) for diagnostic in diagnostics], 2)
+        print_json(diagnostics, 2)
     wrong = any(finding.is_error for finding in diagnostics)
     # Printed errors speak for themselves; JSON, and warnings under --strict, do not.
     if failed and diagnostics and (arguments.json or not wrong):
@@ -141,9 +140,8 @@ def _review_stdin(on: PlantOf | None) -> Review:
 def _annotation(finding: Diagnostic) -> str:
     """Return a finding as a GitHub annotation command."""
     level = {"error": "error", "warning": "warning"}.get(finding.severity.value, "notice")
-    data = finding_data(finding)
-    place = {"file": data["path"], "line": data["line"], "col": data["column"]}
-    place["title"] = data["name"]
+    place = {"file": finding.path, "line": finding.line, "col": finding.column}
+    place["title"] = finding.name
     properties = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in place.items())
     return f"::{level} {properties}::{_escaped(finding.message)}\n"
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
 from fuzzyarm.apps.cli.command import WordError, argument, command, json_of, print_json, say
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.sources import SOURCES, Publication
 from fuzzyarm.exchange.files import load
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -32,14 +34,21 @@ _SELF = Publication(
 )
 
 
+@json_properties("key kind=publication.kind fields=publication.fields of")
+@dataclass(frozen=True)
+class Cited:
+    """A publication."""
+
+    publication: Publication
+    key: str = entry("of the entry")
+    of: Sequence[str] = entry("what it is the source of")
+
+
 def _run(arguments: argparse.Namespace) -> int:
     methods = _methods(arguments.file)
     if arguments.json:
-        rows = [
-            {"key": key, "kind": SOURCES[key].kind, "fields": dict(SOURCES[key].fields), "of": of}
-            for key, of in methods.items()
-        ]
-        print_json({"fuzzyarm": dict(_SELF.fields), "sources": rows}, 2)
+        rows = [Cited(SOURCES[key], key, of) for key, of in methods.items()]
+        print_json({"fuzzyarm": _SELF.fields, "sources": rows}, 2)
         return 0
     say("% the program", *_SELF.bibtex("fuzzyarm").splitlines())
     for key, of in methods.items():

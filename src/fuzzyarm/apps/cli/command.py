@@ -324,12 +324,19 @@ def write_text(text: str) -> None:
     sys.stdout.buffer.write(text.encode())
 
 
-def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
-    """Print data as JSON to the standard output; numbers that are not finite become null."""
+def print_json(
+    data: Any,
+    indent: int | None = None,
+    *,
+    ascii_only: bool = True,
+    infinite: Callable[[float], Any] = lambda _: None,
+) -> None:
+    """Print records and data as JSON to the standard output: see :mod:`fuzzyarm.base.jsonable`."""
     import json
 
     ascii_only |= "utf" not in (sys.stdout.encoding or "utf-8").lower()
-    text = json.dumps(jsonable(data), indent=indent, ensure_ascii=ascii_only, allow_nan=False)
+    plain = jsonable(data, infinite=infinite)
+    text = json.dumps(plain, indent=indent, ensure_ascii=ascii_only, allow_nan=False)
     lines = text.split("\n")
     # JSON escapes control characters, but not those that turn the direction of writing.
     print("\n".join(x if x.isprintable() else _UNPRINTABLE.sub(_escaped, x) for x in lines))
@@ -371,25 +378,6 @@ def print_findings(findings: Sequence[Diagnostic], text: str, stream: TextIO) ->
     colour = stream.isatty() and "NO_COLOR" not in os.environ
     with suppress(OSError) if stream is sys.stderr else nullcontext():
         print(render_all(findings, text, colour=colour), file=stream)
-
-
-def finding_data(finding: Diagnostic) -> dict[str, Any]:
-    """Return a diagnostic as JSON data."""
-    return {
-        "name": finding.name,
-        "severity": str(finding.severity),
-        "message": finding.message,
-        "hint": finding.hint,
-        "path": finding.path,
-        "line": finding.line,
-        "column": finding.column,
-        "end_line": finding.span.end_line,
-        "end_column": finding.span.end_column,
-        "related": [
-            {"message": r.message, "line": r.span.line, "column": r.span.column}
-            for r in finding.related
-        ],
-    }
 
 
 # --- Long work: on a terminal, a line on the standard error that goes away again ---

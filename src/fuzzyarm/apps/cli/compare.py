@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +18,8 @@ from fuzzyarm.apps.cli.command import (
     print_json,
     progress_bar,
 )
-from fuzzyarm.apps.cli.simulate import run_as_json
 from fuzzyarm.base.columns import in_columns
+from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.runs import CompareRequest
 
@@ -159,7 +159,9 @@ def _compare_trajectories(
     _print_notes(comparisons)
     senses = [request.errors] if request.errors else list(_SENSES)
     if request.json:
-        print_json([_compared_json(*pair) for pair in zip_longest(comparisons, costs)], 1)
+        records = jsonable((comparisons, costs))
+        plain: Any = zip_longest(*records, fillvalue={})
+        print_json([compared | cost for compared, cost in plain], 1)
     elif request.markdown:
         print("\n".join(_compared_markdown(comparisons, costs, senses)))
     else:
@@ -219,23 +221,6 @@ def _runs_along(
         )
         runs.append(run_along(controller, motion, conventions, options, connect))
     return runs
-
-
-def _compared_json(compared: Compared, cost: ControlStepCost | None) -> dict[str, Any]:
-    record: dict[str, Any] = {
-        "controller": compared.name,
-        "rms": list(compared.rms),
-        "rms_periods": list(compared.rms_periods),
-        "rms_path": list(compared.rms_path),
-        "variation": list(compared.variation),
-        "diverged": list(compared.diverged),
-    }
-    if cost is not None:
-        record["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
-        record["exported_operations"] = cost.exported
-        if cost.seconds is not None:
-            record["seconds"] = cost.seconds
-    return record
 
 
 _SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
@@ -367,7 +352,7 @@ def _compare_references(
     if request.plot:
         _plot_runs(runs, request.plot, f"{plant.name}: {heading}")
     if request.json:
-        print_json([run_as_json(run) for run in runs], 1)
+        print_json(runs, 1)
     elif request.markdown:
         print("\n".join(_markdown(runs)))
     else:

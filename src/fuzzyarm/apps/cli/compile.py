@@ -50,15 +50,16 @@ from fuzzyarm.apps.cli.command import (
 )
 from fuzzyarm.apps.show.compiled import controller_lines, export_lines, report_lines, table_words
 from fuzzyarm.base.folders import EXPORTS
+from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.exchange.files import controller_if_any, load_sheet
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.making import SOURCE, ExportRequest
 
 if TYPE_CHECKING:
+    from fuzzyarm.apps.dossier import ExportReport
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.exchange.compiled import Making
     from fuzzyarm.exchange.export import Exported, ExportedController
-    from fuzzyarm.exchange.export.routine import Routine
     from fuzzyarm.language.model.rulebase import RuleBase
     from fuzzyarm.table import CompileReport, LookupTable
 
@@ -134,7 +135,7 @@ def _demand_report(out: str, folder: str) -> None:
 
 def _report(
     request: ExportWords, how: Making, exported: Exported | ExportedController
-) -> dict[str, Any] | None:
+) -> ExportReport | None:
     """Return the requested report, not yet written."""
     if request.report is None:
         return None
@@ -143,7 +144,7 @@ def _report(
     return report_of(request.file, how, exported)
 
 
-def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
+def _write_report(folder: str | None, report: ExportReport | None) -> None:
     """Write a report into its folder."""
     if folder is not None and report is not None:
         from fuzzyarm.apps.dossier import write_report
@@ -151,13 +152,15 @@ def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
         write_report(folder, report)
 
 
-def _report_line(folder: str | None, report: dict[str, Any] | None) -> list[str]:
+def _report_line(folder: str | None, report: ExportReport | None) -> list[str]:
     """Return the lines about a report, if there is one."""
     if report is None:
         return []
-    rows, coverage = report["self_test"]["rows"], report["coverage"]
-    passed = sum(row["passed"] for row in rows)
-    statements, branches = ("{} of {}".format(*coverage[key]) for key in ("statements", "branches"))
+    rows, coverage = report.self_test.rows, report.coverage
+    passed = sum(row.passed for row in rows)
+    statements, branches = (
+        f"{reached} of {total}" for reached, total in (coverage.statements, coverage.branches)
+    )
     return [
         f"{folder}: report.html, report.json; {passed} of {len(rows)} points pass,"
         f" {statements} statements and {branches} branches reached"
@@ -208,7 +211,7 @@ def _compile_sheet(request: ExportWords, *, exports: bool) -> None:
         report = _compile(model, request.output, request)
         _write(report.table, request)
         if request.json:
-            print_json(_report_data(report, request.out), 2)
+            print_json(_with_file(request, report), 2)
         else:
             say(*report_lines(report, request.out))
 
@@ -230,7 +233,7 @@ def _compile_ends(model: RuleBase, request: ExportWords) -> None:
         report = _compile(replace(model, outputs=outputs), output.name, request)
         _write(report.table, request)
         if request.json:
-            data.append(_report_data(report, request.out))
+            data.append(_with_file(request, report))
         else:
             say(f"{request.out}: the {end} end", *report_lines(report, request.out))
     if request.json:
@@ -256,9 +259,13 @@ def _rewrite(table: LookupTable, request: ExportWords) -> None:
         table = replace(table, mode=request.mode)
     _write(table, request)
     if request.json:
-        print_json({**_table_data(table, request.out), "mode": table.default_mode}, 2)
+        print_json(_with_file(request, table, REWRITTEN), 2)
     else:
         say(table_words(table, request.out))
+
+
+REWRITTEN = "output index=names shape cells mode=default_mode"
+"""Properties in JSON of a table in another format."""
 
 
 def _write(table: LookupTable, request: ExportWords) -> None:
@@ -280,8 +287,8 @@ def _export(model: RuleBase | LookupTable, request: ExportWords) -> None:
     exported.write()
     _write_report(request.report, report)
     if request.json:
-        tables = [_report_data(table, request.out) for table in reports]
-        print_json(report or {**_export_data(exported), "tables": tables}, 2)
+        tables = [_with_file(request, table) for table in reports]
+        print_json(report or {**jsonable(exported), "tables": tables}, 2)
         return
     lines = [line for table in reports for line in report_lines(table, request.out)]
     say(*lines, *export_lines(exported), *_report_line(request.report, report))
@@ -330,100 +337,15 @@ def _export_controller(controller: ControllerText, suffix: str, request: ExportW
     exported.write()
     _write_report(request.report, report)
     if request.json:
-        tables = [_report_data(table, request.out) for table in reports]
-        print_json(report or {**_controller_data(exported), "tables": tables}, 2)
+        tables = [_with_file(request, table) for table in reports]
+        print_json(report or {**jsonable(exported), "tables": tables}, 2)
         return
     lines = [line for table in reports for line in report_lines(table, request.out)]
     say(*lines, *controller_lines(exported), *_report_line(request.report, report))
 
 
-# --- JSON of tables and source text ---
-
-
-def _table_data(table: LookupTable, out: str) -> dict[str, Any]:
-    return {
-        "file": out,
-        "output": table.output,
-        "index": list(table.names),
-        "shape": list(table.shape),
-        "cells": int(table.values.size),
-    }
-
-
-def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
-    return {
-        **_table_data(report.table, out),
-        "default_levels": report.default_levels,
-        "tolerance": report.tolerance,
-        "mode": report.table.default_mode,
-        "errors": [
-            {
-                "mode": fidelity.mode,
-                "worst": fidelity.worst if fidelity.proved is None else fidelity.proved,
-                "proved": fidelity.proved is not None,
-                "sampled": fidelity.worst,
-                "rms": fidelity.rms,
-                "at": dict(fidelity.at),
-                "points": list(fidelity.points),
-            }
-            for fidelity in report.fidelities
-        ],
-    }
-
-
-def _export_data(exported: Exported) -> dict[str, Any]:
-    from fuzzyarm.exchange.export.numbers import C_TYPES
-
-    return {
-        "files": [str(path) for path, _ in exported.files],
-        "functions": [
-            {
-                "call": call,
-                "output": routine.output.name,
-                "arguments": [argument.name for argument in routine.arguments],
-                "type": C_TYPES[routine.kind],
-                "worst": routine.accuracy.worst,
-                "points": routine.accuracy.points,
-                "against": routine.accuracy.against,
-                "proved": _proved(routine),
-                "operations": routine.cost().by_sort(),
-                "stack": routine.cost().stack,
-            }
-            for call, routine in zip(exported.calls, exported.routines, strict=True)
-        ],
-    }
-
-
-def _proved(routine: Routine) -> float | None:
-    """Return the proved worst error against the rules."""
-    from fuzzyarm.exchange.export.table import TableRoutine
-
-    return routine.worst_proved() if isinstance(routine, TableRoutine) else None
-
-
-def _controller_data(exported: ExportedController) -> dict[str, Any]:
-    from fuzzyarm.exchange.export.controllers import port_name
-
-    program = exported.program
-    steps, trial_run = program.steps, program.tried
-    ports = {
-        word: [port_name(steps, port) for port in steps.of_sort(sort)]
-        for sort, word in (
-            ("reference", "references"), ("measured", "measured"), ("drive", "drives"),
-        )
-    }  # fmt: skip
-    return {
-        "files": [str(path) for path, _ in exported.files],
-        "controller": program.text.model.name,
-        "period": program.text.model.period,
-        **ports,
-        "gains": list(dict.fromkeys(gain.name for gain in steps.of_sort("gain"))),
-        "calls": list(exported.calls),
-        "precision": program.precision,
-        "worst": trial_run.worst,
-        "largest": trial_run.largest,
-        "periods": len(trial_run.vectors.expected),
-    }
+def _with_file(request: ExportWords, record: object, words: str = "") -> dict[str, Any]:
+    return {"file": request.out, **jsonable(record, words)}
 
 
 COMMANDS = (request_command("compile", __doc__, _run, ExportWords, FORCE),)

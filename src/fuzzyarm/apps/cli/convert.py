@@ -30,7 +30,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,7 +41,6 @@ from fuzzyarm.apps.cli.command import (
     argument,
     busy,
     command,
-    finding_data,
     flag,
     group,
     json_of,
@@ -50,8 +49,9 @@ from fuzzyarm.apps.cli.command import (
     print_json,
     say,
 )
-from fuzzyarm.base.diagnostic import NOWHERE, Diagnostic
+from fuzzyarm.base.diagnostic import NOWHERE, SHORT, Diagnostic
 from fuzzyarm.base.files import same_file, write_atomically
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.protected import ForeignFileError
 from fuzzyarm.exchange.formats import MEANINGS, PRODUCERS, Exported, Imported, read, suffix_of
@@ -69,8 +69,39 @@ SCRIPT = ".py"
 SECONDS = 60.0
 """Default time limit of a script."""
 
-_FIELDS = ("name", "severity", "message", "hint", "line", "column")
-"""Fields of a finding in --json."""
+
+@json_properties("source target producer written diagnostics sources?")
+@dataclass(frozen=True)
+class Conversion:
+    """Report on a conversion."""
+
+    source: str = entry("IN")
+    target: str = entry("OUT")
+    producer: str | None = entry("the program IN was read as one of")
+    written: bool = entry("whether OUT was")
+    diagnostics: Sequence[Diagnostic] = entry("what differs", SHORT)
+    sources: tuple[str, ...] = entry("of several that are connected: all of them", default=())
+
+
+@dataclass(frozen=True)
+class ConvertedSystem:
+    """A system of a script."""
+
+    name: str = entry("its name")
+    producer: str = entry("the library")
+    target: str = entry("the file")
+    written: bool = entry("whether it was")
+    diagnostics: Sequence[Diagnostic] = entry("what differs", SHORT)
+
+
+@dataclass(frozen=True)
+class ScriptConversion:
+    """Report on a script."""
+
+    source: str = entry("the script")
+    diagnostics: Sequence[Diagnostic] = entry("of the script as a whole", SHORT)
+    systems: list[ConvertedSystem] = entry("in the order in which they were made")
+
 
 _READ_AS = sorted({program for programs in MEANINGS.values() for program in programs})
 _WRITTEN_FOR = sorted({program for programs in PRODUCERS.values() for program in programs})
@@ -190,8 +221,8 @@ def _report_of_tree(
         dict.fromkeys(replace(d, path=d.path or arguments.target) for d in diagnostics)
     )
     if arguments.json:
-        data = _as_json(arguments, Imported(None, (), "tree"), diagnostics, written=written)
-        print_json({**data, "sources": list(sources)}, 2)
+        words = (arguments.source, arguments.target, "tree")
+        print_json(Conversion(*words, written, diagnostics, tuple(sources)), 2)
     else:
         for source in (*sources, arguments.target):
             findings = [finding for finding in diagnostics if finding.path == source]
@@ -226,8 +257,7 @@ def _convert_script(arguments: argparse.Namespace) -> int:
             )
     except ScriptError as error:
         if arguments.json:
-            findings = [{key: finding_data(d)[key] for key in _FIELDS} for d in error.diagnostics]
-            print_json({"source": source, "systems": [], "diagnostics": findings}, 2)
+            print_json(ScriptConversion(source, error.diagnostics, []), 2)
         else:
             _say_findings(error.diagnostics, source, to_errors=True)
         raise
@@ -311,32 +341,19 @@ def _print_systems(
     written: Sequence[bool],
     diagnostics: Sequence[Diagnostic],
 ) -> None:
-    print_json(
-        {
-            "source": arguments.source,
-            "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in diagnostics],
-            "systems": [
-                {
-                    "name": system.name,
-                    "producer": system.library,
-                    "target": str(target),
-                    "written": is_written,
-                    "diagnostics": [
-                        {key: finding_data(d)[key] for key in _FIELDS} for d in system.diagnostics
-                    ],
-                }
-                for system, target, is_written in zip(systems, targets, written, strict=True)
-            ],
-        },
-        2,
-    )
+    converted = [
+        ConvertedSystem(system.name, system.library, str(target), is_written, system.diagnostics)
+        for system, target, is_written in zip(systems, targets, written, strict=True)
+    ]
+    print_json(ScriptConversion(arguments.source, diagnostics, converted), 2)
 
 
 def _report(
     arguments: argparse.Namespace, imported: Imported, findings: list[Diagnostic], *, written: bool
 ) -> None:
     if arguments.json:
-        print_json(_as_json(arguments, imported, findings, written=written), 2)
+        words = (arguments.source, arguments.target, imported.producer)
+        print_json(Conversion(*words, written, findings), 2)
         if not written:
             print_error(f"{arguments.target}: not written")
         return
@@ -354,22 +371,6 @@ def _summary(findings: Sequence[Diagnostic]) -> str:
         return f"{warnings} warning(s)"
     left_out = any(d.name.startswith("dropped-") for d in findings)
     return "numbers unchanged" if left_out else "nothing lost"
-
-
-def _as_json(
-    arguments: argparse.Namespace,
-    imported: Imported,
-    findings: Sequence[Diagnostic],
-    *,
-    written: bool,
-) -> dict[str, object]:
-    return {
-        "source": arguments.source,
-        "target": arguments.target,
-        "producer": imported.producer,
-        "written": written,
-        "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in findings],
-    }
 
 
 COMMANDS = (

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fuzzyarm.apps.cli.arguments import request_command, with_choice
 from fuzzyarm.apps.cli.command import (
@@ -58,9 +59,9 @@ def _run(request: FitWords) -> int:
     require_suffix(request.out, (".frb",))
     demand_places(request.out)
     from fuzzyarm.base.files import write_atomically
-    from fuzzyarm.learning.fit import fit
+    from fuzzyarm.learning.fit import fidelity, fit
     from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of
-    from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
+    from fuzzyarm.learning.report import FitReport, broken_off, report_lines, tested
 
     request = request.replaced(name=request.name or Path(request.out).stem)
     options = fit_options_of(request)
@@ -72,15 +73,16 @@ def _run(request: FitWords) -> int:
         model = fit(samples, options, tell)
     file, fault = saved(request.out, lambda path: write_atomically(path, model.text))
     faults = [fault] if fault else []
-    report = report_of(file, samples, model)
+    parts: dict[str, Any] = {}
     if test is not None:
-        faults += attempted(lambda: report.update(test=tested(samples, model, test)))
+        faults += attempted(lambda: parts.update(test=tested(samples, model, test)))
     if is_model(request.data):
-        faults += attempted(lambda: report.update(fidelity=faithful(samples, model)))
+        faults += attempted(lambda: parts.update(fidelity=fidelity(model.rulebase, samples)))
+    report = FitReport(samples, model, file, **parts)
     if request.json:
         print_json(report)
     else:
-        say(*report_lines(samples, model, report, options))
+        say(*report_lines(report, options))
     for sentence in faults:
         print_error(sentence)
     if model.limits:

@@ -38,7 +38,7 @@ def _run(arguments: argparse.Namespace) -> int:
         assignment = read_assignment(arguments.folder)
         grades = grade(assignment)
     if arguments.json:
-        print_json(_data(assignment, grades), 2)
+        print_json({"lines": assignment.lines, "submissions": grades}, 2)
     elif arguments.csv:
         write_text(_csv(assignment, grades))
     else:
@@ -82,24 +82,6 @@ def _csv(assignment: Assignment, grades: Sequence[Grade]) -> str:
 def _inert(text: str) -> str:
     """Return text that no spreadsheet takes for a formula: students choose the names."""
     return f"'{text}" if text[:1] in {"=", "+", "-", "@", "\t"} else text
-
-
-def _data(assignment: Assignment, grades: Sequence[Grade]) -> dict[str, object]:
-    return {
-        "lines": [
-            {"text": line.text, "points": line.points, "about": line.about}
-            for line in assignment.lines
-        ],
-        "submissions": [
-            {
-                "name": row.name,
-                "points": row.points,
-                "fault": row.fault,
-                "results": [{"verdict": r.verdict, "says": r.says} for r in row.results],
-            }
-            for row in grades
-        ],
-    }
 
 
 COMMANDS = (

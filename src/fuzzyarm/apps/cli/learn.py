@@ -21,7 +21,7 @@ Examples
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +42,7 @@ from fuzzyarm.apps.cli.command import (
     saved,
 )
 from fuzzyarm.base.errors import FuzzyarmError, sentence_of
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.requests.fields import Limits, Request, option
 from fuzzyarm.requests.learn import OUTPUT, LearnRequest
 
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from fuzzyarm.control.controllers.on_plant import LearnedTables
-    from fuzzyarm.learning.self_organizing import Snapshot
+    from fuzzyarm.learning.self_organizing import Snapshot, TableState
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,15 +92,16 @@ def _run(request: LearnWords) -> int:
         out, fault = saved(out, lambda path: training.write(last, path))
         faults += [fault] if fault else []
     if request.json:
-        report = {
-            "passes": [training.data(snapshot) for snapshot in training.finished],
-            "levels": {axis.name: list(axis.levels) for axis in start.axes},
-            "tables": last.learned.values.tolist(),
-            "visits": last.learned.visits.tolist(),
-            "file": out,
-        }
-        shown = [training.data(snapshot) for snapshot in training.shown]
-        print_json({**report, "snapshots": shown} if request.every else report, 1)
+        levels = {axis.name: axis.levels for axis in start.axes}
+        report = Learned(
+            [training.moment(snapshot) for snapshot in training.finished],
+            levels,
+            last.learned.values,
+            last.learned.visits,
+            out,
+            [training.moment(snapshot) for snapshot in training.shown] if request.every else None,
+        )
+        print_json(report, 1)
     else:
         training.print(last, out)
     faults += attempted(training.draw)
@@ -130,6 +132,31 @@ def _check(request: LearnWords) -> None:
 
         require_animation(request.animate)
     demand_places(request.out, request.animate)
+
+
+@json_properties(
+    "pass=snapshot.passage time=snapshot.time rms=snapshot.rms complete=snapshot.complete"
+    " diverged=snapshot.diverged joints"
+)
+@dataclass(frozen=True)
+class Moment:
+    """A training at some moment."""
+
+    snapshot: Snapshot
+    joints: list[TableState] = entry("by axis")
+
+
+@json_properties("* snapshots?")
+@dataclass(frozen=True)
+class Learned:
+    """Report on a training."""
+
+    passes: list[Moment] = entry("those that came to their end")
+    levels: Mapping[str, Sequence[float]] = entry("levels of each input, in rising order")
+    tables: Any = entry("values of each axis, a row for each level of the first input")
+    visits: Any = entry("how often each cell was used, in the same order")
+    file: str | None = entry("what was written; null without -o")
+    snapshots: list[Moment] | None = entry("with --every: what was shown meanwhile", default=None)
 
 
 class _Watched:
@@ -279,18 +306,11 @@ class _Watched:
         provenance = self.training.provenance(last, dated=self.request.date)
         write_table(self.trainee.table(last.learned, provenance, self.request.joint), path)
 
-    def data(self, snapshot: Snapshot) -> dict[str, Any]:
-        """Return the state of a training as JSON data."""
+    def moment(self, snapshot: Snapshot) -> Moment:
+        """Return the state of a training for JSON."""
         from fuzzyarm.learning.self_organizing import state_of
 
-        return {
-            "pass": snapshot.passage,
-            "time": snapshot.time,
-            "rms": [float(error) for error in snapshot.rms],
-            "complete": snapshot.complete,
-            "diverged": snapshot.diverged,
-            "joints": state_of(snapshot, self.trainee.start),
-        }
+        return Moment(snapshot, state_of(snapshot, self.trainee.start))
 
 
 COMMANDS = (

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.arguments import request_command
 from fuzzyarm.apps.cli.command import FORCE, busy, demand_figure, print_json, say
@@ -47,7 +47,7 @@ def _run(request: MarginsWords) -> int:
     with busy(f"margins of {request.file}"):
         found = margins_of_request(request)
     if request.json:
-        print_json([margins_data(each) for each in found])
+        print_json(found)
     else:
         say(*(line for each in found for line in lines(each)))
     if request.plot:
@@ -57,20 +57,6 @@ def _run(request: MarginsWords) -> int:
 
         save_figure(chart_figure(margins_chart(found, request.file)), request.plot)
     return 0 if all(each.nominal.stable for each in found) else EXIT_UNSTABLE
-
-
-def margins_data(each: DriveMargins) -> dict[str, Any]:
-    """Return the margins at a drive as JSON data, null for infinity."""
-    worst = each.worst
-    return {
-        "drive": ".".join(each.drive),
-        "nominal": vars(each.nominal),
-        "worst": None if worst is None else vars(worst.margins),
-        "gains": []
-        if worst is None
-        else [{"of": gain.words, "low": gain.low, "high": gain.high} for gain in worst.gains],
-        "where": {} if worst is None else {k: list(v) for k, v in worst.where.items()},
-    }
 
 
 def lines(each: DriveMargins) -> list[str]:

@@ -41,7 +41,7 @@ from fuzzyarm.apps.cli.command import (
     print_json,
     say,
 )
-from fuzzyarm.apps.cli.prove_loops import check, loop_data, print_loops, prove_loops
+from fuzzyarm.apps.cli.prove_loops import check, print_loops, prove_loops
 from fuzzyarm.apps.cli.prove_sectors import (
     EXIT_REFUTED,
     EXIT_UNDECIDED,
@@ -52,6 +52,7 @@ from fuzzyarm.apps.cli.prove_sectors import (
     progress,
     status_of_drives,
 )
+from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.exchange.files import controller_if_any
 
 if TYPE_CHECKING:
@@ -106,34 +107,20 @@ def _files(request: ProveWords) -> int:
         with progress() as tell:
             for verdict in rules_of(request, rulebases, tell):
                 statuses.add(exit_status(verdict.verdict))
-                data.append(file | _data(verdict))
+                data.append(file | jsonable(verdict))
                 if not request.json:
                     tell("", 0, 0.0)
                     say(*_lines(path, verdict))
         if controller is not None:
             for loop, status in print_loops(request, path, controller, claims):
                 statuses.add(status)
-                data.append(file | loop_data(loop))
+                data.append(file | jsonable(loop))
             drives = print_drives(request, path, controller)
             statuses.add(status_of_drives(drives))
-            data += [file | drive for drive in drives]
+            data += [file | jsonable(drive) for drive in drives]
     if request.json:
         print_json(data, 2)
     return next((status for status in (EXIT_REFUTED, EXIT_UNDECIDED) if status in statuses), 0)
-
-
-def _data(verdict: Verdict) -> dict[str, Any]:
-    return {
-        "property": verdict.statement,
-        "verdict": verdict.verdict,
-        "bound": verdict.bound,
-        "evidence": list(verdict.evidence),
-        "pieces": verdict.pieces,
-        "seconds": round(verdict.seconds, 6),
-        "way": verdict.way,
-        "reason": verdict.reason,
-        "line": verdict.line,
-    }
 
 
 def _lines(path: str, verdict: Verdict) -> list[str]:
@@ -168,35 +155,17 @@ def _single(request: ProveWords) -> int:
 
 
 def _print_single(bounds_by_key: dict[str, Bounds]) -> None:
-    data = {key: _single_data(key, bounds) for key, bounds in bounds_by_key.items()}
-    for key in ("worst", "range"):
-        if key in data:
-            print_json(data[key], 2)
-            return
-    low = min(bounds.low for bounds in bounds_by_key.values())
-    high = max(bounds.high for bounds in bounds_by_key.values())
-    print_json({"low": low, "high": high, "inputs": data}, 2)
+    from fuzzyarm.proof.map.bounds import TABLE_ERROR
 
-
-def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
-    facts: dict[str, Any] = {"pieces": bounds.pieces, "way": bounds.way}
-    if key == "worst":
-        from fuzzyarm.apps.show.proofs import place_of_worst
-
-        return {
-            "worst": max(bounds.high, -bounds.low),
-            "reached": max(bounds.reached_high, -bounds.reached_low),
-            "at": place_of_worst(bounds),
-            **facts,
-        }
-    return {
-        "low": bounds.low,
-        "high": bounds.high,
-        "at_low": bounds.at_low,
-        "at_high": bounds.at_high,
-        "hole": bounds.hole,
-        **facts,
-    }
+    data: dict[str, Any] = {**bounds_by_key}
+    if worst := data.pop("worst", None):
+        print_json(jsonable(worst, TABLE_ERROR), 2)
+    elif "range" in data:
+        print_json(data["range"], 2)
+    else:
+        low = min(bounds.low for bounds in data.values())
+        high = max(bounds.high for bounds in data.values())
+        print_json({"low": low, "high": high, "inputs": data}, 2)
 
 
 COMMANDS = (request_command("prove", __doc__, _run, ProveWords, FORCE),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.command import UsageError, WordError, print_json, say
 from fuzzyarm.apps.cli.prove_sectors import (
@@ -15,12 +15,12 @@ from fuzzyarm.apps.cli.prove_sectors import (
     exit_status,
     progress,
 )
+from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.exchange.files import controller_if_any
 
 if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.language.model.claims import LoopClaim
-    from fuzzyarm.proof.check import Checked
     from fuzzyarm.proof.loop import LoopVerdict, StartMap, Tube
 
 
@@ -36,7 +36,7 @@ def prove_loops(request: ProveWords) -> int:
         return _bound(request, path, controller)
     ((verdict, status),) = print_loops(request, path, controller, [claim_of(request)])
     if request.json:
-        print_json(loop_data(verdict), 2)
+        print_json(verdict, 2)
     return status
 
 
@@ -52,7 +52,7 @@ def _map(request: ProveWords, path: str, controller: ControllerText) -> int:
     with _filling(request) as watch:
         found = map_of(request, controller, watch)
     if request.json:
-        print_json(map_data(found), 2)
+        print_json(found, 2)
     else:
         count = f"{len(found.boxes):,} box{'es' * (len(found.boxes) != 1)}"
         say(*f"{path}: {found}\n  {count}, {found.seconds:.1f} s".splitlines())
@@ -92,36 +92,6 @@ def _filling(request: ProveWords) -> Iterator[Callable[[StartMap], None]]:
         yield watch
 
 
-def map_data(found: StartMap) -> dict[str, Any]:
-    """Return a map of starts as JSON data."""
-    return {
-        "property": found.statement,
-        "window": {name: list(span) for name, span in found.window.items()},
-        "others": dict(found.others),
-        "proved": found.share("proved"),
-        "refuted": found.share("refuted"),
-        "open": found.share("open"),
-        "starts": found.starts,
-        "settled": found.settled,
-        "settled_proved": found.settled_proved,
-        "within": found.longest,
-        "region": {name: list(ends) for name, ends in found.region.items()},
-        "rest": dict(found.rest),
-        "boxes": [
-            {
-                "low": list(box.low),
-                "high": list(box.high),
-                "verdict": box.verdict,
-                "periods": box.periods,
-                "reason": box.reason,
-            }
-            for box in found.boxes
-        ],
-        "seconds": round(found.seconds, 6),
-        "reason": found.reason,
-    }
-
-
 # ── a tube ───────────────────────────────────────────────────────────────────────────
 
 
@@ -136,7 +106,8 @@ def _bound(request: ProveWords, path: str, controller: ControllerText) -> int:
         tell("", 0, 0.0)
     if request.json:
         data = {"property": statement, "complete": way.complete, "open": list(left_open)}
-        print_json({**data, "tube": tube_data(way), "seconds": round(way.seconds, 6)}, 2)
+        tube = way if way.complete else None
+        print_json({**data, "tube": tube, "seconds": way.seconds}, 2)
     else:
         lines = [*(way.lines() if way.complete else ()), *left_open]
         lines.append(f"{way.boxes} box{'es' * (way.boxes != 1)}, {way.seconds:.2f} s")
@@ -146,22 +117,6 @@ def _bound(request: ProveWords, path: str, controller: ControllerText) -> int:
         if not request.json:
             say(f"{request.plot}: drawn from {path}")
     return 0 if way.complete and not way.open else EXIT_UNDECIDED
-
-
-def tube_data(way: Tube | None) -> dict[str, Any] | None:
-    """Return a tube as JSON data: the bounds of each port in all periods."""
-    if way is None or not way.complete:
-        return None
-    return {
-        "duration": way.duration,
-        "boxes": way.boxes,
-        "arrival": way.arrival,
-        "ends": way.ends.tolist(),
-        "ports": {
-            port: {"low": way.low[:, k].tolist(), "high": way.high[:, k].tolist()}
-            for k, port in enumerate(way.ports)
-        },
-    }
 
 
 # ── claims ───────────────────────────────────────────────────────────────────────────
@@ -257,7 +212,7 @@ def check(request: ProveWords) -> int:
     except CertificateError as error:
         raise WordError(str(error)) from error
     if request.json:
-        print_json(_common_data(checked) | {"evidence": list(checked.words)}, 2)
+        print_json(jsonable(checked) | {"tube": None, "pieces": 0, "line": 0}, 2)
     else:
         say(*f"{path}: {checked}\n  {checked.seconds:.2f} s".splitlines())
     return exit_status(checked.verdict)
@@ -269,36 +224,3 @@ def _lines(path: str, verdict: LoopVerdict) -> list[str]:
     count = verdict.pieces
     tries = f"{count} attempt{'s' * (count != 1)}, " if count else ""
     return [f"{where}: {head}", *rest, f"  {tries}{verdict.seconds:.2f} s"]
-
-
-def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
-    """Return a verdict on a loop as JSON data."""
-    return {
-        **_common_data(verdict),
-        "tube": tube_data(verdict.tube),
-        "evidence": list(verdict.evidence),
-        "pieces": verdict.pieces,
-        "line": verdict.line,
-    }
-
-
-def _common_data(verdict: LoopVerdict | Checked) -> dict[str, Any]:
-    """Return the common JSON data of verdicts and checked certificates."""
-    certificate = verdict.certificate
-    return {
-        "property": verdict.statement,
-        "verdict": verdict.verdict,
-        "region": {name: list(ends) for name, ends in verdict.region.items()},
-        "start_region": dict(verdict.start_region),
-        "rest": dict(verdict.rest),
-        "fall": verdict.fall,
-        "continuous": verdict.continuous,
-        "uncertain": list(verdict.uncertain),
-        "certificate": None if certificate is None else certificate.seal,
-        "tube": None,
-        "evidence": [],
-        "pieces": 0,
-        "seconds": round(verdict.seconds, 6),
-        "reason": verdict.reason,
-        "line": 0,
-    }

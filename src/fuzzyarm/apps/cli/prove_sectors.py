@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.command import print_json, say
 from fuzzyarm.exchange.files import controller_if_any, load_rules
@@ -18,7 +18,6 @@ from fuzzyarm.requests.prove import ProveRequest
 if TYPE_CHECKING:
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.proof.map.controllers import DriveProof
-    from fuzzyarm.proof.map.sector import Sector
 
 EXIT_REFUTED = 1
 EXIT_UNDECIDED = 4
@@ -80,15 +79,15 @@ def print_sectors(request: ProveWords) -> int:
     controller = controller_if_any(path)
     if controller is None:
         return _of_rulebase(request, path)
-    data = print_drives(request, path, controller)
+    proofs = print_drives(request, path, controller)
     if request.json:
-        print_json(data, 2)
-    return status_of_drives(data)
+        print_json(proofs, 2)
+    return status_of_drives(proofs)
 
 
-def status_of_drives(data: list[dict[str, Any]]) -> int:
+def status_of_drives(proofs: Sequence[DriveProof]) -> int:
     """Return the exit status: undecided if a drive may be NaN."""
-    return EXIT_UNDECIDED if any(drive["hole"] for drive in data) else 0
+    return EXIT_UNDECIDED if any(proof.hole for proof in proofs) else 0
 
 
 # ── rule bases ───────────────────────────────────────────────────────────────────────
@@ -111,7 +110,7 @@ def _of_rulebase(request: ProveWords, path: str) -> int:
             chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), request.plot
         )
     if request.json:
-        print_json({"sectors": [_sector_data(sector) for sector in sectors], "open": failed}, 2)
+        print_json({"sectors": sectors, "open": failed}, 2)
     else:
         for sector in sectors:
             say(*sector_lines(name, sector))
@@ -122,25 +121,13 @@ def _of_rulebase(request: ProveWords, path: str) -> int:
     return 0 if sectors and all(sector.complete for sector in sectors) else EXIT_UNDECIDED
 
 
-def _sector_data(sector: Sector) -> dict[str, Any]:
-    return {
-        "weights": {name: float(weight) for name, weight in sector.weights.items()},
-        "low": sector.low,
-        "high": sector.high,
-        "at_low": sector.at_low,
-        "at_high": sector.at_high,
-        "slack": sector.slack,
-        "pieces": sector.pieces,
-    }
-
-
 # ── controllers ──────────────────────────────────────────────────────────────────────
 
 
 def print_drives(
     request: ProveWords, path: str, controller: ControllerText
-) -> list[dict[str, Any]]:
-    """Prove the static part of a controller; print it, except for JSON, and return the data."""
+) -> Sequence[DriveProof]:
+    """Prove the static part of a controller; print it, except for JSON."""
     from fuzzyarm.apps.show.proofs import drive_lines, grouped_drives
     from fuzzyarm.plant import find_plant
     from fuzzyarm.proof.loop.orders import drives_of
@@ -162,13 +149,4 @@ def print_drives(
         if request.plot is not None:
             has_sectors = any(proof.sectors for proof in proofs)
             say(f"{request.plot}: drawn from {path}" if has_sectors else "no sector to draw")
-    return [_drive_data(proof) for proof in proofs]
-
-
-def _drive_data(proof: DriveProof) -> dict[str, Any]:
-    from dataclasses import asdict
-
-    data = asdict(proof)
-    head = {"drive": f"{proof.axis}.{proof.port}"}
-    data.pop("axis"), data.pop("port")
-    return head | data
+    return proofs

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.cli.command import (
@@ -23,6 +21,7 @@ from fuzzyarm.apps.cli.command import (
     say,
 )
 from fuzzyarm.base.assignments import read_assignments, read_point
+from fuzzyarm.base.jsonable import jsonable
 from fuzzyarm.base.names import typed
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.files import load_sheet
@@ -32,10 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-    from fuzzyarm.apps.show.controller_diff import ControllerDiff
     from fuzzyarm.control.controllers.text import ControllerText
     from fuzzyarm.table import LookupTable
-    from fuzzyarm.table.diff import TableDiff
 
     Model = RuleBase | LookupTable | ControllerText
 
@@ -126,28 +123,16 @@ def _model_data(model: Model) -> dict[str, Any]:
     from fuzzyarm.table import LookupTable
 
     if isinstance(model, RuleBase):
-        return {"kind": "rulebase", **_without_spans(asdict(model))}
+        return {"kind": "rulebase", **jsonable(model, infinite=number_text)}
     if isinstance(model, LookupTable):
         from fuzzyarm.table.files import header_data
 
-        return {"kind": "table", **header_data(model), "values": model.values.tolist()}
+        return {"kind": "table", **header_data(model), "values": model.values}
     from fuzzyarm.apps.show.diagram import block_diagram
 
-    diagram = asdict(block_diagram(model))
-    for block in diagram["blocks"]:
-        block["line"] = block["span"].line
-    model_data = _without_spans(asdict(model.model))
-    return {"kind": "controller", **model_data, "diagram": _without_spans(diagram)}
-
-
-def _without_spans(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _without_spans(value) for key, value in data.items() if key != "span"}
-    if isinstance(data, (list, tuple)):
-        return [_without_spans(value) for value in data]
-    if isinstance(data, float) and math.isinf(data):
-        return number_text(data)  # null would lose the sign of infinity
-    return data
+    # An infinite number is text: null would lose its sign.
+    data, diagram = jsonable((model.model, block_diagram(model)), infinite=number_text)
+    return {"kind": "controller", **data, "diagram": diagram}
 
 
 _PLOT = """Draw a rule base, a table or a controller as a figure: .png, .svg or .pdf.
@@ -249,16 +234,16 @@ def _diff(arguments: argparse.Namespace) -> int:
     from fuzzyarm.table.diff import compare_tables
 
     before, after = _load(arguments.before), _load(arguments.after)
-    data: dict[str, Any]
+    data: Any
     if isinstance(before, RuleBase) and isinstance(after, RuleBase):
         rules = compare_rulebases(before, after)
-        data, view = {"same": rules.same, **asdict(rules)}, rulebase_diff_view(rules)
+        data, view = rules, rulebase_diff_view(rules)
     elif isinstance(before, LookupTable) and isinstance(after, LookupTable):
         cells = compare_tables(before, after)
-        data, view = _diff_data(cells), table_diff_view(cells)
+        data, view = cells, table_diff_view(cells)
     elif isinstance(before, ControllerText) and isinstance(after, ControllerText):
         diff = compare_controllers(before, after)
-        data, view = _controller_diff_data(diff), controller_diff_view(diff)
+        data, view = diff, controller_diff_view(diff)
     else:
         raise _unlike(arguments, before, after)
     if arguments.json:
@@ -287,35 +272,6 @@ def _kind_of(model: Model) -> str:
     if isinstance(model, RuleBase):
         return "rule base"
     return "table" if isinstance(model, LookupTable) else "controller"
-
-
-def _controller_diff_data(diff: ControllerDiff) -> dict[str, Any]:
-    return {
-        "same": diff.same,
-        "settings": [asdict(setting) for setting in diff.settings],
-        "gains": [asdict(gain) for gain in diff.gains],
-        "lines": [asdict(line) for line in diff.lines],
-        "order": list(diff.order),
-        "rulebases": {name: asdict(rules) for name, rules in diff.rulebases},
-        "tables": {name: _diff_data(cells) for name, cells in diff.tables},
-    }
-
-
-def _diff_data(diff: TableDiff) -> dict[str, Any]:
-    return {
-        "same": diff.same,
-        "comparable": diff.comparable,
-        "transposed": diff.transposed,
-        "header": [{"what": w, "before": a, "after": b} for w, a, b in diff.header],
-        "cells": [
-            {
-                "inputs": dict(zip(diff.before.names, change.levels, strict=True)),
-                "before": change.before,
-                "after": change.after,
-            }
-            for change in diff.changes
-        ],
-    }
 
 
 COMMANDS = (

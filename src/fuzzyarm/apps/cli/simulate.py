@@ -130,8 +130,7 @@ def _print_results(results: Sequence[Run], *, as_json: bool) -> None:
     if not as_json:
         print("\n\n".join(map(_as_text, results)))
         return
-    shown = [run_as_json(result) for result in results]
-    print_json(shown if len(shown) > 1 else shown[0])
+    print_json(results if len(results) > 1 else results[0])
 
 
 def _print_notes(name: str) -> None:
@@ -226,37 +225,6 @@ def _slowdown(result: Run, motion: Motion, conventions: Conventions) -> str:
         f"fuzzyarm: {result.controller} ran as plain Python in {result.seconds:.2f} s, "
         f"{result.seconds / compiled.seconds:.0f} times as long as compiled pd"
     )
-
-
-def run_as_json(result: Run) -> dict[str, Any]:
-    """Return a run as JSON data."""
-    norms = {
-        "rms": result.rms,
-        "max": result.maximum,
-        "final": result.final,
-        "rms_periods": result.rms_periods,
-        "rms_path": result.rms_path,
-    }
-    return {
-        "controller": result.controller,
-        "trajectory": result.trajectory,
-        **norms,
-        "samples": result.samples,
-        "conventions": result.conventions.name,
-        "precision": result.conventions.precision,
-        "pi": result.conventions.pi,
-        "load_in_hold": result.conventions.load_in_hold,
-        "diverged": result.diverged,
-        "ended": result.ended,
-        "skipped": dict(result.skipped),
-        "periods": result.periods,
-        "lost": result.lost,
-        "compiled": result.compiled,
-        "plant": result.plant,
-        "outputs": dict(zip(result.labels, result.units, strict=True)),
-        "metrics": {name: metric.as_dict() for name, metric in result.metrics.items()},
-        "seed": result.seed,
-    }
 
 
 def _as_text(result: Run) -> str:
@@ -366,16 +334,7 @@ def _csv_columns(result: Run, *, constant_set_points: bool) -> dict[str, Any]:
 def _show_gains(controller: Controller, as_json: bool) -> None:
     gains = controller.gains
     if as_json:
-        rows = {
-            name: {
-                "value": list(gain.value),
-                "unit": gain.unit,
-                "origin": gain.origin,
-                "meaning": gain.meaning,
-            }
-            for name, gain in gains.items()
-        }
-        print_json({"controller": controller.name, "gains": rows}, ascii_only=False)
+        print_json({"controller": controller.name, "gains": gains}, ascii_only=False)
         return
     if not gains:
         print(f"{controller.name} has no gains")

@@ -7,6 +7,7 @@ import contextlib
 import os
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 from fuzzyarm.apps.builder.starting import (
@@ -32,6 +33,7 @@ from fuzzyarm.apps.cli.command import (
 from fuzzyarm.base.columns import in_columns
 from fuzzyarm.base.errors import FuzzyarmError
 from fuzzyarm.base.files import write_atomically
+from fuzzyarm.base.jsonable import entry
 from fuzzyarm.base.names import typed
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shipped_files import NotShippedError, shipped, shipped_names, what_it_is
@@ -115,15 +117,22 @@ a shipped file, copy it first.
 """
 
 
+@dataclass(frozen=True)
+class ShippedFile:
+    """A file that comes with fuzzyarm."""
+
+    name: str = entry("its name")
+    kind: str = entry("what it is")
+    description: str = entry("its own words")
+
+
 def _list_shipped(arguments: argparse.Namespace) -> int:
     if not arguments.names:
         if arguments.out:
             raise ShippedCopyError("name the files to copy", hint="fuzzyarm shipped lists them")
         rows = [(name, *_what_is(name)) for name in shipped_names()]
         if arguments.json:
-            print_json(
-                [dict(zip(("name", "kind", "description"), row, strict=True)) for row in rows]
-            )
+            print_json([ShippedFile(*row) for row in rows])
             return 0
         say(*in_columns(rows))
         return 0

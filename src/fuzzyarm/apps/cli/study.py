@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fuzzyarm.apps.cli.command import (
     FORCE,
@@ -51,8 +50,7 @@ def _reproduce(arguments: argparse.Namespace) -> int:
 
     rows = find_rows(arguments.rows)
     if arguments.list and arguments.json:
-        names = ("identifier", "row", "condition")
-        print_json([{name: getattr(row, name) for name in names} for row in rows], 1)
+        print_json(rows, 1)
         return 0
     if arguments.list:
         for row in rows:
@@ -69,7 +67,7 @@ def _reproduce(arguments: argparse.Namespace) -> int:
     if arguments.overview:
         _overview(results, Path(arguments.overview))
     if arguments.json:
-        print_json([_as_json(result) for result in results], 1)
+        print_json(results, 1)
     elif arguments.markdown:
         print("\n".join(_markdown(results)))
     else:
@@ -96,51 +94,11 @@ def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
             watch(2)
 
 
-def _as_json(result: Reproduced) -> dict[str, Any]:
-    row = result.published
-    return {
-        "row": row.row,
-        "table": row.table,
-        "controller": row.controller,
-        "condition": row.condition,
-        "variant": result.variant,
-        "trajectories": list(row.trajectories),
-        "published": list(row.figures),
-        "reproduced": list(result.figures),
-        "difference": _differences(result),
-        "within": result.judgement.within,
-        "verdict": result.judgement.sentence,
-        "note": result.judgement.note,
-        "diverged": [run.diverged for run in result.runs],
-        **(_ensemble_json(result.ensemble, row) if result.ensemble else {}),
-    }
-
-
-def _ensemble_json(ensemble: Ensemble, row: PublishedRow) -> dict[str, Any]:
-    return {
-        "runs": ensemble.runs,
-        "median": list(ensemble.median),
-        "band_low": list(ensemble.band_low),
-        "band_high": list(ensemble.band_high),
-        "lowest": list(ensemble.lowest),
-        "highest": list(ensemble.highest),
-        "published_inside": list(ensemble.inside(row.figures)),
-    }
-
-
-def _differences(result: Reproduced) -> list[float | None]:
-    """Return relative differences, null for a published zero."""
-    return [
-        figure / target - 1.0 if target else None
-        for figure, target in zip(result.figures, result.published.figures, strict=True)
-    ]
-
-
 def _reproduced_as_text(result: Reproduced) -> str:
     row = result.published
     apart = [
         "" if difference is None else f"{100 * difference:+.2f} %"
-        for difference in _differences(result)
+        for difference in result.differences
     ]
     lines = [
         f"{row.table}  {row.row}  ({row.condition})  {result.variant}",
@@ -307,7 +265,7 @@ def _identify(arguments: argparse.Namespace) -> int:
         if not arguments.json:
             print(_identified_as_text(results[-1]), end="\n\n")
     if arguments.json:
-        print_json([asdict(result) for result in results], 1)
+        print_json(results, 1)
     return 0
 
 

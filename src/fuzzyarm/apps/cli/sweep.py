@@ -20,7 +20,7 @@ Examples
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.cli.arguments import request_command, with_choice
@@ -38,6 +38,7 @@ from fuzzyarm.apps.cli.command import (
     say,
     steps_bar,
 )
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.runs import SweepRequest
@@ -45,7 +46,6 @@ from fuzzyarm.requests.runs import SweepRequest
 if TYPE_CHECKING:
     from fuzzyarm.control.loop.many import Many
     from fuzzyarm.control.loop.sweep import Range
-    from fuzzyarm.control.loop.sweeps import Sweep
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ def sweep(request: SweepWords) -> int:
     many = many_of(plan.bench, plan.changes, answer.rows)
     if len(many):
         if request.json:
-            print_json(_as_json(many, plan, request))
+            print_json(SweepReport(many, plan.ranges, request.metric, request.out))
         else:
             say(*_as_text(many, request))
     if request.plot and len(many):
@@ -135,21 +135,38 @@ def _as_text(many: Many, request: SweepWords) -> list[str]:
     return [*lines, f"wrote {request.out}"] if request.out else lines
 
 
-def _as_json(many: Many, plan: Sweep, request: SweepWords) -> dict[str, Any]:
-    from fuzzyarm.apps.show.sweep import extremes, lost_runs, settings_of
+@json_properties(
+    "controller=many.controller plant=many.plant trajectory=many.trajectory runs=many.__len__"
+    " diverged sweep outputs metric extremes file columns? rows?"
+)
+@dataclass(frozen=True)
+class SweepReport:
+    """Report on many runs."""
 
-    metric = request.metric
+    many: Many
+    sweep: tuple[Range, ...] = entry("in the order of the runs, the last one fastest")
+    metric: str = entry("whose extremes are shown")
+    file: str | None = entry("what was written")
 
-    report: dict[str, Any] = {
-        "controller": many.controller,
-        "plant": many.plant,
-        "trajectory": many.trajectory,
-        "runs": len(many),
-        "diverged": lost_runs(many),
-        "sweep": [asdict(interval) for interval in plan.ranges],
-        "outputs": dict(zip(many.outputs, many.units, strict=True)),
-        "metric": metric,
-        "extremes": {
+    @property
+    def diverged(self) -> int:
+        """How many of them diverged."""
+        from fuzzyarm.apps.show.sweep import lost_runs
+
+        return lost_runs(self.many)
+
+    @property
+    def outputs(self) -> dict[str, str]:
+        """Units by output."""
+        return dict(zip(self.many.outputs, self.many.units, strict=True))
+
+    @property
+    def extremes(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """By output, the runs of the least and the most: number, value, and what was swept."""
+        from fuzzyarm.apps.show.sweep import extremes, settings_of
+
+        many, metric = self.many, self.metric
+        return {
             output: {
                 word: {
                     "run": run,
@@ -159,14 +176,17 @@ def _as_json(many: Many, plan: Sweep, request: SweepWords) -> dict[str, Any]:
                 for word, run in (("least", least), ("most", most))
             }
             for output, _, least, most in extremes(many, metric)
-        },
-        "file": request.out,
-    }
-    if not request.out:
-        columns = many.columns()
-        report["columns"] = list(columns)
-        report["rows"] = list(zip(*columns.values(), strict=True))
-    return report
+        }
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Of `rows`; without -o."""
+        return () if self.file else tuple(self.many.columns())
+
+    @property
+    def rows(self) -> tuple[tuple[Any, ...], ...]:
+        """All runs; without -o."""
+        return () if self.file else tuple(zip(*self.many.columns().values(), strict=True))
 
 
 COMMANDS = (

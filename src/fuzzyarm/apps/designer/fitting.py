@@ -79,9 +79,10 @@ def _file_of(job: WindowJob, field: str, name: str, suffixes: tuple[str, ...]) -
 
 def _learned(request: FitRequest, job: WindowJob) -> Fit:
     """Learn, and tell what came of it."""
+    from fuzzyarm.learning.fit import fidelity
     from fuzzyarm.learning.fit import fit as fit_it
     from fuzzyarm.learning.orders import fit_options_of, is_model, samples_of, test_samples_of
-    from fuzzyarm.learning.report import broken_off, faithful, report_lines, report_of, tested
+    from fuzzyarm.learning.report import FitReport, broken_off, report_lines, tested
 
     with at_field("time" if request.time else "words" if request.words else "terms"):
         options = fit_options_of(request)
@@ -90,12 +91,14 @@ def _learned(request: FitRequest, job: WindowJob) -> Fit:
     with at_field("test"):
         test = test_samples_of(request, samples)
     model = fit_it(samples, options, _Teller(job))
-    report = report_of(f"{request.name}.frb", samples, model)
-    if test is not None:
-        report["test"] = tested(samples, model, test)
-    if is_model(request.data):
-        report["fidelity"] = faithful(samples, model)
-    lines = [*samples.notes, *report_lines(samples, model, report, options)]
+    report = FitReport(
+        samples,
+        model,
+        f"{request.name}.frb",
+        fidelity(model.rulebase, samples) if is_model(request.data) else None,
+        None if test is None else tested(samples, model, test),
+    )
+    lines = [*samples.notes, *report_lines(report, options)]
     if model.limits:
         lines.append(broken_off(model.limits))
     # Their paths are those of this machine.

@@ -294,7 +294,11 @@ class TrainingWork:
                 error_panel(self.trainee.axes, snapshot.units, self.errors, self.limit)
             ),
             "tables": [
-                {"values": values.ravel().tolist(), "visits": visits.ravel().tolist(), **count}
+                {
+                    "values": values.ravel().tolist(),
+                    "visits": visits.ravel().tolist(),
+                    **count._asdict(),
+                }
                 for (values, visits), count in zip(pages, counts, strict=True)
             ],
         }

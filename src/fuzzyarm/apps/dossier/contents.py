@@ -4,38 +4,73 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
-from collections.abc import Mapping
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.apps.dossier.page import page
-from fuzzyarm.apps.dossier.trial import ExportTrial, sizes, tried
+from fuzzyarm.apps.dossier.trial import ExportSize, ExportTrial, sizes, tried
 from fuzzyarm.base.files import write_folder
+from fuzzyarm.base.jsonable import entry, json_properties, jsonable
 from fuzzyarm.exchange.export import Exported, ExportedController
-from fuzzyarm.exchange.export.table import TableRoutine
+from fuzzyarm.exchange.export.write import ExportedFunction
 from fuzzyarm.exchange.files import check_file
 from fuzzyarm.version import __version__
 
 if TYPE_CHECKING:
+    from fuzzyarm.base.diagnostic import Diagnostic
     from fuzzyarm.exchange.compiled import Making
-    from fuzzyarm.language.model.rulebase import RuleBase
+    from fuzzyarm.proof.map.verdicts import Verdict
 
-__all__ = ["report_of", "write_report"]
+__all__ = ["ExportReport", "report_of", "write_report"]
 
 _BUDGET = 60.0
 """Seconds for each `prove` line."""
 
 
-def write_report(folder: str | Path, report: dict[str, Any]) -> None:
+@dataclass(frozen=True)
+class ReportedFile:
+    """A file."""
+
+    file: str = entry("its name")
+    sha256: str = entry("of its bytes")
+    bytes: int = entry("how many")
+
+
+@json_properties(
+    "format engine source used settings written functions findings proofs self_test coverage sizes"
+)
+@dataclass(frozen=True)
+class ExportReport:
+    """A report on an export."""
+
+    source: ReportedFile = entry("what it was made of")
+    used: list[ReportedFile] = entry("what it reads beside itself")
+    settings: Mapping[str, Any] = entry("every option of the export")
+    written: list[ReportedFile] = entry("the export")
+    functions: list[ExportedFunction] = entry(
+        "in order", "call worst against points proved operations stack"
+    )
+    findings: Sequence[Diagnostic] = entry("of the check", "name severity message line")
+    proofs: list[Verdict] = entry("by `prove` lines and certificates", "statement verdict reason")
+    self_test: ExportTrial = entry("the self-test", "compiler flags passed rows")
+    coverage: ExportTrial = entry(
+        "of the exported code by the self-test", "statements branches missed untaken"
+    )
+    sizes: list[ExportSize] = entry("by the cross compilers that are installed")
+    format: int = entry("of this description", default=1)
+    engine: str = entry("which fuzzyarm", default=f"fuzzyarm {__version__}")
+
+
+def write_report(folder: str | Path, report: ExportReport) -> None:
     """Write ``report.html`` and ``report.json``, both or neither.
 
     Parameters
     ----------
     folder : path-like
         Where; new, empty, or of an earlier report.
-    report : dict
+    report : ExportReport
         As `report_of` gives it.
 
     Raises
@@ -43,12 +78,13 @@ def write_report(folder: str | Path, report: dict[str, Any]) -> None:
     ForeignFolderError
         If the folder holds what is somebody else's.
     """
-    text = json.dumps(report, indent=2, allow_nan=False) + "\n"
-    write_folder(folder, {"report.html": page(report), "report.json": text})
+    data = jsonable(report)
+    text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+    write_folder(folder, {"report.html": page(data), "report.json": text})
 
 
-def report_of(file: str, how: Making, exported: Exported | ExportedController) -> dict[str, Any]:
-    """Return a report as plain data; ``docs/schemas/compile-report.json`` describes it.
+def report_of(file: str, how: Making, exported: Exported | ExportedController) -> ExportReport:
+    """Return a report on an export.
 
     Parameters
     ----------
@@ -64,43 +100,34 @@ def report_of(file: str, how: Making, exported: Exported | ExportedController) -
     FuzzyarmError
         If no gcc is here.
     """
+    from fuzzyarm.proof.map.verdicts import Verdict, prove_all
+
     trial = tried(exported)
     review = check_file(file)
-    return {
-        "format": 1,
-        "engine": f"fuzzyarm {__version__}",
-        "source": _file(Path(file)),
-        "used": [_file(path) for path in _used(exported) if path.resolve() != Path(file).resolve()],
-        "settings": _settings(how),
-        "written": [
-            {"file": path.name, "sha256": _hash(str(text).encode()), "bytes": len(str(text))}
-            for path, text in exported.files
-        ],
-        "functions": _functions(exported),
-        "findings": [
-            {"name": finding.name, "severity": str(finding.severity), "message": finding.message,
-             "line": finding.span.line}
-            for finding in review.diagnostics
-        ],
-        "proofs": [*_proofs(review.rulebase), *_claimed(how)],
-        "self_test": _self_test(trial),
-        "coverage": {
-            "statements": list(trial.statements),
-            "branches": list(trial.branches),
-            "missed": [{"line": line, "text": text} for line, text in trial.missed],
-            "untaken": [{"line": line, "text": text} for line, text in trial.untaken],
-        },
-        "sizes": sizes(exported),
-    }  # fmt: skip
+    proofs = prove_all(review.rulebase, budget=_BUDGET) if review.rulebase is not None else ()
+    certified = [
+        Verdict(statement=words, verdict="proved", reason="certificate") for words in how.proofs
+    ]
+    return ExportReport(
+        _file(Path(file)),
+        [_file(path) for path in _used(exported) if path.resolve() != Path(file).resolve()],
+        _settings(how),
+        [_reported(path, str(text).encode()) for path, text in exported.files],
+        _functions(exported),
+        review.diagnostics,
+        [*proofs, *certified],
+        trial,
+        trial,
+        sizes(exported),
+    )
 
 
-def _hash(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
+def _file(path: Path) -> ReportedFile:
+    return _reported(path, path.read_bytes())
 
 
-def _file(path: Path) -> dict[str, Any]:
-    content = path.read_bytes()
-    return {"file": path.name, "sha256": _hash(content), "bytes": len(content)}
+def _reported(path: Path, content: bytes) -> ReportedFile:
+    return ReportedFile(path.name, hashlib.sha256(content).hexdigest(), len(content))
 
 
 def _used(exported: Exported | ExportedController) -> list[Path]:
@@ -124,66 +151,14 @@ def _settings(how: Making) -> dict[str, Any]:
     }
 
 
-def _functions(exported: Exported | ExportedController) -> list[dict[str, Any]]:
-    if isinstance(exported, ExportedController):
-        from fuzzyarm.exchange.export.cost import step_cost
+def _functions(exported: Exported | ExportedController) -> list[ExportedFunction]:
+    if isinstance(exported, Exported):
+        return exported.functions
+    from fuzzyarm.exchange.export.cost import step_cost
 
-        program = exported.program
-        operations = step_cost(program.text).exported
-        return [
-            {
-                "call": exported.calls[1], "worst": program.tried.worst,
-                "against": "the controller in double precision",
-                "points": len(program.tried.vectors.expected), "proved": None,
-                "operations": {"of a period": operations and operations.total()},
-                "stack": None,
-            }
-        ]  # fmt: skip
-    return [
-        {
-            "call": call, "worst": routine.accuracy.worst, "against": routine.accuracy.against,
-            "points": routine.accuracy.points,
-            "proved": routine.worst_proved() if isinstance(routine, TableRoutine) else None,
-            "operations": routine.cost().by_sort(), "stack": routine.cost().stack,
-        }
-        for call, routine in zip(exported.calls, exported.routines, strict=True)
-    ]  # fmt: skip
-
-
-def _proofs(rulebase: RuleBase | None) -> list[dict[str, Any]]:
-    """Judge the `prove` lines of a rule base."""
-    from fuzzyarm.proof.map.verdicts import prove_all
-
-    if rulebase is None:
-        return []
-    return [
-        {"statement": verdict.statement, "verdict": verdict.verdict, "reason": verdict.reason}
-        for verdict in prove_all(rulebase, budget=_BUDGET)
-    ]
-
-
-def _claimed(how: Making) -> list[dict[str, Any]]:
-    """Return what a certificate proves of a controller."""
-    return [{"statement": words, "verdict": "proved", "reason": "certificate"}
-            for words in how.proofs]  # fmt: skip
-
-
-def _self_test(trial: ExportTrial) -> Mapping[str, Any]:
-    return {
-        "compiler": trial.compiler,
-        "flags": list(trial.flags),
-        "passed": all(row.passed for row in trial.rows),
-        "rows": [
-            {
-                "function": row.function, "inputs": _finite(row.inputs),
-                "expected": _finite(row.expected), "computed": _finite(row.computed),
-                "tolerance": row.tolerance, "passed": row.passed,
-            }
-            for row in trial.rows
-        ],
-    }  # fmt: skip
-
-
-def _finite(numbers: tuple[float, ...]) -> list[float | None]:
-    """Return numbers as JSON has them: what is not a number is null."""
-    return [x if math.isfinite(x) else None for x in numbers]
+    program = exported.program
+    operations = step_cost(program.text).exported
+    worst, points = program.tried.worst, len(program.tried.vectors.expected)
+    against = "the controller in double precision"
+    total = {"of a period": operations.total() if operations else None}
+    return [ExportedFunction(exported.calls[1], worst, points, against, None, total, None)]

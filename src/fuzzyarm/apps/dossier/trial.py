@@ -10,10 +10,11 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.exchange.export import Exported, ExportedController
 from fuzzyarm.exchange.export.avr import run_tool
 from fuzzyarm.exchange.export.controllers import port_name
@@ -21,7 +22,7 @@ from fuzzyarm.exchange.export.numbers import ExportError, c_number
 from fuzzyarm.exchange.export.steps import Steps
 from fuzzyarm.symbolic.identifiers import identifier
 
-__all__ = ["ExportTrial", "TrialRow", "sizes", "tried"]
+__all__ = ["ExportSize", "ExportTrial", "TrialRow", "sizes", "tried"]
 
 _SECONDS = 300
 # Not optimised, so that the lines that gcov counts are those of the text.
@@ -35,15 +36,16 @@ TARGETS = {
 """Processors whose compilers are asked, where they are installed: compiler, size, its flags."""
 
 
+@json_properties("* passed")
 @dataclass(frozen=True)
 class TrialRow:
-    """One point, or one period: what goes in, what has to come out, what came out."""
+    """One point, or one period."""
 
-    function: str
-    inputs: tuple[float, ...]
-    expected: tuple[float, ...]
-    computed: tuple[float, ...]
-    tolerance: float
+    function: str = entry("which is called")
+    inputs: tuple[float, ...] = entry("that go in; null where it is not a number")
+    expected: tuple[float, ...] = entry("of the model; null where it is not a number")
+    computed: tuple[float, ...] = entry("by the C; null where it is not a number")
+    tolerance: float = entry("of a difference")
 
     @property
     def passed(self) -> bool:
@@ -55,21 +57,49 @@ class TrialRow:
         )
 
 
-@dataclass(frozen=True)
-class ExportTrial:
-    """A run of the exported functions by all rows, and which of their text it reached.
+@json_properties("*")
+class TextLine(NamedTuple):
+    """A line of a text.
 
-    `statements` and `branches` are how many were reached, and how many there are; `missed` are
-    the numbers and texts of lines that were not, `untaken` of those with such a branch.
+    Attributes
+    ----------
+    line : int
+        Its number.
+    text : str
+        What it says.
     """
 
-    compiler: str
-    flags: tuple[str, ...]
-    rows: tuple[TrialRow, ...]
-    statements: tuple[int, int]
-    branches: tuple[int, int]
-    missed: tuple[tuple[int, str], ...]
-    untaken: tuple[tuple[int, str], ...]
+    line: int
+    text: str
+
+
+@dataclass(frozen=True)
+class ExportTrial:
+    """A run of the exported functions by all rows, and which of their text it reached."""
+
+    compiler: str = entry("and its version")
+    flags: tuple[str, ...] = entry("of it")
+    rows: tuple[TrialRow, ...] = entry("in order")
+    statements: tuple[int, int] = entry("reached, and in all")
+    branches: tuple[int, int] = entry("taken, and in all")
+    missed: tuple[TextLine, ...] = entry("that no point reaches")
+    untaken: tuple[TextLine, ...] = entry("with a branch that no point takes")
+
+    @property
+    def passed(self) -> bool:
+        """Whether every point does."""
+        return all(row.passed for row in self.rows)
+
+
+@dataclass(frozen=True)
+class ExportSize:
+    """Bytes of the functions alone."""
+
+    processor: str = entry("for which")
+    compiler: str = entry("and its version")
+    flags: tuple[str, ...] = entry("of it")
+    flash: int = entry("bytes")
+    ram: int = entry("bytes of static variables")
 
 
 def tried(exported: Exported | ExportedController) -> ExportTrial:
@@ -180,19 +210,20 @@ def _counted(folder: Path, source: str) -> Mapping[str, Any]:
     return entry
 
 
-Lines = tuple[tuple[int, str], ...]
-"""Numbers of lines, with their texts."""
+_Lines = tuple[TextLine, ...]
 
 
 def _coverage(
     counted: Mapping[str, Any], text: str
-) -> tuple[tuple[int, int], tuple[int, int], Lines, Lines]:
+) -> tuple[tuple[int, int], tuple[int, int], _Lines, _Lines]:
     lines = counted["lines"]
     branches = [branch for line in lines for branch in line["branches"]]
     source_lines = text.split("\n")
 
-    def listed(numbers: set[int]) -> Lines:
-        return tuple((number, source_lines[number - 1].strip()) for number in sorted(numbers))
+    def listed(numbers: set[int]) -> _Lines:
+        return tuple(
+            TextLine(number, source_lines[number - 1].strip()) for number in sorted(numbers)
+        )
 
     uncovered = {line["line_number"] for line in lines if not line["count"]}
     untaken = {
@@ -208,7 +239,7 @@ def _coverage(
     )
 
 
-def sizes(exported: Exported | ExportedController) -> list[dict[str, Any]]:
+def sizes(exported: Exported | ExportedController) -> list[ExportSize]:
     """Return flash and RAM of the exported functions alone, by the compilers that are here."""
     results = []
     files = {path.name: str(text) for path, text in exported.files}
@@ -224,10 +255,8 @@ def sizes(exported: Exported | ExportedController) -> list[dict[str, Any]]:
             numbers = _run([size, "own.o"], folder).splitlines()[1].split()[:3]
             version = _run([compiler, "--version"], folder).splitlines()[0]
         text_bytes, data, bss = map(int, numbers)
-        results.append(
-            {"processor": processor, "compiler": version, "flags": [*flags, *_SMALL],
-             "flash": text_bytes + data, "ram": data + bss}
-        )  # fmt: skip
+        flash, ram = text_bytes + data, data + bss
+        results.append(ExportSize(processor, version, (*flags, *_SMALL), flash, ram))
     return results
 
 

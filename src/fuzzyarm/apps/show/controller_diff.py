@@ -17,6 +17,7 @@ from fuzzyarm.apps.show.diff import (
     rulebase_diff_view,
     table_diff_view,
 )
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import Axes, ControllerModel, Drive, SignalLine
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
 __all__ = ["ControllerDiff", "compare_controllers", "controller_diff_view"]
 
 
+@json_properties(
+    "same settings gains lines order rulebases=changed_rulebases tables=changed_tables"
+)
 @dataclass(frozen=True, slots=True)
 class ControllerDiff:
     """Everything that differs in meaning; comments, and the order of gains, do not count.
@@ -60,6 +64,16 @@ class ControllerDiff:
         """Whether both do the same."""
         differs = self.settings or self.gains or self.lines or self.order
         return not (differs or self.rulebases or self.tables)
+
+    @property
+    def changed_rulebases(self) -> dict[str, RuleBaseDiff]:
+        """Differences of rule bases, by their name here."""
+        return dict(self.rulebases)
+
+    @property
+    def changed_tables(self) -> dict[str, TableDiff]:
+        """Differences of tables, by their name here."""
+        return dict(self.tables)
 
 
 def compare_controllers(before: ControllerText, after: ControllerText) -> ControllerDiff:

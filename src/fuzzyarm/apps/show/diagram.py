@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.apps.show.layers import Corner, LayeredGraph, Link, Pins, lay_out
 from fuzzyarm.base.diagnostic import NOWHERE, Span
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import counted, number_text
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.language.model.controller import (
@@ -55,6 +56,7 @@ BLOCK_KINDS = {
 """What a block can be."""
 
 
+@json_properties("* line=span.line")
 @dataclass(frozen=True, slots=True)
 class DiagramBlock:
     """A block.

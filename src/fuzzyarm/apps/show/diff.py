@@ -11,6 +11,7 @@ from fuzzyarm.apps.show.drawing import number_words
 from fuzzyarm.apps.show.rulebase import expression_words, norm_words
 from fuzzyarm.apps.show.table import table_grids
 from fuzzyarm.apps.show.terms import shape_words
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text, short_bins, short_levels
 from fuzzyarm.language.edit.hover import rule_sentence
 from fuzzyarm.language.model.rulebase import (
@@ -66,11 +67,17 @@ class Change:
         return f"{self.what}: {self.before or self.after}"
 
 
+@json_properties("same *")
 @dataclass(frozen=True, slots=True)
 class RuleBaseDiff:
     """Everything that differs in meaning.
 
     The order of rules, comments, and whether conclusions share a rule or a grid do not count.
+
+    Attributes
+    ----------
+    rules, terms, settings : tuple of Change
+        Changes of each kind.
     """
 
     rules: tuple[Change, ...]

@@ -11,7 +11,7 @@ from fuzzyarm.proof.map.prover import written
 from fuzzyarm.proof.map.sector import Sector, form_text
 from fuzzyarm.proof.map.verdicts import bound_text
 
-__all__ = ["WAYS", "bound_lines", "drive_lines", "grouped_drives", "place_of_worst", "sector_lines"]
+__all__ = ["WAYS", "bound_lines", "drive_lines", "grouped_drives", "sector_lines"]
 
 WAYS = {
     "exact": "in exact arithmetic",
@@ -27,7 +27,7 @@ def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
         work += "; time ran out before the bounds were tight"
     if key == "worst":
         first = f"worst {bound_text(max(bounds.high, -bounds.low))} (proved)"
-        return [first, f"  near {written(place_of_worst(bounds))}", f"  {work}"]
+        return [first, f"  near {written(bounds.at_worst)}", f"  {work}"]
     what = f"{output}" if key == "range" else f"slope of {output} along {key}"
     where = " where it has a value" if bounds.hole else " (proved)"
     lines = [f"{what} in {bound_text((bounds.low, bounds.high))}{where}"]
@@ -38,11 +38,6 @@ def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
     if bounds.at_high:
         lines.append(f"  highest near {written(bounds.at_high)}")
     return [*lines, f"  {work}"]
-
-
-def place_of_worst(bounds: Bounds) -> dict[str, float]:
-    """Return where an error is farthest from zero."""
-    return bounds.at_high if bounds.reached_high >= -bounds.reached_low else bounds.at_low
 
 
 def sector_lines(output: str, sector: Sector) -> list[str]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.apps.study.cost import RESOLUTION, Operations, count_operations, measure_time
 from fuzzyarm.apps.study.published import published_rows
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.keywords import demand_arguments
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.on_plant import text_law_of
@@ -80,6 +81,7 @@ CONDITIONS = {
 # --- Errors, and how much the torque changes ---
 
 
+@json_properties("controller=name rms rms_periods rms_path variation diverged")
 @dataclass(frozen=True, kw_only=True)
 class Compared:
     """A controller under some conditions.
@@ -291,6 +293,7 @@ def watched_run(
 # --- Cost ---
 
 
+@json_properties("operations exported_operations=exported seconds?")
 @dataclass(frozen=True, kw_only=True)
 class ControlStepCost:
     """What a control step of a controller costs, both joints.

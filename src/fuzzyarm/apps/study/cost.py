@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.controller import CompiledController, Controller
 from fuzzyarm.control.controllers.law import SIGNALS, TOLD, Law, law_kernel, tell
 from fuzzyarm.control.controllers.on_plant import TextLaw
@@ -144,6 +145,7 @@ class CostError(FuzzyarmError, ValueError):
         self.name = name
 
 
+@json_properties("* total")
 @dataclass(frozen=True)
 class Operations:
     """Of a control step, in the mean; both joints.

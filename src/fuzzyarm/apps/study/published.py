@@ -13,6 +13,7 @@ from functools import cache
 from importlib.resources import files
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import did_you_mean, several_nearest
 from fuzzyarm.plant.setting import (
     STUDY_CONVENTIONAL,
@@ -55,6 +56,7 @@ class UnknownRowError(FuzzyarmError, LookupError):
         self.near = near
 
 
+@json_properties("identifier row condition")
 @dataclass(frozen=True)
 class PublishedRow:
     """One row of a published table.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.apps.study.published import MAXIMUM_ON, RMS_PLACES, Eight, PublishedRow
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.catalogue import CATALOGUE, Start, Variant, controller
 from fuzzyarm.control.controllers.controller import CompiledController, Controller, Sum
 from fuzzyarm.control.loop.course import Options
@@ -282,6 +283,15 @@ TRAJECTORIES: dict[str, Callable[[], Trajectory]] = {
 """The study's trajectories by name."""
 
 
+@json_properties(
+    "row=published.row table=published.table controller=published.controller"
+    " condition=published.condition variant trajectories=published.trajectories"
+    " published=published.figures reproduced=figures difference=differences"
+    " within=judgement.within verdict=judgement.sentence note=judgement.note diverged"
+    " runs=ensemble.runs? median=ensemble.median? band_low=ensemble.band_low?"
+    " band_high=ensemble.band_high? lowest=ensemble.lowest? highest=ensemble.highest?"
+    " published_inside=inside?"
+)
 @dataclass(frozen=True)
 class Reproduced:
     """One published row, run again.
@@ -308,6 +318,24 @@ class Reproduced:
     runs: tuple[Run, Run]
     judgement: RowJudgement
     ensemble: Ensemble | None = None
+
+    @property
+    def differences(self) -> list[float | None]:
+        """Relative differences; None where zero was printed."""
+        return [
+            figure / target - 1.0 if target else None
+            for figure, target in zip(self.figures, self.published.figures, strict=True)
+        ]
+
+    @property
+    def diverged(self) -> list[float | None]:
+        """When the run on each trajectory diverged, s; None where it did not."""
+        return [run.diverged for run in self.runs]
+
+    @property
+    def inside(self) -> tuple[bool, ...]:
+        """Whether each printed figure lies between the extremes of the ensemble."""
+        return self.ensemble.inside(self.published.figures) if self.ensemble else ()
 
 
 def chaotic(row: PublishedRow) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.inference.errors import NotANumberError
 from fuzzyarm.inference.inputs import number_of
@@ -50,6 +51,7 @@ def unknown_gain(owner: str, gains: Iterable[str], name: str) -> GainError:
     return GainError(f"{owner} has no gain '{name}'", name=name, hint=hint)
 
 
+@json_properties("value unit origin meaning")
 @dataclass(frozen=True)
 class Gain:
     """One gain of a control law.

@@ -78,9 +78,7 @@ class Metrics:
 
     def as_dict(self) -> dict[str, float | None]:
         """Return the metrics by name; None for non-finite ones."""
-        values: dict[str, float | None] = jsonable(
-            {field.name: getattr(self, field.name) for field in fields(self)}
-        )
+        values: dict[str, float | None] = jsonable(self)
         return values
 
 

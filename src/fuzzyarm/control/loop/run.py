@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import UsageError, demand_extra
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.shown import Plotted, one_line
 from fuzzyarm.base.value_kinds import CONTROLLER, wrong_kind
 from fuzzyarm.control.controllers.controller import Controller
@@ -134,6 +135,12 @@ def metrics_by_output(of: MetricSources | Run) -> dict[str, Metrics]:
     return metrics
 
 
+@json_properties(
+    "controller trajectory rms max=maximum final rms_periods rms_path samples"
+    " conventions=conventions.name precision=conventions.precision pi=conventions.pi"
+    " load_in_hold=conventions.load_in_hold diverged ended skipped periods lost compiled plant"
+    " outputs=tracked_units metrics seed"
+)
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Run(Plotted):
     """The result of a run; angles in degrees, everything else in the units of the plant.
@@ -252,6 +259,11 @@ class Run(Plotted):
     def samples(self) -> int:
         """Number of samples."""
         return len(self.error_matrix)
+
+    @property
+    def tracked_units(self) -> dict[str, str]:
+        """Unit of each tracked output."""
+        return dict(zip(self.labels, self.units, strict=True))
 
     @property
     def errors(self) -> dict[str, Vector]:

@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.avr import (
     FLAGS,
@@ -50,6 +51,9 @@ _SKETCH_CALLS = 48
 """Calls that are measured, of those of the self-test: a simulated second is a second."""
 
 
+@json_properties(
+    "files=names functions=library.prototypes board=board.name constants state measured"
+)
 @dataclass(frozen=True)
 class BoardFolder:
     """A folder for an IDE, not yet written.
@@ -77,6 +81,11 @@ class BoardFolder:
     constants: int
     state: int
     doubt: str = ""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the files."""
+        return sorted(self.files)
 
 
 @dataclass(frozen=True)

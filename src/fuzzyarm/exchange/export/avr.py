@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.boards import Board, Footprint
 from fuzzyarm.exchange.export.numbers import ExportError
@@ -66,6 +67,10 @@ class MeasuredStep:
     self_test: str
 
 
+@json_properties(
+    "compiler=program flash=footprint.flash object ram=footprint.static stack cycles"
+    " self_test=passes"
+)
 @dataclass(frozen=True)
 class Measured:
     """What a library takes on a processor.
@@ -89,6 +94,16 @@ class Measured:
     object: int
     cycles: tuple[int, ...] | None
     passes: bool | None
+
+    @property
+    def program(self) -> str:
+        """The compiler and its version."""
+        return f"avr-gcc {self.compiler}"
+
+    @property
+    def stack(self) -> int | None:
+        """What a call takes on the stack, at most; None where no simulator measured it."""
+        return self.footprint.stack if self.cycles else None
 
 
 def has_compiler() -> bool:

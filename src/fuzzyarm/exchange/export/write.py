@@ -11,15 +11,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.base.files import demand_companion, demand_writable, write_atomically
+from fuzzyarm.base.jsonable import entry, json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.exchange.export.c import controller_c, routines_c
 from fuzzyarm.exchange.export.controller_lowering import controller_program
-from fuzzyarm.exchange.export.controllers import ControllerProgram
+from fuzzyarm.exchange.export.controllers import ControllerProgram, port_name
 from fuzzyarm.exchange.export.fmu import controller_fmu, platforms_named, routines_fmu
 from fuzzyarm.exchange.export.languages import MODULES
 from fuzzyarm.exchange.export.lowering import routines_program
 from fuzzyarm.exchange.export.modules import Module, module_of
-from fuzzyarm.exchange.export.numbers import ExportError
+from fuzzyarm.exchange.export.numbers import C_TYPES, ExportError
 from fuzzyarm.exchange.export.plcopen import (
     Project,
     controller_project,
@@ -65,6 +66,11 @@ class Files:
     files: _Texts
     calls: tuple[str, ...]
 
+    @property
+    def names(self) -> list[str]:
+        """Paths of the files."""
+        return [str(path) for path, _ in self.files]
+
     def write(self) -> None:
         """Write the files, each whole; none of them if one cannot be written."""
         for path, content in self.files:
@@ -75,6 +81,26 @@ class Files:
             write_atomically(path, content)
 
 
+@json_properties("call output arguments type worst points against proved operations stack")
+@dataclass(frozen=True)
+class ExportedFunction:
+    """A function of the source text."""
+
+    call: str = entry("its declaration")
+    worst: float = entry("the largest difference from `against` at the points that were tried")
+    points: int = entry("how many points were tried")
+    against: str = entry("with what it was compared")
+    proved: float | None = entry("the proved error against the rules; null where there is none")
+    operations: Mapping[str, int | None] = entry(
+        "most operations of a call, by their sort; null where they are not bounded"
+    )
+    stack: int | None = entry("bytes of local variables; null of a controller")
+    output: str = entry("what it returns", default="")
+    arguments: Sequence[str] = entry("what it takes", default=())
+    type: str = entry("its type", default="")
+
+
+@json_properties("files=names functions")
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Exported(Files):
     """Files of rule bases or tables, not yet written.
@@ -88,6 +114,25 @@ class Exported(Files):
     """
 
     routines: tuple[Routine, ...]
+
+    @property
+    def functions(self) -> list[ExportedFunction]:
+        """The functions in the order of the outputs."""
+        return [
+            ExportedFunction(
+                call,
+                routine.accuracy.worst,
+                routine.accuracy.points,
+                routine.accuracy.against,
+                routine.worst_proved() if isinstance(routine, TableRoutine) else None,
+                routine.cost().by_sort(),
+                routine.cost().stack,
+                routine.output.name,
+                [argument.name for argument in routine.arguments],
+                C_TYPES[routine.kind],
+            )
+            for call, routine in zip(self.calls, self.routines, strict=True)
+        ]
 
 
 def routines_of(
@@ -347,6 +392,12 @@ def _made(
 # --- Controllers ---
 
 
+@json_properties(
+    "files=names controller=program.text.model.name period=program.text.model.period"
+    " references measured drives gains calls precision=program.precision"
+    " worst=program.tried.worst largest=program.tried.largest"
+    " periods=program.tried.vectors.expected.__len__"
+)
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExportedController(Files):
     """Files of a controller, not yet written.
@@ -360,6 +411,30 @@ class ExportedController(Files):
     """
 
     program: ControllerProgram
+
+    def _ports(self, sort: str) -> list[str]:
+        steps = self.program.steps
+        return [port_name(steps, port) for port in steps.of_sort(sort)]
+
+    @property
+    def references(self) -> list[str]:
+        """Set points that it reads."""
+        return self._ports("reference")
+
+    @property
+    def measured(self) -> list[str]:
+        """Measured values that it reads."""
+        return self._ports("measured")
+
+    @property
+    def drives(self) -> list[str]:
+        """What it drives."""
+        return self._ports("drive")
+
+    @property
+    def gains(self) -> list[str]:
+        """Gains that can be set."""
+        return list(dict.fromkeys(gain.name for gain in self.program.steps.of_sort("gain")))
 
 
 def export_controller(

@@ -34,6 +34,10 @@ class LoopClaim:
         Output of the plant claimed to stay between `low` and `high`; empty for no such claim.
     when : str
         ``always``; ``during`` from `begin` to `end`; ``after`` `begin`, s.
+    low, high : float
+        Between what the output stays.
+    begin, end : float
+        When it does, s; infinite for ever.
     """
 
     plant: str

@@ -139,7 +139,15 @@ class GainModel:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """``use NAME from "FILE"``: a rule base or a table, for all axes or one for each."""
+    """``use NAME from "FILE"``: a rule base or a table, for all axes or one for each.
+
+    Attributes
+    ----------
+    name : str
+        In the lines of the controller.
+    files : tuple of str
+        One for all axes, or one for each.
+    """
 
     name: str
     files: tuple[str, ...]
@@ -148,7 +156,17 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class Partner:
-    """``partner NAME = LAW``: a law of the catalogue, with some of its gains set."""
+    """``partner NAME = LAW``: a law of the catalogue, with some of its gains set.
+
+    Attributes
+    ----------
+    name : str
+        In the lines of the controller.
+    law : str
+        In the catalogue.
+    gains : tuple of (str, float)
+        Those that are set.
+    """
 
     name: str
     law: str

@@ -356,7 +356,17 @@ Expression = Is | And | Or | Hedged
 
 @dataclass(frozen=True, slots=True)
 class Consequent:
-    """*output is [hedges] term*; the hedges modify the output set."""
+    """*output is [hedges] term*; the hedges modify the output set.
+
+    Attributes
+    ----------
+    variable : str
+        The output.
+    term : str
+        A term of it, or the word of a function.
+    hedges : tuple of Hedge
+        From left to right as written.
+    """
 
     variable: str
     term: str
@@ -441,7 +451,15 @@ class LookupAxis:
 
 @dataclass(frozen=True, slots=True)
 class Lookup:
-    """The ``lookup`` settings of a file."""
+    """The ``lookup`` settings of a file.
+
+    Attributes
+    ----------
+    axes : tuple of LookupAxis
+        Levels and thresholds of the inputs that have some.
+    round : float or None
+        The step to which values are rounded.
+    """
 
     axes: tuple[LookupAxis, ...] = ()
     round: float | None = None
@@ -471,7 +489,15 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """An ``expect`` line: every input by name, and the demands on the outputs."""
+    """An ``expect`` line: every input by name, and the demands on the outputs.
+
+    Attributes
+    ----------
+    inputs : tuple of (str, float)
+        Every input by name.
+    outcomes : tuple of Outcome
+        The demands on the outputs.
+    """
 
     inputs: tuple[tuple[str, float], ...]
     outcomes: tuple[Outcome, ...]

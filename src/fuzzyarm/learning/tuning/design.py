@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.control.controllers.law import unknown_gain
 from fuzzyarm.control.controllers.text import ControllerText
@@ -46,6 +47,7 @@ Scale = Literal["linear", "log", "logit"]
 MOST_PARAMETERS = 500
 
 
+@json_properties("name low high start")
 @dataclass(frozen=True)
 class MovingNumber:
     """A number that moves.

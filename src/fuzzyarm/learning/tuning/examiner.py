@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.catalogue import controller_of
 from fuzzyarm.control.controllers.controller import Controller
 from fuzzyarm.control.controllers.text import ControllerText
@@ -58,6 +59,7 @@ REFUSED = 1e9
 """Cost of a candidate that breaks a promise of its file, or that fails."""
 
 
+@json_properties("cost rms=error chatter diverged each=parts")
 class Score(NamedTuple):
     """The cost of a candidate.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.base.files import real_path, same_file, write_atomically
-from fuzzyarm.base.jsonable import jsonable
+from fuzzyarm.base.jsonable import json_properties, jsonable
 from fuzzyarm.base.numbers import counted
 from fuzzyarm.base.shown import one_line
 from fuzzyarm.control.controllers.text import ControllerText
@@ -88,6 +88,13 @@ class ComparedRow(NamedTuple):
     scores: dict[str, Score]
 
 
+@json_properties(
+    "cost over method=plan.method seed=plan.seed trials=found.trials.__len__ noise"
+    " linear_trials=linear.trials.__len__ refused=found.refused seconds=found.seconds"
+    " interrupted=found.interrupted digits scenarios unseen rows=table claim comparisons"
+    " remarks faults line=line.gains failed=found.failed parameters on_a_bound changes"
+    " curve=found.curve front"
+)
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Tuned:
     """The result of tuning.
@@ -185,8 +192,13 @@ class Tuned:
         pairs = list(zip(_parts(own_row, "unseen"), _parts(other, "unseen"), strict=False))
         return sum(mine < theirs for mine, theirs in pairs), len(pairs)
 
+    @property
+    def table(self) -> dict[str, dict[str, Score]]:
+        """Scores on ``train``, ``unseen`` and ``noisy`` of each row."""
+        return {row.name: row.scores for row in self.rows}
+
     @cached_property
-    def front(self) -> list[tuple[float, float]]:
+    def front(self) -> list[FrontPoint]:
         """Error and chatter of the trials that no other beats in both, by rising error."""
         return front_of(self.found)
 
@@ -209,7 +221,7 @@ class Tuned:
 
     def as_data(self) -> dict[str, Any]:
         """Return the report as JSON data; missing values are None."""
-        data: dict[str, Any] = jsonable(_as_data(self))
+        data: dict[str, Any] = jsonable(self)
         return data
 
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
@@ -225,7 +237,21 @@ def _parts(row: ComparedRow, which: str) -> tuple[float, ...]:
     return row.scores[which].parts if which in row.scores else ()
 
 
-def front_of(result: Found) -> list[tuple[float, float]]:
+@json_properties("*")
+class FrontPoint(NamedTuple):
+    """A trial that no other beats in both.
+
+    Attributes
+    ----------
+    rms, chatter : float
+        Its error and its chatter.
+    """
+
+    rms: float
+    chatter: float
+
+
+def front_of(result: Found) -> list[FrontPoint]:
     """Return error and chatter of the trials that no other beats in both, by rising error."""
     pairs = sorted(
         (trial.score.error, trial.score.chatter)
@@ -234,17 +260,18 @@ def front_of(result: Found) -> list[tuple[float, float]]:
         and math.isfinite(trial.score.error)
         and math.isfinite(trial.score.chatter)
     )
-    front: list[tuple[float, float]] = []
+    front: list[FrontPoint] = []
     # By rising error: a pair is on the front if its chatter is below that of all before.
     for error, chatter in pairs:
         if not front or chatter < front[-1][1]:
-            front.append((error, chatter))
+            front.append(FrontPoint(error, chatter))
     return front
 
 
 # --- Report ---
 
 
+@json_properties("with=other better_on=better of dearer_by=share")
 class Comparison(NamedTuple):
     """Comparison of the tuned file with another row on unseen scenarios.
 
@@ -397,68 +424,6 @@ def notes_of(tuned: Tuned) -> list[str]:
         f"{tuned.plan.method}, {count} evaluations, seed {tuned.plan.seed},"
         f" {digits}, fuzzyarm {__version__}",
     ]
-
-
-def _as_data(tuned: Tuned) -> dict[str, Any]:
-    search = tuned.found
-    return {
-        "cost": tuned.cost,
-        "over": tuned.over,
-        "method": tuned.plan.method,
-        "seed": tuned.plan.seed,
-        "trials": len(search.trials),
-        "noise": tuned.noise,
-        "linear_trials": None if tuned.linear is None else len(tuned.linear.trials),
-        "refused": search.refused,
-        "seconds": round(search.seconds, 3),
-        "interrupted": search.interrupted,
-        "digits": tuned.digits,
-        "scenarios": list(tuned.scenarios),
-        "unseen": list(tuned.unseen),
-        "rows": {
-            row.name: {name: _score_data(score) for name, score in row.scores.items()}
-            for row in tuned.rows
-        },
-        "claim": tuned.claim(),
-        "comparisons": [
-            {
-                "with": comparison.other,
-                "better_on": comparison.better,
-                "of": comparison.of,
-                "dearer_by": comparison.share,
-            }
-            for comparison in tuned.comparisons
-        ],
-        "remarks": list(tuned.remarks()),
-        "faults": list(tuned.faults),
-        "line": None if tuned.line is None else dict(tuned.line.gains),
-        "failed": search.failed,
-        "parameters": [
-            {
-                "name": parameter.name,
-                "low": parameter.low,
-                "high": parameter.high,
-                "start": parameter.start,
-            }
-            for parameter in tuned.parameters
-        ],
-        "on_a_bound": list(tuned.on_a_bound),
-        "changes": [
-            dict(zip(("what", "old", "new"), change, strict=True)) for change in tuned.changes
-        ],
-        "curve": list(search.curve),
-        "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
-    }
-
-
-def _score_data(score: Score) -> dict[str, Any]:
-    return {
-        "cost": score.cost,
-        "rms": score.error,
-        "chatter": score.chatter,
-        "diverged": score.diverged,
-        "each": list(score.parts),
-    }
 
 
 # --- Writing ---

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from fuzzyarm.base.diagnostic import Figure, Span, Word, span_of, split_lines
 from fuzzyarm.base.files import same_file
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.names import quote
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.protected import SourceFileError
@@ -68,14 +69,21 @@ class Rewritten:
         return "\n".join(line for line in lines if not line.startswith("@@"))
 
 
-class TextChange:
-    """One number or shape, before and after, in the words of the file."""
+@json_properties("*")
+class TextChange(NamedTuple):
+    """One number or shape, before and after, in the words of the file.
 
-    def __init__(self, what: str, old: str, new: str) -> None:
-        self.what, self.old, self.new = what, old, new
+    Attributes
+    ----------
+    what : str
+        What it is.
+    old, new : str
+        In the file, and as written.
+    """
 
-    def __iter__(self) -> Iterator[str]:
-        return iter((self.what, self.old, self.new))
+    what: str
+    old: str
+    new: str
 
 
 # --- Changes ---

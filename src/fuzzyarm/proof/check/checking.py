@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText, read_controller
@@ -54,6 +55,10 @@ OF_TUBES = "sets hold all runs from one sample to the next (mean value theorem)"
 OF_MAPS = "each box leads into a region or into boxes before it (induction)"
 
 
+@json_properties(
+    "property=statement verdict region start_region rest fall continuous uncertain"
+    " certificate=certificate.seal evidence=words seconds reason"
+)
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Checked(Shown):
     """What a certificate proves.

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base import above
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
 from fuzzyarm.language.model.rulebase import RuleBase
@@ -62,6 +63,7 @@ POINTS = 2000
 """Frequencies at which the sensitivity is looked at first."""
 
 
+@json_properties("*")
 @dataclass(frozen=True)
 class Margins:
     """Margins of a loop that is opened at one drive.
@@ -95,6 +97,7 @@ class Margins:
     sensitivity_at: float | None = None
 
 
+@json_properties("of=words low high")
 @dataclass(frozen=True)
 class RuleGain:
     """A gain of a rule base that is not one number away from rest.
@@ -134,6 +137,7 @@ class WorstMargins:
     where: Mapping[str, tuple[float, ...]]
 
 
+@json_properties("drive=name nominal worst=worst.margins gains=worst_gains where")
 @dataclass(frozen=True)
 class DriveMargins:
     """What is known of the margins at one drive.
@@ -154,6 +158,21 @@ class DriveMargins:
     loop: OpenLoop
     nominal: Margins
     worst: WorstMargins | None
+
+    @property
+    def name(self) -> str:
+        """Axis and port."""
+        return ".".join(self.drive)
+
+    @property
+    def worst_gains(self) -> tuple[RuleGain, ...]:
+        """Gains that are not one number."""
+        return self.worst.gains if self.worst else ()
+
+    @property
+    def where(self) -> Mapping[str, tuple[float, ...]]:
+        """By margin, the gains where it is met."""
+        return self.worst.where if self.worst else {}
 
 
 def margins(

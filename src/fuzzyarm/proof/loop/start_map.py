@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
@@ -70,8 +71,21 @@ AT_ONCE = 4
 """Pieces of work for each worker."""
 
 
+@json_properties("*")
 class MappedBox(NamedTuple):
-    """A part of the window: its ends by dimension, the verdict, after how many periods, and why."""
+    """A part of the window.
+
+    Attributes
+    ----------
+    low, high : tuple of float
+        Its ends, in the order of the window.
+    verdict : str
+        ``proved``, ``refuted`` or ``open``.
+    periods : int
+        Control periods until all of its runs are in the region, or lost.
+    reason : str
+        Why it is refuted or open.
+    """
 
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -80,6 +94,10 @@ class MappedBox(NamedTuple):
     reason: str = ""
 
 
+@json_properties(
+    "property=statement window others proved refuted open starts settled settled_proved"
+    " within=longest region rest boxes seconds reason"
+)
 @dataclass(frozen=True, repr=False, kw_only=True)
 class StartMap(Shown):
     """What is known of the starts of a loop, all over a window.
@@ -139,9 +157,24 @@ class StartMap(Shown):
         )
 
     @property
+    def proved(self) -> float:
+        """The share of the window from which every run comes to rest."""
+        return self.share(PROVED)
+
+    @property
+    def refuted(self) -> float:
+        """The share from which runs are lost."""
+        return self.share(REFUTED)
+
+    @property
+    def open(self) -> float:
+        """The share of which nothing is known."""
+        return self.share(OPEN)
+
+    @property
     def decided(self) -> float:
         """The share of the volume that is proved or refuted."""
-        return self.share(PROVED) + self.share(REFUTED)
+        return self.proved + self.refuted
 
     @property
     def covered(self) -> float:
@@ -183,12 +216,12 @@ class StartMap(Shown):
             for name, span in self.window.items()
         )
         return (
-            f"from {_percent(self.share(PROVED))} of {window} every run comes to rest, from"
-            f" {_percent(self.share(REFUTED))} runs are lost, {_percent(self.share(OPEN))} is open"
+            f"from {_percent(self.proved)} of {window} every run comes to rest, from"
+            f" {_percent(self.refuted)} runs are lost, {_percent(self.open)} is open"
         )
 
     def __repr__(self) -> str:
-        return one_line(self, f"map of {self.statement}: {_percent(self.share(PROVED))} proved")
+        return one_line(self, f"map of {self.statement}: {_percent(self.proved)} proved")
 
     def __str__(self) -> str:
         lines = [f"map: {self.statement}", f"  {self.sentence()}"]

@@ -18,17 +18,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.proof.claim.problem import LoopProblem
 from fuzzyarm.proof.loop.enclosure import EnclosureError
 from fuzzyarm.proof.loop.follower import Box, Demand, FollowedBoxes, Follower, Goal
 from fuzzyarm.proof.stop import Stop
 from fuzzyarm.symbolic.operations import Interval
 
-__all__ = ["Demand", "Progress", "Tube", "tube"]
+__all__ = ["Demand", "PortBounds", "Progress", "Tube", "tube"]
 
 Vector = NDArray[np.float64]
 
@@ -46,6 +48,21 @@ Progress = Callable[[float, int], None]
 # ── tubes ────────────────────────────────────────────────────────────────────────────
 
 
+@json_properties("*")
+class PortBounds(NamedTuple):
+    """Between what a port is.
+
+    Attributes
+    ----------
+    low, high : ndarray, shape (steps,)
+        In each stretch of time.
+    """
+
+    low: Vector
+    high: Vector
+
+
+@json_properties("duration boxes arrival ends ports=by_port")
 @dataclass(frozen=True, kw_only=True)
 class Tube:
     """Where all runs are.
@@ -114,6 +131,11 @@ class Tube:
             raise EnclosureError("the tube does not contain all starts")
         column = self.ports.index(output)
         return _between(self, column, begin, end)
+
+    def by_port(self) -> dict[str, PortBounds]:
+        """Return the bounds of each port in all stretches of time."""
+        columns = zip(self.ports, self.low.T, self.high.T, strict=True)
+        return {port: PortBounds(low, high) for port, low, high in columns}
 
     def lines(self) -> list[str]:
         """Return in words where each port is: in all the time, and at its end."""

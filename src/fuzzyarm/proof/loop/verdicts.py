@@ -15,6 +15,7 @@ from typing import Any
 
 from fuzzyarm.base.diagnostic import NOWHERE
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.control.controllers.text import ControllerText
 from fuzzyarm.control.loop.course import Sensor
@@ -57,6 +58,10 @@ PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 Tell = Callable[[str, int, float], None]
 
 
+@json_properties(
+    "property=statement verdict region start_region rest fall continuous uncertain"
+    " certificate=certificate.seal tube=whole_tube evidence pieces seconds reason line"
+)
 @dataclass(frozen=True, repr=False, kw_only=True)
 class LoopVerdict(Shown):
     """What is known of a claim about a loop.
@@ -130,6 +135,11 @@ class LoopVerdict(Shown):
     def proved(self) -> bool:
         """Whether it holds."""
         return self.verdict == PROVED
+
+    @property
+    def whole_tube(self) -> Tube | None:
+        """The tube, if it contains all starts."""
+        return self.tube if self.tube is not None and self.tube.complete else None
 
     def __repr__(self) -> str:
         return one_line(self, f"{self.verdict}: {self.statement}")

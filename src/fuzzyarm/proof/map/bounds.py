@@ -6,10 +6,12 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 
 __all__ = [
     "GAP",
     "LIKE_EXPECT",
+    "TABLE_ERROR",
     "WIDENED",
     "Bounds",
     "Claim",
@@ -30,6 +32,9 @@ LIKE_EXPECT = 1e-9
 
 Point = dict[str, float]
 
+TABLE_ERROR = "worst reached at=at_worst pieces way"
+"""Properties in JSON of the bounds of a table's error."""
+
 
 class UnprovableError(FuzzyarmError, ValueError):
     """Nothing can be proved of a rule base or of one statement; the message names why."""
@@ -39,6 +44,7 @@ class NothingFiresError(UnprovableError):
     """No rule of the output fires anywhere in the region."""
 
 
+@json_properties("low high at_low at_high hole pieces way")
 class Bounds(NamedTuple):
     """What an output, its slope or the error of a table cannot leave.
 
@@ -70,6 +76,21 @@ class Bounds(NamedTuple):
     way: str
     complete: bool
     hole: str = ""
+
+    @property
+    def worst(self) -> float:
+        """No error of a table is larger."""
+        return max(self.high, -self.low)
+
+    @property
+    def reached(self) -> float:
+        """An error that is reached."""
+        return max(self.reached_high, -self.reached_low)
+
+    @property
+    def at_worst(self) -> Point:
+        """Where an error is farthest from zero."""
+        return self.at_high if self.reached_high >= -self.reached_low else self.at_low
 
 
 class Missing(NamedTuple):

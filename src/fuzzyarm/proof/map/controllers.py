@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.control.controllers.findings import site_by_axes
 from fuzzyarm.control.controllers.on_plant import Site, site_of
 from fuzzyarm.control.controllers.program import SourceError
@@ -96,6 +97,7 @@ class DriveSector:
     slack: float = 0.0
 
 
+@json_properties("drive=name * -axis -port")
 @dataclass(frozen=True, kw_only=True)
 class DriveProof:
     """What is proved of one drive.
@@ -140,6 +142,11 @@ class DriveProof:
     sectors: tuple[DriveSector, ...]
     open: tuple[str, ...]
     hole: str = ""
+
+    @property
+    def name(self) -> str:
+        """Axis and port."""
+        return f"{self.axis}.{self.port}"
 
 
 # ── one axis on trial ─────────────────────────────────────────────────────────────────

@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.proof.map.arithmetic import as_fraction, rationals
 from fuzzyarm.proof.map.bernstein import Quotients, vertices_of
 from fuzzyarm.proof.map.bounds import LIKE_EXPECT, Bounds, Point, UnprovableError
@@ -42,6 +43,7 @@ class NoSectorError(UnprovableError):
 # ── sectors ──────────────────────────────────────────────────────────────────────────
 
 
+@json_properties("weights low high at_low at_high slack pieces")
 class Sector(NamedTuple):
     """Between which gains an output lies.
 

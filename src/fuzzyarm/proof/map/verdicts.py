@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.base.diagnostic import NOWHERE, RuleBaseError
 from fuzzyarm.base.errors import FuzzyarmError
+from fuzzyarm.base.jsonable import json_properties
 from fuzzyarm.base.numbers import number_text, outward_text
 from fuzzyarm.base.shown import Shown, one_line
 from fuzzyarm.language import parse, write
@@ -41,6 +42,7 @@ Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
 
 
+@json_properties("property=statement verdict bound evidence pieces seconds way reason line")
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Verdict(Shown):
     """What is known of one statement.
