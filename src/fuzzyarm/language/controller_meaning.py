@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
 from fuzzyarm.base.diagnostic import Diagnostic, Figure, Related, Severity, Span, Word, span_of
-from fuzzyarm.base.names import near_hint
 from fuzzyarm.base.numbers import number_text
 from fuzzyarm.language.controller_doubts import doubts_of_lines
+from fuzzyarm.language.controller_names import ControllerNames
 from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
 from fuzzyarm.language.loop_claims import LoopClaimNode
@@ -67,33 +67,22 @@ class _Scope:
         self.broken = {node.keyword for node in nodes if isinstance(node, Broken)}
         # Whether unreadable lines may define the missing names.
         self.unread = any(map(_is_unread, nodes))
-        self.numbers: dict[str, str] = {}  # gains and partners
-        self.sheets: dict[str, str] = {}
-        self.numbers_read: set[str] = set()
-        self.sheets_read: set[str] = set()
-        self.names_read: set[str] = set()  # signals, on the axis at hand
-        self.axes: dict[str, str] = {}
-
-        self.later: dict[str, Span] = {}
+        self.turned: list[Drive] = []
 
     def controller(self) -> tuple[ControllerModel, list[Diagnostic]]:
         """Read everything."""
         heading = next(node for node in self.nodes if isinstance(node, ControllerHeading))
         self._report_repeated(ControllerHeading, "controller line")
         rulebases = () if self.rulebase is None else (self.rulebase,)
-        for rulebase in rulebases:
-            self.sheets[rulebase.name] = Word(rulebase.name, heading.name.span)
-            self.sheets_read.add(rulebase.name)
         uses = tuple(node for node in self.nodes if isinstance(node, Use))
-        for use in uses:
-            self._declare(use.name, self.sheets)
-        self._declare_gains()
+        complete = not self.broken and not self.unread  # an unreadable line may use a name
+        names = ControllerNames(self.nodes, self.rulebase, self.scope, complete=complete)
+        self.turned = names.turned
         axes = self._axes()
         count = max(1, sum(len(axis.names) for axis in axes))
         gains = [self._gain(node, count) for node in self.nodes if isinstance(node, GainModel)]
         partners = tuple(node for node in self.nodes if isinstance(node, Partner))
         self._judge_files(uses, count)
-        self._judge_unused()
         model = ControllerModel(
             heading.name,
             self._period(heading),
@@ -107,7 +96,7 @@ class _Scope:
             self._claims(),
         )
         self._judge_whole(heading, axes)
-        if not self.broken and not self.unread:  # an unreadable line may define it
+        if complete:
             self.scope.diagnostics += doubts_of_lines(model)
         return model, self.scope.diagnostics
 
@@ -186,22 +175,6 @@ class _Scope:
                     message = f"'{word}' appears twice in the claim"
                     self.scope.report("duplicate-name", message, word.span)
 
-    def _declare(self, word: str, names: dict[str, str]) -> None:
-        if word in names:
-            self.scope.report(
-                "duplicate-name",
-                f"'{word}' is declared twice",
-                span_of(word),
-                hint="a name means one thing: take another for this one",
-                related=(Related("first here", span_of(names[word])),),
-            )
-        names.setdefault(word, word)
-
-    def _declare_gains(self) -> None:
-        for node in self.nodes:
-            if isinstance(node, GainModel | Partner):
-                self._declare(node.name, self.numbers)
-
     def _gain(self, node: GainModel, count: int) -> GainModel | None:
         if not node.values:  # already reported
             return None
@@ -240,33 +213,27 @@ class _Scope:
     def _axes(self) -> list[Axes]:
         axes_read: list[Axes] = []
         lines: list[Line] = []
-        signals: dict[str, str] = {}
         current: Axes | None = None
 
         def close() -> None:
             if current is not None:
                 axes_read.append(replace(current, lines=tuple(lines)))
-                self._judge_signals(signals)
 
-        for index, node in enumerate(self.nodes):
+        for node in self.nodes:
             if isinstance(node, Axes):
                 close()
                 self._report_above_axes([] if current else lines)
-                current, lines, signals = node, [], {}
-                self.names_read = set()
-                for word in node.names:
-                    self._declare(word, self.axes)
-                self.later = _signals_behind(self.nodes[index + 1 :])
+                current, lines = node, []
             elif isinstance(node, SignalLine):
-                self._judge_signal(node, signals)
+                self._judge_signal(node)
                 lines.append(node)
             elif isinstance(node, Zoom):
-                self._judge_zoom(node, signals)
+                self._judge_zoom(node)
                 lines.append(node)
             elif isinstance(node, Learn):
-                lines.append(self._learn(node, signals))
+                lines.append(self._learn(node))
             elif isinstance(node, Drive):
-                lines.append(self._drive(node, signals))
+                lines.append(self._drive(node))
         close()
         return axes_read
 
@@ -279,15 +246,10 @@ class _Scope:
                 hint="move it below the line  axis NAME",
             )
 
-    def _judge_signal(self, node: SignalLine, signals: dict[str, str]) -> None:
-        self._judge_sum(node.products, signals)
+    def _judge_signal(self, node: SignalLine) -> None:
+        self._judge_sum(node.products)
         source = node.source
         if source is not None:
-            if source.record.of == "signal":
-                self._need(source.name, signals)
-            elif source.record.of == "call":
-                self._need_sheet(source.name)
-                self._need_all(source.inputs, signals)
             for word, value in source.options:
                 self._judge_option(word, value)
             self._judge_repeated(source.options)
@@ -298,82 +260,22 @@ class _Scope:
                 "only rules give several signals at once",
                 span_of(node.names[0]).to(span_of(node.names[-1])),
             )
-        for word in node.names:
-            if word in self.numbers:
-                self.scope.report(
-                    "duplicate-name",
-                    f"'{word}' is a gain or a partner already",
-                    span_of(word),
-                    related=(Related("declared here", span_of(self.numbers[word])),),
-                )
-            self._declare(word, signals)
 
-    def _judge_sum(self, products: Sequence[Product], signals: dict[str, str]) -> None:
+    def _judge_sum(self, products: Sequence[Product]) -> None:
         for product in products:
             for factor in product.factors:
-                if isinstance(factor.value, str):
-                    self._need(factor.value, signals)
-                elif factor.divides and factor.value == 0.0:
+                if factor.divides and factor.value == 0.0:
                     span = span_of(factor.value)
                     self.scope.report("bad-number", "a division by zero", span)
-
-    def _need(self, word: str, signals: dict[str, str]) -> None:
-        """Demand a signal that has been made, a gain or a partner."""
-        self.names_read.add(word)
-        self.numbers_read.add(word)
-        if word in signals or word in self.numbers:
-            return
-        if word in self.later:
-            self.scope.report(
-                "signal-before-made",
-                f"'{word}' is read here, but made below",
-                span_of(word),
-                hint="a signal is made above the lines that read it",
-                related=(Related("made here", self.later[word]),),
-            )
-            return
-        name = name_text(word)
-        new = f"a number is  gain {name} = 1 , a value of the plant  measured {name}"
-        self._unknown("unknown-signal", "signal or gain", word, [*signals, *self.numbers], new)
-
-    def _unknown(
-        self, name: str, what: str, word: str, choices: Collection[str], new: str = ""
-    ) -> None:
-        """Report an unknown name; `new` says how to define it."""
-        hint, replacement = near_hint(word, choices)
-        if not hint:
-            there = "there are " + ", ".join(list(choices)[:10]) if choices else ""
-            hint = "; ".join(filter(None, (there, new)))
-        self.scope.report(
-            name,
-            f"no {what} is called '{word}'",
-            span_of(word),
-            hint=hint,
-            replacement=None if replacement is None else name_text(replacement),
-        )
-
-    def _need_sheet(self, word: str) -> None:
-        self.sheets_read.add(word)
-        if word not in self.sheets:
-            name = name_text(word)
-            new = f'a file is named by  use {name} from "{word}.frb"'
-            self._unknown("unknown-use", "rule base or table", word, list(self.sheets), new)
-
-    def _need_all(self, words: Sequence[str], signals: dict[str, str]) -> None:
-        for word in words:
-            self._need(word, signals)
 
     def _judge_option(self, word: str, value: Setting) -> None:
         if isinstance(value, tuple):
             low, high = value
             if not low < high:
                 self._turned("limits", low, high)
-        elif isinstance(value, Time):
-            if not value > 0.0:
-                span = value.figure.span
-                self.scope.report("bad-time", f"the time of {word} must be above 0", span)
-        elif isinstance(value, Word):
-            self._need_gain(value)
+        elif isinstance(value, Time) and not value > 0.0:
+            span = value.figure.span
+            self.scope.report("bad-time", f"the time of {word} must be above 0", span)
 
     def _turned(self, what: str, low: float, high: float) -> None:
         """Report an empty range; for reversed ends, with the ends exchanged."""
@@ -386,11 +288,6 @@ class _Scope:
             hint="" if right is None else f"write  {right}",
             replacement=right,
         )
-
-    def _need_gain(self, word: str) -> None:
-        self.numbers_read.add(word)
-        if word not in self.numbers:
-            self._unknown("unknown-signal", "gain", word, list(self.numbers))
 
     def _judge_repeated(self, options: Sequence[tuple[str, Setting]]) -> None:
         names: set[str] = set()
@@ -445,24 +342,14 @@ class _Scope:
                     return [amount.value(math.pi) for amount in node.values]
         return []
 
-    def _judge_zoom(self, node: Zoom, signals: dict[str, str]) -> None:
-        self._need_all(node.signals, signals)
-        for value in (node.by, node.inside):
-            if isinstance(value, str):
-                self._need_gain(value)
+    def _judge_zoom(self, node: Zoom) -> None:
         for value in (node.by, node.inside):
             if isinstance(value, float) and not value > 0.0:
                 self.scope.report("bad-number", "expected a number above 0", span_of(value))
 
-    def _learn(self, node: Learn, signals: dict[str, str]) -> Learn:
+    def _learn(self, node: Learn) -> Learn:
         """Judge a line; where its delay is out of range, it is the usual one."""
-        self._need_sheet(node.table)
-        self._need_sheet(node.judge)
         self._judge_repeated(node.options)
-        self._need_all(node.inputs, signals)
-        for _, value in node.options:
-            if isinstance(value, str):
-                self._need_gain(value)
         delay = dict(node.options).get("delay", 1.0)
         if isinstance(delay, float) and float(delay).is_integer() and 0 <= delay <= MAX_DELAY:
             return node
@@ -476,16 +363,16 @@ class _Scope:
             node, options=tuple(option for option in node.options if option[0] != "delay")
         )
 
-    def _drive(self, node: Drive, signals: dict[str, str]) -> Drive:
+    def _drive(self, node: Drive) -> Drive:
         """Check a line; one with reversed limits drives nothing."""
         if node.within is not None and not node.within[0] < node.within[1]:
             self._turned("limits", *node.within)
         if node.slew is not None and not node.slew > 0.0:
             self.scope.report("bad-number", "expected a number above 0", span_of(node.slew))
         self._judge_on_nan(node)
-        if node.port in signals and self._is_turned(node, signals):
+        if any(node is turned for turned in self.turned):
             return replace(node, products=(), slew=None, on_nan=None)
-        self._judge_sum(node.products, signals)
+        self._judge_sum(node.products)
         return node
 
     def _judge_on_nan(self, node: Drive) -> None:
@@ -501,25 +388,6 @@ class _Scope:
                 hint=f"write  on nan {number_text(nearest)}  or wider limits",
             )
 
-    def _is_turned(self, node: Drive, signals: dict[str, str]) -> bool:
-        """Report a drive that names its signal before its port."""
-        factors = [factor.value for product in node.products for factor in product.factors]
-        port = factors[0]
-        if len(factors) > 1 or not isinstance(port, str):
-            return False
-        if port in signals or port in self.numbers:
-            return False
-        self.names_read.add(node.port)
-        right = f"{name_text(port)} = {name_text(node.port)}"
-        self.scope.report(
-            "unknown-signal",
-            f"write the port before '='; no signal is called '{port}'",
-            span_of(node.port).to(span_of(port)),
-            hint=f"write  drive {right}",
-            replacement=right,
-        )
-        return True
-
     # --- The whole ---
 
     def _judge_files(self, uses: Sequence[Use], count: int) -> None:
@@ -531,32 +399,6 @@ class _Scope:
                     use.span,
                     hint="one file for all axes, or one for each",
                 )
-
-    def _judge_signals(self, signals: dict[str, str]) -> None:
-        for name, word in signals.items():
-            if name not in self.names_read and not self.broken and not self.unread:
-                self.scope.report(
-                    "unused-signal",
-                    f"nothing reads the signal '{name}'",
-                    span_of(word),
-                    severity=Severity.WARNING,
-                )
-
-    def _judge_unused(self) -> None:
-        if self.broken or self.unread:
-            return  # an unreadable line may use it
-        for what, words, read in (
-            ("gain or partner", self.numbers, self.numbers_read),
-            ("rule base or table", self.sheets, self.sheets_read),
-        ):
-            for name, word in words.items():
-                if name not in read:
-                    self.scope.report(
-                        "unused-name",
-                        f"nothing reads the {what} '{name}'",
-                        span_of(word),
-                        severity=Severity.WARNING,
-                    )
 
     def _judge_whole(self, heading: ControllerHeading, axes: Sequence[Axes]) -> None:
         if not axes:
@@ -615,15 +457,3 @@ def _values_hint(node: GainModel) -> str:
 
 
 _ONE_OR_EACH = "one value for all axes, or one for each"
-
-
-def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:
-    """Return the signals defined before the next axis."""
-    spans: dict[str, Span] = {}
-    for node in nodes:
-        if isinstance(node, Axes):
-            break
-        if isinstance(node, SignalLine):
-            for word in node.names:
-                spans.setdefault(word, span_of(word))
-    return spans

@@ -4,8 +4,9 @@ They follow a line ``controller NAME``, and are words of the language only there
 :mod:`fuzzyarm.language.rows`; their nodes are the records of
 :mod:`fuzzyarm.language.model.controller`, and the sources of signals are its table ``SOURCES``.
 
-To add a statement of a controller: its record in the model, which is its own node; its row here;
-its meaning in :mod:`fuzzyarm.language.controller_meaning`; its line in
+To add a statement of a controller: its record in the model, which is its own node; its row here,
+from which its names are judged (:mod:`fuzzyarm.language.controller_names`); what else it means in
+:mod:`fuzzyarm.language.controller_meaning`; its line in
 ``docs/reference/controllers.md``. A source of signals needs its record alone
 (:mod:`fuzzyarm.symbolic.sources`).
 """
@@ -62,6 +63,7 @@ from fuzzyarm.language.signals import (
     names_in_source,
     names_in_sum,
     number_or_name,
+    of_gain,
     of_signal,
     options_text,
     read_amount,
@@ -140,7 +142,7 @@ def _amount(field: str, what: str, label: str) -> Phrase:
         lambda cursor: read_number(cursor, what),
         label,
         number_or_name,
-        lambda value: iter([of_signal(value)] if isinstance(value, str) else ()),
+        lambda value: iter([of_gain(value)] if isinstance(value, str) else ()),
     )
 
 

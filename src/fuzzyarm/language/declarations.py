@@ -97,7 +97,7 @@ class Scope:
         if draft is None:
             # A broken `input` line is reported once, not at every use of its name.
             if not self.broken_variables and word not in self.presumed:
-                self._unknown("unknown-variable", "variable", word, self.names(role))
+                self.unknown("unknown-variable", "variable", word, word.span, self.names(role))
             return None
         if role and draft.node.role != role:
             article = "an input" if draft.is_input else "an output"
@@ -116,23 +116,28 @@ class Scope:
             return None
         term = draft.terms.get(word)
         if term is None:
-            self._unknown("unknown-term", f"term of '{draft.name}'", word, draft.terms)
+            what = f"term of '{draft.name}'"
+            self.unknown("unknown-term", what, word, word.span, draft.terms)
         return term
 
     def names(self, role: str = "") -> list[str]:
         """Return the names of the variables of `role`, or of all."""
         return [name for name, draft in self.drafts.items() if role in ("", draft.node.role)]
 
-    def _unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
+    def unknown(
+        self, finding: str, what: str, name: str, span: Span, choices: Iterable[str], new: str = ""
+    ) -> None:
+        """Report an unknown name; `new` says how to declare it."""
         options = list(choices)
         hint, replacement = "", None
         if len(self.diagnostics) < _MOST_HINTS:
-            hint, replacement = near_hint(word, options)
-        if not hint and options:
-            listing = ", ".join(options[:10]) + (", …" if len(options) > 10 else "")
-            hint = f"there are {listing}"
+            hint, replacement = near_hint(name, options)
+        if not hint:
+            more = ", …" if len(options) > 10 else ""
+            listing = f"there are {', '.join(options[:10])}{more}" if options else ""
+            hint = "; ".join(filter(None, (listing, new)))
         self.report(
-            name, f"no {what} is called '{word}'", word.span, hint=hint,
+            finding, f"no {what} is called '{name}'", span, hint=hint,
             replacement=None if replacement is None else name_text(replacement),
         )  # fmt: skip
 

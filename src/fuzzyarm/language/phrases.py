@@ -61,6 +61,8 @@ class Occurrence(NamedTuple):
         The variables of a term: one, or several where ``terms`` declares them together.
     is_definition : bool
         Whether the name is declared here.
+    is_gain : bool
+        Whether it must be one of a gain, not of a signal.
     """
 
     kind: NameKind
@@ -68,6 +70,7 @@ class Occurrence(NamedTuple):
     span: Span
     owners: tuple[str, ...] = ()
     is_definition: bool = False
+    is_gain: bool = False
 
 
 def of_variable(word: Word) -> Occurrence:

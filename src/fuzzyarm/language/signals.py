@@ -59,6 +59,11 @@ def of_signal(word: str) -> Occurrence:
     return Occurrence(NameKind.SIGNAL, word, span_of(word))
 
 
+def of_gain(word: str) -> Occurrence:
+    """Return the mention of a gain or a partner, where no signal can be."""
+    return Occurrence(NameKind.SIGNAL, word, span_of(word), is_gain=True)
+
+
 def of_sheet(word: str) -> Occurrence:
     """Return the mention of a rule base or a table."""
     return Occurrence(NameKind.USE, word, span_of(word))
@@ -318,7 +323,7 @@ def names_in_options(
     """Yield the gains in options."""
     for word, value in options:
         if isinstance(value, str) and kinds[word].takes != "windup":
-            yield of_signal(value)
+            yield of_gain(value)
 
 
 # --- Sources ---
