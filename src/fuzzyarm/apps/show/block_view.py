@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 UP, RIGHT, DOWN, LEFT = 1, 2, 4, 8
 LINES = " ╵╶└╷│┌├╴┘─┴┐┤┬┼"
-"""The character that has lines in some directions, by the sum of these."""
+"""Line-drawing characters, by the sum of their directions."""
 
 SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 
@@ -33,12 +33,12 @@ PEN = Pen(width_of=_width, line=1.0, pad=1.0, room=24.0, track=2.0, arrow=3.0)
 
 @dataclass(frozen=True)
 class DiagramView:
-    """A block diagram; wider than the terminal it is cropped, never wrapped.
+    """A block diagram; in a narrow terminal it is cropped, never wrapped.
 
     Attributes
     ----------
     diagram : Diagram
-        Of a controller or a rule base.
+        Diagram of a controller or a rule base.
     """
 
     diagram: Diagram
@@ -51,7 +51,7 @@ class DiagramView:
 
 
 class _Sheet:
-    """Characters by row and column; what comes later covers what is there."""
+    """Characters by row and column; later ones overwrite earlier ones."""
 
     def __init__(self, picture: Picture) -> None:
         self.lines: dict[tuple[int, int], int] = defaultdict(int)

@@ -18,19 +18,19 @@ _BRAILLE = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 """The bit of each dot of a character, by row and column."""
 
 _PLAIN = " .:*#"
-"""Where there is no braille: the more dots, the denser."""
+"""ASCII substitutes for braille, denser with more dots."""
 
 
 @dataclass
 class Canvas:
-    """Dots on a terminal: two to a character across, four down, about as wide as high.
+    """A grid of dots on a terminal: 2 × 4 to a character, about square.
 
     Attributes
     ----------
     columns, rows : int
-        Characters.
+        Size in characters.
     left, right, bottom, top : float
-        What they show.
+        Visible part of the plane.
     unicode : bool
         Whether the terminal has braille.
     """
@@ -47,14 +47,14 @@ class Canvas:
     _words: list[tuple[int, int, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        # As large as fits, and in the middle: a length is the same across and up.
+        # As large as possible, centred, with one scale in both directions.
         across, up = 2 * self.columns - 1, 4 * self.rows - 1
         self._scale = min(across / (self.right - self.left), up / (self.top - self.bottom))
         self._x = 0.5 * (across - self._scale * (self.left + self.right))
         self._y = 0.5 * (up + self._scale * (self.bottom + self.top))
 
     def place(self, x: float, y: float) -> tuple[float, float]:
-        """Return column and row of the dot at a point, not yet rounded."""
+        """Return the fractional column and row of the dot at a point."""
         return self._x + self._scale * x, self._y - self._scale * y
 
     def dot(self, column: float, row: float, colour: str) -> None:
@@ -68,7 +68,7 @@ class Canvas:
             self._colours[cell] = colour
 
     def draw(self, parts: Iterable[Part]) -> None:
-        """Draw parts of a picture, from the back to the front."""
+        """Draw parts of a picture from back to front."""
         for part in parts:
             if isinstance(part, Line):
                 self.line(part.x, part.y, colour_of(part.tone), part.width)
@@ -80,7 +80,7 @@ class Canvas:
                 self.words(part.x, part.y, part.text)
 
     def line(self, x: Numbers, y: Numbers, colour: str, width: float = 1.0) -> None:
-        """Draw straight lines; those wider than two points of print are two dots wide."""
+        """Draw straight lines; lines wider than two points are two dots wide."""
         points = list(map(self.place, x, y))
         for (x0, y0), (x1, y1) in pairwise(points):
             if not all(map(math.isfinite, (x0, y0, x1, y1))):
@@ -147,7 +147,7 @@ class Canvas:
 
 
 def drawing_lines(drawing: Drawing, columns: int, rows: int, *, unicode: bool = True) -> list[Text]:
-    """Return a drawing in a given room, in characters."""
+    """Return a drawing as lines of characters, in the given size."""
     canvas = Canvas(columns, rows, *drawing.stage, unicode)
     canvas.draw(drawing.parts)
     return canvas.lines()

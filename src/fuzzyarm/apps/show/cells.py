@@ -57,7 +57,7 @@ def _page_index(table: LookupTable, name: str, at: Mapping[str, float]) -> int:
 
 
 def _page_words(table: LookupTable, index: tuple[int, ...], fixed: Mapping[str, float]) -> str:
-    """Say which page of a table is drawn, and how to see the others."""
+    """Return the page of a table in words, with the option for the others."""
     words = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fixed.items())
     sizes = [len(table.axis(name).levels) for name in fixed]
     count = math.prod(sizes)

@@ -1,4 +1,4 @@
-"""Reports on tables, source text and programs that have been made, line by line."""
+"""Reports on compiled tables, source text and programs, line by line."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ __all__ = ["controller_lines", "export_lines", "fidelity_line", "report_lines", 
 
 
 def table_words(table: LookupTable, out: str) -> str:
-    """Return the shape of a table that stands in a file `out`."""
+    """Return the shape of a table in a file `out`."""
     shape = " x ".join(map(str, table.shape))
     return f"{out}: {shape} cells of {table.output} over {', '.join(table.names)}"
 
 
 def report_lines(report: CompileReport, out: str) -> list[str]:
-    """Return what is known of a compiled table and of its error."""
+    """Return the lines about a compiled table and its error."""
     lines = [table_words(report.table, out)]
     if report.default_levels:
         lines.append("inputs without levels in the file got 13 even ones")
@@ -47,11 +47,11 @@ def report_lines(report: CompileReport, out: str) -> list[str]:
 
 
 LARGE = 0.05
-"""Share of the range of an output from which on the error of its table has a line."""
+"""Share of the output's range from which on a table's error gets a line."""
 
 
 def _large_error(report: CompileReport) -> list[str]:
-    """Return the worst error beside the range of the output, and how to reduce it, where large."""
+    """Return the worst error beside the range of the output, with a remedy, if it is large."""
     if not report.fidelities:
         return []
     used, values = report.fidelities[0], report.table.values
@@ -66,7 +66,7 @@ def _large_error(report: CompileReport) -> list[str]:
 
 
 def fidelity_line(fidelity: Fidelity) -> str:
-    """Return how far a table is from the rules, looked up in one way."""
+    """Return the error of a table against the rules in one lookup mode."""
     where = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
     size = " x ".join(map(str, fidelity.points))
     worst = f"{number_words(fidelity.worst, 4)} (sampled)"
@@ -105,7 +105,7 @@ def _sizes(files: Iterable[tuple[Path, str | bytes]]) -> list[str]:
 
 
 def controller_lines(exported: ExportedController) -> list[str]:
-    """Return the size of the files of a controller, and how far it is from the controller."""
+    """Return the size of a controller's files, and their greatest difference from it."""
     trial_run = exported.program.tried
     worst, largest = number_words(trial_run.worst, 3), number_words(trial_run.largest, 3)
     return [

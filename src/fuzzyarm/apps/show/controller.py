@@ -1,4 +1,4 @@
-"""A controller in the terminal: its lines with what flows from one to the next, and its files."""
+"""A controller in the terminal: its lines with the signal flow, and its files."""
 
 from __future__ import annotations
 
@@ -87,10 +87,10 @@ def _axis_words(axes: Axes) -> str:
 
 
 def _sheets(controller: ControllerText) -> Iterator[tuple[str, Sheet]]:
-    """Yield the rule bases and tables that a controller looks up, with their names and files."""
+    """Yield the rule bases and tables of a controller, with their names and files."""
     files = {use.name: use.files for use in controller.model.uses}
     for name, sheets in controller.sheets.items():
-        # A table that begins at zero has no file, and nothing to draw.
+        # A table that starts at zero has no file, and nothing to draw.
         if files.get(name) == (ZERO,):
             continue
         for index, sheet in enumerate(sheets):
@@ -106,7 +106,7 @@ def gain_lines(gains: Sequence[GainModel]) -> list[str]:
 
 
 def tune_words(gain: GainModel) -> str:
-    """Return between what a gain moves when it is tuned; empty where it does not."""
+    """Return the tuning range of a gain, empty if it has none."""
     if gain.tune is None:
         return ""
     low, high, log = gain.tune
@@ -117,7 +117,7 @@ def tune_words(gain: GainModel) -> str:
 
 
 def line_words(line: Line, partners: Collection[str] = ()) -> str:
-    """Return a line of an axis as the language writes it."""
+    """Return a line of an axis in language syntax."""
     if isinstance(line, SignalLine):
         names = ", ".join(map(name_text, line.names))
         return f"{names} = {definition_words(line, partners)}"
@@ -133,7 +133,7 @@ def line_words(line: Line, partners: Collection[str] = ()) -> str:
 
 
 def definition_words(line: SignalLine | Drive, partners: Collection[str] = ()) -> str:
-    """Return what stands behind the ``=`` of a signal or a drive."""
+    """Return the right-hand side of a signal or a drive."""
 
     def word(value: str | float) -> str:
         return f"partner {_word(value)}" if value in partners else _word(value)
@@ -179,7 +179,7 @@ def _word(value: str | float) -> str:
     return name_text(value) if isinstance(value, str) else number_text(value)
 
 
-# --- What flows from line to line ---
+# --- Signal flow ---
 
 UP, DOWN, LEFT, RIGHT = 1, 2, 4, 8
 
@@ -193,20 +193,20 @@ STROKES = {
     UP | DOWN | LEFT: "┤",
     UP | DOWN | LEFT | RIGHT: "┼",
 }
-"""Lanes that a line reads: where they go on, and where they are joined to others."""
+"""Line-drawing characters of lanes, by their continuations and joints."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlowRow:
-    """A line of an axis with what stands in front of it.
+    """A line of an axis with its lanes.
 
     Attributes
     ----------
     strokes : str
-        The lanes of the signals at this line. A circle is a signal that is made here, a diamond
-        one that is magnified; an arrow goes out to the plant or into a table.
+        Lanes of the signals at this line. A circle is a new signal, a diamond a magnified one; an
+        arrow leads to the plant or into a table.
     below : str
-        The lanes that go on.
+        Lanes that continue.
     words : str
         The line.
     """
@@ -217,14 +217,14 @@ class FlowRow:
 
 
 class SignalFlow:
-    """The lines of an axis, with a lane in front for each signal from where it is made to its end.
+    """The lines of an axis, with a lane for each signal from its definition to its last use.
 
     Parameters
     ----------
     axes : Axes
-        The axes that share the lines.
+        Axes with common lines.
     partners : collection of str
-        The names that are partners.
+        Names of partners.
     """
 
     def __init__(self, axes: Axes, partners: Collection[str] = ()) -> None:
@@ -242,9 +242,9 @@ class SignalFlow:
 
 
 def flow_rows(axes: Axes, partners: Collection[str] = ()) -> list[FlowRow]:
-    """Return the lines of an axis, each with the lanes of the signals in front of it."""
+    """Return the lines of an axis, each with the lanes of its signals."""
     last = {name: index for index, line in enumerate(axes.lines) for name in _reads(line)}
-    lanes: list[str] = []  # the signal in each, empty where it is free
+    lanes: list[str] = []  # the signal of each lane, empty for a free one
     rows: list[tuple[list[str], list[bool], bool]] = []
     for index, line in enumerate(axes.lines):
         read_lanes = {lanes.index(name) for name in _reads(line) if name in lanes}
@@ -254,7 +254,7 @@ def flow_rows(axes: Axes, partners: Collection[str] = ()) -> list[FlowRow]:
         places = []
         for name in line.names if isinstance(line, SignalLine) else ():
             free = [k for k, name_in_lane in enumerate(lanes) if not name_in_lane]
-            ended = [k for k in free if k in read_lanes]  # it goes on as what is made of it
+            ended = [k for k in free if k in read_lanes]  # the lane is reused for a result
             places.append((ended or free or [len(lanes)])[0])
             lanes[places[-1] : places[-1] + 1] = [name]
         out = isinstance(line, Drive | Learn)
@@ -283,7 +283,7 @@ def _signs(
     *,
     out: bool,
 ) -> list[str]:
-    """Return the sign in each lane: made here, read here, or passing what is joined."""
+    """Return the character of each lane: defined here, read here, or passed by a joint."""
     touched = {*reads, *defines}
     first, last = min(touched, default=count), max(touched, default=-1)
     signs = []
@@ -302,7 +302,7 @@ def _signs(
 
 
 def _joined(signs: Sequence[str], width: int, *, out: bool) -> str:
-    """Return the lanes of a line, with strokes between those that are joined."""
+    """Return the lanes of a line, with strokes between joined ones."""
     ends = [k for k, sign in enumerate(signs) if sign not in " │"]
     first, last = (ends[0], width if out else ends[-1]) if ends else (width, 0)
     text = ""

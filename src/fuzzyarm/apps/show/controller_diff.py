@@ -38,18 +38,18 @@ __all__ = ["ControllerDiff", "compare_controllers", "controller_diff_view"]
 )
 @dataclass(frozen=True, slots=True)
 class ControllerDiff:
-    """Everything that differs in meaning; comments, and the order of gains, do not count.
+    """All differences in meaning; comments and the order of gains do not count.
 
     Attributes
     ----------
     settings, gains, lines : tuple of Change
         Name, period, set point, files, partners; numbers by name; the lines of the axes.
     rulebases : tuple of (str, RuleBaseDiff)
-        By the name in the controller: those that are in both and differ.
+        By the name in the controller, in both and different.
     tables : tuple of (str, TableDiff)
         Likewise.
     order : tuple of str
-        Axes whose lines are the same, but stand in another order.
+        Axes with the same lines in another order.
     """
 
     settings: tuple[Change, ...]
@@ -61,7 +61,7 @@ class ControllerDiff:
 
     @property
     def same(self) -> bool:
-        """Whether both do the same."""
+        """Whether both controllers do the same."""
         differs = self.settings or self.gains or self.lines or self.order
         return not (differs or self.rulebases or self.tables)
 
@@ -77,7 +77,7 @@ class ControllerDiff:
 
 
 def compare_controllers(before: ControllerText, after: ControllerText) -> ControllerDiff:
-    """Return what differs from `before` to `after`.
+    """Return the differences from `before` to `after`.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def controller_diff_view(diff: ControllerDiff) -> Group:
 
 
 def _pairs(before: ControllerText, after: ControllerText) -> Iterator[tuple[str, Sheet, Sheet]]:
-    """Yield what both use by one name; a file for each axis by its number."""
+    """Yield the rule bases and tables under the same name in both; several files by axis number."""
     for name, sheets in before.sheets.items():
         others = after.sheets.get(name, ())
         several = max(len(sheets), len(others)) > 1
@@ -171,7 +171,7 @@ def _gains(model: ControllerModel) -> dict[str, str]:
 def _lines(
     before: ControllerModel, after: ControllerModel
 ) -> tuple[tuple[Change, ...], tuple[str, ...]]:
-    """Return the lines that differ, and the axes in which only their order does."""
+    """Return the different lines, and the axes in which only their order differs."""
     all_changes: list[Change] = []
     order: list[str] = []
     parts = list(_parts(before, after))
@@ -188,7 +188,7 @@ def _lines(
 def _parts(
     before: ControllerModel, after: ControllerModel
 ) -> Iterator[tuple[str, Axes | None, Axes | None]]:
-    """Yield the axes of both; those that share their lines in both together."""
+    """Yield the axes of both controllers, grouped where both share lines."""
     old, new = ({name: axes for axes in m.axes for name in axes.names} for m in (before, after))
     together: dict[tuple[Axes | None, Axes | None], list[str]] = {}
     for name in dict.fromkeys((*old, *new)):
@@ -198,15 +198,15 @@ def _parts(
 
 
 def _definitions(axes: Axes | None, model: ControllerModel) -> dict[str, str]:
-    """Return what stands behind the name of each signal, drive, zoom and learner."""
+    """Return the right-hand side of each signal, drive, zoom and learner, by name."""
     partners = [partner.name for partner in model.partners]
     definitions: dict[str, str] = {}
     for line in () if axes is None else axes.lines:
         text = line_words(line, partners)
         if isinstance(line, SignalLine | Drive):
-            what, _, text = text.partition(" = ")
+            name, _, text = text.partition(" = ")
         else:
-            what, _, text = text.partition(" by ")
-        number = sum(1 for name in definitions if name.partition(" (")[0] == what)
-        definitions[what if not number else f"{what} ({number + 1})"] = text
+            name, _, text = text.partition(" by ")
+        number = sum(1 for key in definitions if key.partition(" (")[0] == name)
+        definitions[name if not number else f"{name} ({number + 1})"] = text
     return definitions

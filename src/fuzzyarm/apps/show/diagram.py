@@ -1,7 +1,7 @@
 """The block diagram of a controller or a rule base as data: blocks, wires between pins, places.
 
-Drawn as a figure in :mod:`fuzzyarm.apps.show.figures.diagram`; a page or another program draws it
-from the same record. The order of lines in the text, and what a line means, come from the model.
+Drawn as a figure in :mod:`fuzzyarm.apps.show.figures.diagram`; a page or another program draws the
+same record. Order and meaning of the lines come from the model.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ __all__ = ["BLOCK_KINDS", "Diagram", "DiagramBlock", "DiagramWire", "block_diagr
 BLOCK_KINDS = {
     "port": "a reference or a measured value of the plant",
     "difference": "reference minus measured value",
-    "gain": "a gain, a number, or several that follow one another",
-    "plus": "a sum; the signs stand at its pins",
-    "times": "a product; what divides has / at its pin",
-    "constant": "a number that depends on nothing",
+    "gain": "a gain, a number, or several in a row",
+    "plus": "a sum, with signs at its pins",
+    "times": "a product, with / at the pin of a divisor",
+    "constant": "a constant",
     **{word: kind.doc for word, kind in SOURCES.items() if kind.function is not None},
     "rules": "a rule base",
     "table": "a lookup table",
     "zoom": "signals magnified while all are small",
-    "learn": "what corrects a table",
+    "learn": "the learning rule of a table",
     "partner": "a law of the catalogue",
     "limit": "limits",
     "slew": "the largest change per second",
@@ -53,7 +53,7 @@ BLOCK_KINDS = {
     "input": "an input of a rule base",
     "output": "an output of a rule base",
 }
-"""What a block can be."""
+"""Kinds of blocks."""
 
 
 @json_properties("* line=span.line")
@@ -64,22 +64,22 @@ class DiagramBlock:
     Attributes
     ----------
     kind : str
-        What it does, a key of :data:`BLOCK_KINDS`.
+        Its function, a key of :data:`BLOCK_KINDS`.
     label : str
-        What stands in it: the name of the gain, of the rule base, of the port.
+        The text in it: the name of the gain, of the rule base, of the port.
     details : tuple of str
         Lines below: the value of a gain, the file of a rule base, the limits.
     axes : tuple of str
-        For which axes of the plant it is there, each with its own.
+        Axes of the plant with a block like this, each its own.
     inputs, outputs : tuple of str
-        A word for each pin from top to bottom: the sign of a sum, the input of a rule base; empty
-        where it needs none.
+        Label of each pin from top to bottom: the sign of a sum, the input of a rule base; empty if
+        obvious.
     span : Span
-        The line of the text that it comes from.
+        Its line in the text.
     layer : int
         Its column, from the left.
     row : float
-        Its middle, downwards, a multiple of a half; row 0 is the first.
+        Its middle, downwards, in halves; the first row is 0.
     """
 
     kind: str
@@ -94,7 +94,7 @@ class DiagramBlock:
 
     @property
     def height(self) -> int:
-        """How many rows it takes."""
+        """Number of rows."""
         return max(1, len(self.inputs), len(self.outputs))
 
     def input_row(self, index: int) -> float:
@@ -113,17 +113,17 @@ class DiagramWire:
     Attributes
     ----------
     source : int
-        The block where it begins, as an index of the blocks.
+        Index of the first block.
     output : int
-        Which of its outputs.
+        Index of its output.
     target : int
-        The block where it ends, likewise.
+        Index of the last block.
     input : int
-        Which of its inputs.
+        Index of its input.
     signal : str
-        The name that the text has for it; empty between blocks of one line.
+        Name in the text; empty between blocks of one line.
     path : tuple of Corner
-        Where it changes its row: in which gap, on which track, to which row.
+        Changes of row: gap, track and new row of each.
     """
 
     source: int
@@ -143,17 +143,17 @@ class Diagram:
     name, description : str
         Of the controller or the rule base.
     period : str
-        How often it runs, or the number of rules, in words.
+        Period, or number of rules, in words.
     blocks : tuple of DiagramBlock
         Those of all axes.
     wires : tuple of DiagramWire
         Between the blocks.
     groups : tuple of (tuple of str, float, float)
-        Axes that share their lines, and the rows where their part begins and ends.
+        Axes with common lines, with the first and last row of their part.
     tracks : tuple of int
-        How many wires may change their row in the gap behind each layer.
+        Number of tracks in the gap behind each layer.
     height : float
-        How many rows there are.
+        Number of rows.
     """
 
     name: str
@@ -172,13 +172,13 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     Parameters
     ----------
     controller : ControllerText or ControllerModel
-        With its files where blocks are to say how many rules there are.
+        With its files, if blocks are to show the number of rules.
 
     Returns
     -------
     Diagram
-        Ports of the plant to the left, drives to the right; a part for each line ``axis``, below
-        one another.
+        Ports of the plant on the left, drives on the right; a part for each ``axis`` line, one
+        below the other.
     """
     if isinstance(controller, ControllerText):
         model, sheets = controller.model, controller.sheets
@@ -199,7 +199,7 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     top = 0.0
     for axes in model.axes:
         part = _DiagramPart(model, axes, counts)
-        # Each part is laid out by itself: its blocks come behind, its rows below those so far.
+        # Parts are laid out independently: each appends its blocks, and its rows below the others.
         laid, layout = laid_out(part.blocks, part.wires, len(blocks), top)
         blocks += laid[0]
         wires += laid[1]
@@ -222,7 +222,7 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
 def laid_out(
     blocks: Sequence[DiagramBlock], wires: Sequence[DiagramWire], first: int = 0, top: float = 0.0
 ) -> tuple[tuple[list[DiagramBlock], list[DiagramWire]], LayeredGraph]:
-    """Return blocks and wires with their places; `first` blocks and rows to `top` come before."""
+    """Return blocks and wires with positions; `first` blocks and rows to `top` precede them."""
     pins = [Pins(len(b.inputs), len(b.outputs), _place(b)) for b in blocks]
     layout = lay_out(pins, [Link(w.source, w.output, w.target, w.input) for w in wires])
     placed = [
@@ -252,11 +252,11 @@ def _place(block: DiagramBlock) -> str:
 
 
 FROM = {"h": 7200.0, "min": 600.0, "s": 0.1, "ms": 1e-4, "us": 0.0}
-"""From how many seconds on a time is written in a unit."""
+"""Shortest time in seconds for each unit."""
 
 
 def time_text(seconds: float) -> str:
-    """Return a time in the unit in which it is short: ``0.6 ms``, ``60 s``."""
+    """Return a time in a suitable unit: ``0.6 ms``, ``60 s``."""
     unit = next(unit for unit, least in FROM.items() if not seconds < least)
     many, of = TIMES[unit]
     return f"{number_words(seconds * of / many, 12)} {unit}"
@@ -265,11 +265,11 @@ def time_text(seconds: float) -> str:
 # --- The lines of an axis as blocks and wires ---
 
 Pin = tuple[int, int, str]
-"""A block, one of its outputs, and the name of the signal there; empty for one without a name."""
+"""A block, the index of an output, and the name of its signal, perhaps empty."""
 
 
 class _DiagramPart:
-    """The blocks and wires of axes that share their lines, without places."""
+    """The blocks and wires of axes with common lines, without positions."""
 
     def __init__(self, model: ControllerModel, axes: Axes, counts: dict[str, int]) -> None:
         self.axes = axes.names
@@ -305,7 +305,7 @@ class _DiagramPart:
         outputs: Sequence[str] = ("",),
         span: Span = NOWHERE,
     ) -> int:
-        """Add a block and the wires to it; return its index."""
+        """Add a block with its input wires; return its index."""
         index = len(self.blocks)
         words = tuple(word for _, word in sources)
         self.blocks.append(
@@ -321,7 +321,7 @@ class _DiagramPart:
         return self.shared[kind, port]
 
     def _error(self, port: str, weight: object, span: Span) -> Pin:
-        """Return the difference at a port, which several lines share."""
+        """Return the difference at a port, shared by its lines."""
         key = ("error", port, weight)
         if key not in self.shared:
             reference = self._port("reference", port, span)
@@ -332,7 +332,7 @@ class _DiagramPart:
         return self.shared[key]
 
     def _gain(self, factors: Sequence[Factor], source: Pin, span: Span) -> Pin:
-        """Return what comes out of a gain; several numbers that follow one another are one."""
+        """Return the output of a gain; consecutive numbers are merged."""
         label, details = "", []
         for factor in factors:
             word = factor.value if isinstance(factor.value, str) else number_text(factor.value)
@@ -389,7 +389,7 @@ class _DiagramPart:
         return [*words, *files]
 
     def _read(self, name: str) -> Pin:
-        """Return a signal; of a text with mistakes one that comes from nowhere."""
+        """Return a signal; in a text with mistakes, perhaps one without a source."""
         if name in self.signals:
             return self.signals[name]
         if name in self.partners:
@@ -407,7 +407,7 @@ class _DiagramPart:
         return self._block("plus", "", sources=sources, span=span), 0, ""
 
     def _product(self, factors: Sequence[Factor], first: Pin | None, span: Span) -> Pin:
-        """Return a product: signals are multiplied first, then come the gains."""
+        """Return a product: first of the signals, then by the gains."""
         signals = [] if first is None else [(first, "*")]
         numbers = []
         for factor in factors:
@@ -443,7 +443,7 @@ class _DiagramPart:
         self.teachers.setdefault(line.table, []).append((index, 0, ""))
 
     def _number(self, value: str | float) -> str:
-        """Return a number, or the name of a gain with what it is."""
+        """Return a number, or the name of a gain with its value."""
         if isinstance(value, float | int):
             return number_text(value)
         return f"{value} = {gain_words(self.gains[value])}" if value in self.gains else value
@@ -486,7 +486,7 @@ def _amount_text(amount: Amount) -> str:
 
 
 def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[str, list[str]]:
-    """Return what stands in a block that depends on nothing."""
+    """Return the label and details of a constant block."""
     label, details = "", []
     for factor in factors:
         word = factor.value if isinstance(factor.value, str) else number_text(factor.value)
@@ -499,7 +499,7 @@ def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[s
 
 
 def option_words(source: Source) -> list[str]:
-    """Return the options of a source as the language writes them."""
+    """Return the options of a source in language syntax."""
     words = []
     kinds = source.record.options
     for word, value in source.options:

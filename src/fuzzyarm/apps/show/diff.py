@@ -51,9 +51,9 @@ class Change:
     kind : str
         ``renamed``, ``changed``, ``added`` or ``removed``.
     what : str
-        Where: the antecedent of a rule, the name of a term, a setting.
+        The part: the antecedent of a rule, the name of a term, a setting.
     before, after : str
-        In words; empty for what was added or removed.
+        In words; empty if it was added or removed.
     """
 
     kind: str
@@ -70,9 +70,9 @@ class Change:
 @json_properties("same *")
 @dataclass(frozen=True, slots=True)
 class RuleBaseDiff:
-    """Everything that differs in meaning.
+    """All differences in meaning.
 
-    The order of rules, comments, and whether conclusions share a rule or a grid do not count.
+    The order of rules, comments, and shared conclusions or grids do not count.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class RuleBaseDiff:
 
 
 def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
-    """Return what differs from `before` to `after`.
+    """Return the differences from `before` to `after`.
 
     Parameters
     ----------
@@ -109,10 +109,10 @@ def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
 def _with_names_of(
     before: RuleBase, after: RuleBase
 ) -> tuple[RuleBase, list[Change], list[Change]]:
-    """Return a rule base with the names of a later version, and what was renamed.
+    """Return a rule base with the names of a later version, and the renamings.
 
-    A variable or term has another name where one that is gone and one that is new are otherwise
-    the same: the range and terms of a variable, the shapes of a term.
+    A removed and a new variable or term count as renamed if they agree otherwise: in range and
+    terms of a variable, in the shapes of a term.
     """
     names: dict[str, str] = {}
     found: list[Change] = []
@@ -130,15 +130,15 @@ def _with_names_of(
         if name in later:
             for one, other in _renamed(variable.terms, later[name].terms, _same_term):
                 terms[variable.name, one] = other
-                what = f"term of {name_text(name)}"
-                found_terms.append(Change("renamed", what, name_text(one), name_text(other)))
+                kind = f"term of {name_text(name)}"
+                found_terms.append(Change("renamed", kind, name_text(one), name_text(other)))
     return _with_names(before, names, terms), found, found_terms
 
 
 def _renamed(
     old: Sequence[Variable | Term], new: Sequence[Variable | Term], alike: Callable[..., bool]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the names of what is gone with those of what came for it."""
+    """Yield the names of removed items with those of their replacements."""
     known = {each.name for each in old}
     came = [each for each in new if each.name not in known]
     kept = {each.name for each in new}
@@ -162,7 +162,7 @@ def _same_term(one: Term, other: Term) -> bool:
 def _with_names(
     rulebase: RuleBase, names: Mapping[str, str], terms: Mapping[tuple[str, str], str]
 ) -> RuleBase:
-    """Return a rule base whose variables and terms have other names; formulas keep theirs."""
+    """Return a rule base under new names of variables and terms; formulas keep theirs."""
     if not names and not terms:
         return rulebase
 
@@ -228,7 +228,7 @@ def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
 
 
 def change_lines(title: str, changes: Sequence[Change]) -> list[Text]:
-    """Return changes with ``~``, ``+`` and ``-`` in front, below how many there are of each."""
+    """Return changes marked by ``~``, ``+`` and ``-``, below their counts."""
     from rich.text import Text
 
     if not changes:
@@ -243,27 +243,27 @@ def change_lines(title: str, changes: Sequence[Change]) -> list[Text]:
 
 
 def changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
-    """Yield what differs between texts by what they are of."""
-    for what, text in before.items():
-        if what not in after:
-            yield Change("removed", what, text, "")
-        elif after[what] != text:
-            yield Change("changed", what, text, after[what])
-    for what, text in after.items():
-        if what not in before:
-            yield Change("added", what, "", text)
+    """Yield the differences between texts by name."""
+    for name, text in before.items():
+        if name not in after:
+            yield Change("removed", name, text, "")
+        elif after[name] != text:
+            yield Change("changed", name, text, after[name])
+    for name, text in after.items():
+        if name not in before:
+            yield Change("added", name, "", text)
 
 
 def _rules(rulebase: RuleBase) -> dict[str, str]:
-    """Return antecedent → what follows, one conclusion a rule; no order counts."""
+    """Return antecedent → conclusions, one for each rule, without an order."""
     rules: dict[str, list[str]] = {}
     for block in rulebase.blocks:
         for rule in block.rules:
             home = f"{block.name}: " if block.name else ""
             key = f"{home}if {expression_words(_sorted(rule.antecedent, rulebase))}"
-            # Not what stands behind the last `then`: a name may have one in it.
+            # The antecedent may not end at the last `then`: a name may contain one.
             head = f"if {expression_words(rule.antecedent)} then "
-            # A rule of several conclusions is as many rules of one.
+            # A rule with several conclusions is equivalent to several rules.
             for consequent in rule.consequents:
                 alone = replace(rule, consequents=(consequent,))
                 rules.setdefault(key, []).append(rule_sentence(alone).removeprefix(head))
@@ -271,7 +271,7 @@ def _rules(rulebase: RuleBase) -> dict[str, str]:
 
 
 def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
-    """Put the propositions of a conjunction into the order of the inputs."""
+    """Sort the propositions of a conjunction by input."""
     if not isinstance(expression, (And, Or)):
         return expression
     names = [variable.name for variable in rulebase.inputs]
@@ -326,14 +326,14 @@ def _lookup_words(rulebase: RuleBase) -> str:
     return "; ".join(parts)
 
 
-# --- The differences between two tables: which cells changed, from what to what ---
+# --- Tables: changed cells with old and new values ---
 
 _MOST_LISTED = 400
-"""More changed cells than this are counted, not listed."""
+"""Most changed cells in a list; more are counted."""
 
 
 def table_diff_view(diff: TableDiff) -> Group:
-    """Return what changed: a summary, the header, a grid of the changes, and each cell.
+    """Return a summary, the differences of the headers, a grid of the changes, and each cell.
 
     Parameters
     ----------
@@ -347,7 +347,7 @@ def table_diff_view(diff: TableDiff) -> Group:
     if diff.transposed:
         order = ", ".join(map(name_text, diff.before.names))
         parts.append(Text(f"the second table has its inputs in another order than {order}"))
-    parts += [Text(f"{what}: {a} -> {b}") for what, a, b in diff.header]
+    parts += [Text(f"{setting}: {a} -> {b}") for setting, a, b in diff.header]
     if diff.changes:
         difference: Any = diff.after.values - diff.before.values
         grids = table_grids(diff.before, difference, text=_change_text)
@@ -360,7 +360,7 @@ def table_diff_view(diff: TableDiff) -> Group:
 
 
 def table_summary(diff: TableDiff) -> str:
-    """Return how many cells differ, and by how much at most."""
+    """Return the number of different cells, and the greatest difference."""
     if not diff.comparable:
         return "the tables cannot be compared cell by cell: their inputs or levels differ"
     count, size = len(diff.changes), diff.before.values.size
@@ -374,7 +374,7 @@ def table_summary(diff: TableDiff) -> str:
 
 
 def table_change_words(diff: TableDiff, change: CellChange) -> str:
-    """Return a changed cell: where it is, what it was and what it is."""
+    """Return a changed cell in words: position, old and new value."""
     cell = ", ".join(
         f"{name_text(name)} = {number_words(level)}"
         for name, level in zip(diff.before.names, change.levels, strict=True)

@@ -1,4 +1,4 @@
-"""What drawings in the terminal are made of: console, colour scales, heat grids, curves."""
+"""Elements of drawings in the terminal: console, colour scales, heat grids, curves."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 
-# --- Numbers for reading ---
+# --- Readable numbers ---
 
 
 def number_words(x: float, digits: int = 6) -> str:
-    """Return `x` to at most `digits` significant digits, for reading.
+    """Return `x` with at most `digits` significant digits.
 
     Parameters
     ----------
@@ -36,28 +36,28 @@ def number_words(x: float, digits: int = 6) -> str:
 
 
 def run_words(controller: str, plant: str) -> str:
-    """Return what is simulated: ``servo on motor``; one name where both have the same."""
+    """Return controller and plant, ``servo on motor``; one name if both are equal."""
     return controller if controller == plant else f"{controller} on {plant}"
 
 
 def time_words(seconds: float, end: float) -> str:
-    """Return a time of a run that lasts until `end`, with as many decimals as can be of use."""
+    """Return a time in a run until `end`, with sensible decimals."""
     return f"{seconds:.{2 if end < 20.0 else 1 if end < 200.0 else 0}f}"
 
 
-# --- The console that drawings are made for ---
+# --- Console ---
 
 
 _BLANKS = re.compile(r" +$", re.MULTILINE)
 
 
 def make_console(file: IO[str] | None = None, **options: Any) -> Console:
-    """Return a rich console that leaves numbers and brackets as they are.
+    """Return a rich console that leaves numbers and brackets unchanged.
 
-    No control character of a name or a description comes through it.
+    It drops control characters in names and descriptions.
 
-    Where the output is not a terminal it has no colours and is 80 columns wide, unless the
-    environment (COLUMNS, FORCE_COLOR, NO_COLOR) says otherwise.
+    Off a terminal it has no colours and 80 columns, unless the environment (COLUMNS, FORCE_COLOR,
+    NO_COLOR) says otherwise.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
                     yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
         def print(self, *objects: Any, **how: Any) -> None:
-            # A cell is filled up for its colour: in a text nobody wants the blanks.
+            # Cells are padded for their background colour; in plain text the blanks are noise.
             if self.is_terminal or self.is_jupyter or self.record:
                 super().print(*objects, **how)
                 return
@@ -104,7 +104,7 @@ def plain_text(drawing: RenderableType, width: int = 80) -> str:
     Parameters
     ----------
     drawing : renderable of rich
-        What a function of :mod:`fuzzyarm.apps.show` returns.
+        A drawing from :mod:`fuzzyarm.apps.show`.
     width : int
         Columns.
     """
@@ -116,7 +116,7 @@ def plain_text(drawing: RenderableType, width: int = 80) -> str:
     return out.getvalue()
 
 
-# --- A grid of texts, coloured by numbers: for rules, tables, visits and differences ---
+# --- Grids of texts with coloured cells: rules, tables, visits, differences ---
 
 Cell = tuple[str, str]
 """The text of a cell and its style."""
@@ -126,14 +126,13 @@ Cell = tuple[str, str]
 class HeatGrid:
     r"""Rows and columns with labels.
 
-    Where the terminal is too narrow, the columns go on in further bands below: no cell is
-    cut off. Labels lose their middle where they are too long for a band of one column.
-    Without colours the texts say everything.
+    In a narrow terminal the columns continue in bands below, so that no cell is cut off. Labels too
+    long for a band of one column lose their middle. The texts are complete without colours.
 
     Attributes
     ----------
     corner : str
-        What the rows and the columns are, as ``e \ ce``.
+        Meaning of rows and columns, as ``e \ ce``.
     columns, rows : sequence of str
         The labels.
     cells : sequence of sequence of (str, str)
@@ -149,7 +148,7 @@ class HeatGrid:
         grid = self._for(options.max_width)
         left, widths = grid._left(), grid._widths()
         room = options.max_width - left
-        # A space on either side of a text looks better, one in front of it is enough.
+        # A space on either side of a text, or in front of it if there is little room.
         gap = 2 if sum(widths) + 2 * len(widths) <= room else 1
         for k, (start, stop) in enumerate(_bands([w + gap for w in widths], room)):
             if k:
@@ -164,7 +163,7 @@ class HeatGrid:
                 yield _line(parts)
 
     def _for(self, width: int) -> HeatGrid:
-        """Return this grid with labels short enough for a line."""
+        """Return this grid with labels that fit into a line."""
         left, widest = self._left(), max(self._widths(), default=0)
         if left + 1 + widest <= width:
             return self
@@ -197,7 +196,7 @@ def _boxed(text: str, width: int, gap: int) -> str:
 
 
 def _bands(widths: Sequence[int], room: int) -> Iterator[tuple[int, int]]:
-    """Yield the stretches of columns that fit next to each other."""
+    """Yield the ranges of columns that fit side by side."""
     start, width_so_far = 0, 0
     for j, width in enumerate(widths):
         if j > start and width_so_far + width > room:
@@ -226,10 +225,10 @@ def _line(parts: Sequence[Cell]) -> Text:
     return text
 
 
-# --- From a number to a colour: one scale for terminals and, by its name, for figures ---
+# --- Colour scales, common to terminal and figures ---
 #
-# Both scales are safe for colour-blind eyes: blue to red through near-white for values with
-# a sign, dark blue to yellow for those without.
+# Both scales are safe for colour-blind eyes: blue to red through near-white for signed values, dark
+# blue to yellow for others.
 
 _DIVERGING = ((33, 102, 172), (146, 197, 222), (247, 247, 247), (244, 165, 130), (178, 24, 43))
 _SEQUENTIAL = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
@@ -237,16 +236,16 @@ _SEQUENTIAL = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A stretch of numbers spread over colours.
+    """A range of numbers mapped to colours.
 
     Attributes
     ----------
     low, high : float
-        The ends; numbers beyond take the colour of the end.
+        The ends; numbers beyond them take the colour of the nearest end.
     diverging : bool
-        Whether zero is the neutral middle.
+        Whether the middle, zero, is neutral.
     logarithmic : bool
-        Whether equal ratios are equally far apart; both ends are positive then.
+        Whether equal ratios have equal distances; both ends are positive then.
     """
 
     low: float
@@ -255,7 +254,7 @@ class Scale:
     logarithmic: bool = False
 
     def share(self, value: float) -> float:
-        """Return where `value` lies, 0 at `low` and 1 at `high`."""
+        """Return the position of `value`, 0 at `low` and 1 at `high`."""
         if self.high <= self.low:
             return 0.5
         if self.logarithmic:
@@ -265,7 +264,7 @@ class Scale:
         return min(1.0, max(0.0, share))
 
     def value(self, share: float) -> float:
-        """Return the number that lies at a share of the way."""
+        """Return the number at a position from 0 to 1."""
         if self.logarithmic:
             return self.low * math.pow(self.high / self.low, share)
         return self.low + share * (self.high - self.low)
@@ -306,9 +305,9 @@ def scale_of(values: Iterable[float], low: float | None = None, high: float | No
     Parameters
     ----------
     values : iterable of float
-        What will be coloured; numbers that are not finite are passed over.
+        Values to colour; those that are not finite are ignored.
     low, high : float, optional
-        The range of the variable, which widens the scale where it is finite.
+        Range of the variable, which extends the scale if it is finite.
     """
     ends = [x for x in (*values, low, high) if x is not None and math.isfinite(x)]
     if not ends:
@@ -324,7 +323,7 @@ _SHADES = "·░▒▓█"
 
 
 def shade(share: float) -> str:
-    """Return the darker the higher, for terminals and files without colours."""
+    """Return a character as dark as the share, for output without colours."""
     return _SHADES[min(len(_SHADES) - 1, int(share * len(_SHADES)))]
 
 
@@ -337,9 +336,9 @@ class ScaleBar:
     scale : Scale
         The stretch of numbers.
     width : int
-        Of the whole line, in characters.
+        Width of the whole line in characters.
     name : str
-        What the numbers are; left out where there is no room for it.
+        Name of the quantity, omitted if there is no room.
     """
 
     scale: Scale
@@ -366,7 +365,7 @@ class ScaleBar:
         yield line
 
 
-# --- Curves of straight lines as a row of blocks ---
+# --- Piecewise-linear curves as a row of blocks ---
 
 Curve = Sequence[tuple[float, float]]
 
@@ -374,21 +373,21 @@ _BLOCKS = " ▁▂▃▄▅▆▇█"
 
 
 def block(height: float) -> str:
-    """Return the block for a height of 0 to 1; anything above one hundredth shows."""
+    """Return the block for a height from 0 to 1; anything above one hundredth is visible."""
     if height <= 0.01:
         return " "
     return _BLOCKS[max(1, min(8, round(8 * height)))]
 
 
 def curve_blocks(curve: Curve, low: float, high: float, width: int) -> str:
-    """Return the largest height of `curve` within each of `width` equal stretches."""
+    """Return the greatest height of `curve` in each of `width` equal parts."""
     step = (high - low) / (width - 1)
     edges = [low + (i - 0.5) * step for i in range(width + 1)]
     return "".join(block(_largest(curve, a, b)) for a, b in pairwise(edges))
 
 
 def marker(value: float, low: float, high: float, width: int) -> str:
-    """Return a line with ``^`` where `value` lies between `low` and `high`; empty for NaN."""
+    """Return a line with ``^`` at the position of `value`; empty for NaN."""
     if not math.isfinite(value):
         return ""
     column = round((value - low) / (high - low) * (width - 1))
@@ -396,7 +395,7 @@ def marker(value: float, low: float, high: float, width: int) -> str:
 
 
 def fitted(text: str, room: int) -> str:
-    """Return a text of at most `room` letters; of a longer one both ends, where names differ."""
+    """Return a text of at most `room` characters, shortened in the middle, where names agree."""
     if len(text) <= room:
         return text
     length = max(0, room - 1)
@@ -404,9 +403,9 @@ def fitted(text: str, room: int) -> str:
 
 
 def ruler(low: float, high: float, width: int, name: str = "") -> str:
-    """Return the ends of a range, and its middle or a name, spread over `width` characters.
+    """Return the ends of a range, and its middle or a name, over `width` characters.
 
-    What there is no room for is left out, the middle first, so that no two run together.
+    Without enough room for all, the middle is omitted first.
     """
     for digits in (4, 3, 2, 1):
         left, right = (_compact(x, digits) for x in (low, high))
@@ -420,7 +419,7 @@ def ruler(low: float, high: float, width: int, name: str = "") -> str:
     line[: len(left)] = left
     line[width - len(right) :] = right
     start = width // 2 - len(middle) // 2
-    if name:  # in the middle of what the ends leave
+    if name:  # centred between the ends
         start = len(left) + 1 + (room - len(middle)) // 2
     if len(left) < start and start + len(middle) < width - len(right):
         line[start : start + len(middle)] = middle
@@ -428,7 +427,7 @@ def ruler(low: float, high: float, width: int, name: str = "") -> str:
 
 
 def _compact(x: float, digits: int) -> str:
-    """Return a number in few letters: a million is 1e6."""
+    """Return a number in few characters: a million is 1e6."""
     words = number_words(x, digits)
     power = f"{x:.{digits - 1}e}"
     short = re.sub(r"\.?0*e([+-])0*", lambda match: "e" + match[1].strip("+"), power)
@@ -445,7 +444,7 @@ def height_at(curve: Curve, x: float) -> float:
 
 
 def _largest(curve: Curve, start: float, end: float) -> float:
-    # The middle decides, so that a falling edge looks the same as a rising one;
-    # corners in the stretch are added so that no peak is missed.
+    # The value at the middle makes falling and rising edges look alike; corners inside are added so
+    # that no peak is missed.
     inside = [y for x, y in curve if start <= x < end]
     return max([height_at(curve, 0.5 * (start + end)), *inside])

@@ -1,9 +1,9 @@
-"""Where the blocks of a diagram stand and how its wires go: layers, rows and tracks.
+"""Layout of block diagrams: layers, rows and tracks.
 
-A layer is a column of blocks; what a block reads stands in a layer to its left. Rows count from 0
-downwards; blocks and the wires that pass between them keep at least one row from each other.
-Between two layers a wire may change its row; it does so on a track of the gap, and no two wires lie
-on one another. Nothing here knows what a block is.
+A layer is a column of blocks; the sources of a block are in layers to its left. Rows are counted
+from 0 downwards; blocks and the wires passing between them are at least one row apart. A wire may
+change its row between two layers, on a track of the gap, and no two wires overlap. The layout knows
+nothing of the meaning of blocks.
 
 The method is that of Sugiyama, Tagawa and Toda, "Methods for visual understanding of hierarchical
 system structures" (IEEE Trans. SMC 11, 1981), with the tracks of a channel router.
@@ -19,26 +19,26 @@ from itertools import pairwise
 from typing import NamedTuple
 
 SWEEPS = 24
-"""Passes over the layers, to and fro; of all that they find the best is taken."""
+"""Passes over the layers, to and fro; the best result is kept."""
 
 LARGE = 400
-"""Items from which on a few passes have to do, so that any diagram is there at once."""
+"""Number of items from which on fewer passes are made, to keep any diagram fast."""
 
 
 Cost = tuple[int, float]
-"""How many wires cross, and how far and how often they change their row."""
+"""Number of crossings, and length and number of row changes."""
 
 
 class Pins(NamedTuple):
-    """A block as the layout sees it.
+    """A block in the layout.
 
     Attributes
     ----------
     inputs, outputs : int
-        How many wires begin and end at it.
+        Number of wires at its inputs and outputs.
     place : str
-        ``first`` or ``last`` for a block at the edge, ``late`` for one that stands as near as
-        possible to what reads it, else empty.
+        ``first`` or ``last`` for a block at the edge, ``late`` for one as near as possible to its
+        reader, else empty.
     """
 
     inputs: int
@@ -56,14 +56,14 @@ class Link(NamedTuple):
 
 
 class Corner(NamedTuple):
-    """Where a wire changes its row.
+    """A change of row.
 
     Attributes
     ----------
     gap : int
-        Between this layer and the next one.
+        Gap behind this layer.
     track : int
-        In the gap, from the left.
+        Track in the gap, from the left.
     row : float
         The row from there on.
     """
@@ -74,20 +74,20 @@ class Corner(NamedTuple):
 
 
 class LayeredGraph(NamedTuple):
-    """What :func:`lay_out` finds.
+    """The result of :func:`lay_out`.
 
     Attributes
     ----------
     layers : list of int
-        Of each block.
+        Layer of each block.
     rows : list of float
-        The middle of each block; multiples of a half.
+        Middle of each block, in halves.
     paths : list of tuple of Corner
-        Of each link.
+        Corners of each link.
     tracks : list of int
-        How many there are in the gap behind each layer.
+        Number of tracks in the gap behind each layer.
     height : float
-        How many rows there are.
+        Number of rows.
     """
 
     layers: list[int]
@@ -98,12 +98,12 @@ class LayeredGraph(NamedTuple):
 
 
 def pin(index: int, count: int) -> float:
-    """Return how far below the middle of a block one of its pins is, in rows."""
+    """Return the distance of a pin below the middle of its block, in rows."""
     return index - 0.5 * (count - 1)
 
 
 def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> LayeredGraph:
-    """Find layers and rows of blocks, and the ways of the wires between them."""
+    """Find layers and rows of blocks, and the paths of the wires."""
     layers = _layers(blocks, links)
     net = _Net(blocks, links, layers)
     rows = net.arranged()
@@ -117,7 +117,7 @@ def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> LayeredGraph:
 
 
 def _layers(blocks: Sequence[Pins], links: Sequence[Link]) -> list[int]:
-    """Return the layer of each block: behind all that it reads."""
+    """Return the layer of each block: behind all its sources."""
     readers, count = defaultdict(list), [0] * len(blocks)
     for link in links:
         readers[link.source].append(link.target)
@@ -145,7 +145,7 @@ def _layers(blocks: Sequence[Pins], links: Sequence[Link]) -> list[int]:
 
 @dataclass
 class _Edge:
-    """From one layer to the next: items, and how far their pins are from their middles."""
+    """From one layer to the next: items, and the distance of their pins from their middles."""
 
     source: int
     output: float
@@ -154,7 +154,7 @@ class _Edge:
 
 
 class _Net:
-    """Blocks, and an item for each layer that an output passes on its way."""
+    """Blocks, and an item for each layer that a wire passes."""
 
     def __init__(
         self, blocks: Sequence[Pins], links: Sequence[Link], layers: Sequence[int]
@@ -208,13 +208,13 @@ class _Net:
         return [row - top for row in rows]
 
     def _wishes(self, item: int, rows: Sequence[float], *, forward: bool) -> list[float]:
-        """Return the rows at which an item would have straight wires."""
+        """Return the rows at which the wires of an item would be straight."""
         if forward:
             return [rows[e.source] + e.output - e.input for e in self.into[item]]
         return [rows[e.target] + e.input - e.output for e in self.out_of[item]]
 
     def _settle(self, column: list[int], rows: list[float], *, forward: bool, sort: bool) -> None:
-        """Move the items of a layer towards what stands in the one before, or behind."""
+        """Move the items of a layer towards their neighbours in the layer before or behind."""
         aims = []
         for item in column:
             wishes = self._wishes(item, rows, forward=forward)
@@ -226,13 +226,13 @@ class _Net:
         self._stack(column, rows, aims)
 
     def _stack(self, column: Sequence[int], rows: list[float], aims: Sequence[float]) -> None:
-        """Give the items of a layer rows in their order, as near as possible to their aims."""
+        """Assign rows to the items of a layer in order, as near as possible to their aims."""
         offset, offsets = 0.0, []
         for before, item in pairwise((None, *column)):
             if before is not None and item is not None:
                 offset += 0.5 * (self.heights[before] + self.heights[item])
             offsets.append(offset)
-        # Pool adjacent violators: items that would overlap share the mean of their aims.
+        # Pool adjacent violators: overlapping items share the mean of their aims.
         pools: list[tuple[float, int]] = []
         for aim, offset in zip(aims, offsets, strict=True):
             mean, count = aim - offset, 1
@@ -245,7 +245,7 @@ class _Net:
             rows[item] = mean + offset
 
     def _cost(self, rows: Sequence[float]) -> Cost:
-        """Return how many wires cross, and how far and how often they change their row."""
+        """Return the number of crossings, and length and number of row changes."""
         gaps: dict[int, list[tuple[float, float]]] = defaultdict(list)
         length = 0.0
         for edge in self.edges:
@@ -255,7 +255,7 @@ class _Net:
         return sum(map(_crossings, gaps.values())), length
 
     def _straightened(self, rows: list[float]) -> list[float]:
-        """Move items, runs of items on one row and pairs of neighbours, as long as that helps."""
+        """Move items, runs in one row, and pairs of neighbours while that improves the cost."""
         least = self._cost(rows)
         for _ in range(6):
             before = least
@@ -271,7 +271,7 @@ class _Net:
     def _moved(
         self, run: Sequence[int], rows: list[float], least: Cost
     ) -> tuple[list[float], Cost]:
-        """Move items to where one of them has a straight wire, if that is better."""
+        """Straighten a wire of the items by moving them, if that improves the cost."""
         steps = {
             wish - rows[item]
             for item in run
@@ -291,7 +291,7 @@ class _Net:
     def _swapped(
         self, column: list[int], upper: int, rows: list[float], least: Cost
     ) -> tuple[list[float], Cost]:
-        """Let two neighbours of a layer change places, if that is better."""
+        """Swap two neighbours of a layer, if that improves the cost."""
         first, second = column[upper], column[upper + 1]
         new_rows = list(rows)
         new_rows[second] = rows[first] + 0.5 * (self.heights[second] - self.heights[first])
@@ -303,7 +303,7 @@ class _Net:
         return new_rows, cost
 
     def _runs(self, rows: Sequence[float]) -> Iterator[list[int]]:
-        """Yield every item alone, and with what its straight wires reach to the right or left."""
+        """Yield every item alone, and with those along its straight wires to the right or left."""
         for start in range(len(self.heights)):
             yield [start]
             for edges, forward in ((self.out_of, True), (self.into, False)):
@@ -321,7 +321,7 @@ class _Net:
                     yield list(run)
 
     def _free(self, run: Iterable[int], rows: Sequence[float]) -> bool:
-        """Return whether items keep their order, and their distance from neighbours."""
+        """Return whether items keep their order and distance from neighbours."""
         for item in run:
             column = self.columns[self.layer_of[item]]
             index = column.index(item)
@@ -337,7 +337,7 @@ class _Net:
 
 
 def _crossings(edges: Iterable[tuple[float, float]]) -> int:
-    """Return how many edges from one layer to the next cross; those of one pin do not."""
+    """Return the number of crossings between two layers; edges of one pin never cross."""
     count = 0
     ends: list[float] = []
     waiting: list[float] = []
@@ -357,9 +357,9 @@ def _crossings(edges: Iterable[tuple[float, float]]) -> int:
 
 @dataclass(eq=False)
 class _Trunk:
-    """A wire in a gap: the row in which it comes, and those in which it goes on.
+    """A wire in a gap: its row on the left, and its rows on the right.
 
-    Where two wires change places, one of them goes by a row of its own between two trunks.
+    If two wires swap rows, one of them takes a separate row between two trunks.
     """
 
     source: float
@@ -376,7 +376,7 @@ class _Trunk:
         return any(target != self.source for target in self.targets)
 
     def corners(self, gap: int, row: float) -> Iterator[Corner]:
-        """Yield where a wire that goes on in a row changes it."""
+        """Yield the corners of a wire on its way to a row."""
         if self.behind is None:
             yield Corner(gap, self.track, row)
         else:
@@ -385,7 +385,7 @@ class _Trunk:
 
 
 def _tracks(net: _Net, rows: Sequence[float]) -> tuple[list[int], list[tuple[Corner, ...]]]:
-    """Return how many tracks each gap has, and the corners of each link."""
+    """Return the number of tracks of each gap, and the corners of each link."""
     trunks: dict[tuple[int, int, int], _Trunk] = {}  # by source, output and gap
     ways: list[list[tuple[int, float, float]]] = []
     for link in net.links:
@@ -417,10 +417,10 @@ def _tracks(net: _Net, rows: Sequence[float]) -> tuple[list[int], list[tuple[Cor
 
 
 def _assign(trunks: Sequence[_Trunk]) -> int:
-    """Give the trunks of a gap tracks, so that none lies on another; return how many tracks."""
+    """Assign tracks to the trunks of a gap without overlaps; return the number of tracks."""
 
-    # Of those that go down the lower stand to the left, of those that go up the upper: so the
-    # fewest cross.
+    # Fewest crossings: among those going down the lower is on the left, among those going up the
+    # upper.
     def rank(trunk: _Trunk) -> tuple[float, float]:
         down = sum(trunk.targets) / len(trunk.targets) > trunk.source
         return (-trunk.source if down else trunk.source), trunk.span[0]
@@ -429,7 +429,7 @@ def _assign(trunks: Sequence[_Trunk]) -> int:
     waiting = sorted((trunk for trunk in trunks if trunk.bent), key=rank)
     settled: list[_Trunk] = []
     while waiting:
-        # One that ends in the row in which another comes stands to the right of that one.
+        # A trunk that ends in the row where another begins is on the right of it.
         free = [t for t in waiting if not any(_left_of(other, t) for other in waiting)]
         if not free:
             trunk = waiting[0]
@@ -447,14 +447,14 @@ def _assign(trunks: Sequence[_Trunk]) -> int:
 
 
 def _left_of(first: _Trunk, second: _Trunk) -> bool:
-    """Return whether one has to stand to the left of another."""
+    """Return whether one must be to the left of another."""
     if first.behind is second:
         return True
     return first is not second and second.behind is not first and first.source in second.targets
 
 
 def _free_row(trunk: _Trunk, rows: set[float]) -> float:
-    """Take a row near that in which a wire comes, towards where it goes, that no other has."""
+    """Reserve a free row near the beginning of a wire, towards its end."""
     way = 1.0 if max(trunk.targets) > trunk.source else -1.0
     step = 0.5
     while trunk.source + way * step in rows:

@@ -13,7 +13,7 @@ __all__ = ["error_panel"]
 def error_panel(
     names: Sequence[str], units: Sequence[str], errors: Sequence[Numbers], last: int = 0
 ) -> Panel:
-    """Return the error of the passes that are over, a line for each output."""
+    """Return the error of the finished passes, a line for each output."""
     passes = range(1, len(errors) + 1)
     parts: list[ChartPart] = []
     for column, (name, unit) in enumerate(zip(names, units, strict=False)):

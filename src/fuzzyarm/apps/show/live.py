@@ -1,4 +1,4 @@
-"""A run in the terminal: the plant to scale in dots of braille, errors and drives beside it."""
+"""A run in the terminal: the plant to scale in braille, errors and drives beside it."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ if TYPE_CHECKING:
     from fuzzyarm.plant import Plant
 
 RATE = 12
-"""Pictures in a second."""
+"""Pictures per second."""
 
 LONGEST = 8.0
-"""Longer runs are shown faster, in this many seconds."""
+"""Longest duration in seconds; longer runs are shown faster."""
 
 
-# --- A picture of a run ---
+# --- Picture of a run ---
 
 
 class LiveView:
-    """What is seen of a run at one sample after the other.
+    """Pictures of a run, sample by sample.
 
     Parameters
     ----------
     run : Run
         With samples.
     plant : Plant
-        On which it ran.
+        Its plant.
     unicode : bool, optional
         Whether the terminal has braille.
     """
@@ -45,7 +45,7 @@ class LiveView:
         self.run, self.plant, self.unicode = run, plant, unicode
 
     def at(self, index: int, width: int, height: int) -> RenderableType:
-        """Return the picture of a sample in a given room, in characters."""
+        """Return the picture of a sample in the given size, in characters."""
         from rich.console import Group
         from rich.table import Table
         from rich.text import Text
@@ -74,7 +74,7 @@ class LiveView:
         return drawing_lines(drawing, columns, rows, unicode=self.unicode)
 
     def _curves(self, index: int, width: int, rows: int) -> list[Text]:
-        """Return errors and drives until a sample, each below the line that names it."""
+        """Return errors and drives up to a sample, each below its name."""
         run = self.run
         panels = [error_panel([run], column) for column in range(len(run.labels))]
         panels += [drive_panel([run], name) for name in drives_that_move([run], list(run.drives))]
@@ -87,14 +87,14 @@ class LiveView:
 
 
 def frames_of(run: Run) -> list[int]:
-    """Return the samples that are shown: the run as long as it is, longer ones faster."""
+    """Return the samples to show: in real time, or faster in a long run."""
     seconds = min(LONGEST, max(1.0, float(run.time[-1])))
     count = min(run.samples, max(2, round(RATE * seconds)))
     return sorted({round(k * (run.samples - 1) / max(1, count - 1)) for k in range(count)})
 
 
 def play(run: Run, plant: Plant, console: Console) -> bool:
-    """Show a run in a terminal while it runs; the last picture stays."""
+    """Show a run in a terminal; the last picture stays."""
     from rich.live import Live
 
     has_braille = "utf" in (console.encoding or "").lower()

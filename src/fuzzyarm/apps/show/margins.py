@@ -1,4 +1,4 @@
-"""Bode and Nyquist diagrams of a loop that is opened at a drive, with its margins."""
+"""Bode and Nyquist diagrams of a loop opened at a drive, with its margins."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ __all__ = ["margins_chart"]
 
 POINTS = 600
 NEAREST = 3.0
-"""Half of what a Nyquist diagram shows; the point -1 is in it."""
+"""Half the width of a Nyquist diagram, which includes the point -1."""
 
 
 def margins_chart(found: Sequence[DriveMargins], title: str) -> Chart:
-    """Return a row for each drive: gain and phase over the frequency, and the curve of L."""
+    """Return a row for each drive: gain and phase over frequency, and the curve of L."""
     rows = [_row(each, named=len(found) > 1) for each in found]
     return Chart(rows, (11.4, 0.8 + 3.2 * len(rows)), title, heading=True)
 
@@ -38,7 +38,7 @@ def _row(each: DriveMargins, *, named: bool) -> list[Panel]:
 
 
 def _frequencies(each: DriveMargins) -> np.ndarray:
-    """Return frequencies from well below the first that counts to half of the sampling rate."""
+    """Return frequencies from well below the first relevant one to half the sampling rate."""
     fastest = math.pi / each.loop.period
     marks = [each.nominal.gain_at, each.nominal.phase_at]
     first = min((w for w in marks if w), default=fastest)

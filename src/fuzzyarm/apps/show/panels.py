@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 FAILS = "✗"
-"""Where a property fails."""
+"""Marks a violated property."""
 
 LEFT = 8
-"""Letters of the name of what goes down or up."""
+"""Characters for the name of the vertical axis."""
 
 
-# --- A line that grows, below its name: for runs ---
+# --- A growing line below its name, for runs ---
 
 
 def panel_lines(
     panel: Panel, index: int, size: tuple[int, int], *, unicode: bool = True
 ) -> list[Text]:
-    """Return the first line of a panel as far as one of its points, and its value there."""
+    """Return the first line of a panel up to one of its points, and its value there."""
     from rich.text import Text
 
     width, height = size
@@ -42,7 +42,7 @@ def panel_lines(
     head.append(fitted(panel.name, max(4, width - len(words))), "bold")
     head.append(words)
     canvas = Canvas(width, height, 0.0, 1.0, 0.0, 1.0, unicode)
-    # Across and up have scales of their own.
+    # Horizontal and vertical scales are independent.
     last = max(1, len(line.y) - 1)
     # A character of braille is two dots wide and four high.
     across, up = 2 * width - 1, 4 * height - 1
@@ -62,7 +62,7 @@ def _reach(values: Numbers) -> tuple[float, float]:
 
 
 def _connect(canvas: Canvas, rows: list[float]) -> None:
-    """Draw a curve that has one height in each column; none where it is not a number."""
+    """Draw a curve with one height for each column, with gaps at NaN."""
     before = math.nan
     for column, row in enumerate(rows):
         if not math.isnan(row):
@@ -77,16 +77,16 @@ def _connect(canvas: Canvas, rows: list[float]) -> None:
 
 @dataclass(frozen=True)
 class LinePlot:
-    """A panel in dots of an eighth of a character, with the ends of its axes.
+    """A panel in braille dots, with the ends of its axes.
 
     Attributes
     ----------
     panel : Panel
-        Its first line is drawn, or the outline of its first area; round dots are points, all dots
-        where there is neither. A level that is upright is a mark, and crosses ``X`` among its
-        dots are places where a property fails.
+        Draws its first line, or the outline of its first area, and its round dots, all of them if
+        there is neither. A vertical level is a mark; crosses ``X`` among its dots are violations of
+        a property.
     width, height : int
-        Characters of the plot itself.
+        Size of the plot area in characters.
     """
 
     panel: Panel
@@ -113,7 +113,7 @@ class LinePlot:
             for j, dots in enumerate(row.plain):
                 fails = failing.get(j) == k
                 style = "bold red" if j in columns or fails else "cyan"
-                # U+2800 is braille without a dot: as wide as the others in every font.
+                # U+2800, braille without dots, has the same width as the others in every font.
                 empty = "┊" if j in columns else chr(0x2800)
                 line.append(FAILS if fails else empty if dots == " " else dots, style)
             yield line
@@ -145,7 +145,7 @@ class LinePlot:
 
     @property
     def _heights(self) -> Iterator[float]:
-        """Yield a value for each column of dots; NaN beyond the ends of the line."""
+        """Yield a value for each column of dots, NaN beyond the ends of the line."""
         line = self._line
         if line is None or not len(line.y):
             yield from [math.nan] * (2 * self.width)
@@ -157,18 +157,18 @@ class LinePlot:
             yield float(y[at * len(y) // count]) if 0 <= at < count else math.nan
 
     def _column(self, x: float) -> int:
-        """Return the column of characters of a place across."""
+        """Return the column of characters of a horizontal position."""
         return self._dot_column(x) // 2
 
     def _dot_column(self, x: float) -> int:
-        """Return the column of dots of a place across."""
+        """Return the column of dots of a horizontal position."""
         low, high = self._across
         if self.panel.across.logarithmic:
             low, high, x = math.log(low), math.log(high), math.log(x)
         return round((x - low) / (high - low) * (2 * self.width - 1)) if high > low else 0
 
     def _row(self, value: float) -> float:
-        """Return the row of dots of a value; NaN where it has none."""
+        """Return the row of dots of a value, NaN if outside."""
         low, high = self._ends
         if not math.isfinite(value):
             return math.nan
@@ -178,7 +178,7 @@ class LinePlot:
         return round((1.0 - min(1.0, max(0.0, share))) * (4 * self.height - 1))
 
     def _points(self) -> Iterator[tuple[float, float]]:
-        """Yield place across and row of dots of the points that are drawn."""
+        """Yield position and row of the dots drawn as points."""
         for dots in self.panel.of(Dots):
             if dots.sign != "X" and (dots.sign == "o" or self._line is None):
                 for x, y in zip(dots.x, dots.y, strict=True):
@@ -187,7 +187,7 @@ class LinePlot:
                         yield float(x), row
 
     def _failing(self) -> Iterator[tuple[int, int]]:
-        """Yield column and row of the characters at which a property fails."""
+        """Yield column and row of the characters with a violation."""
         for x, y in _failing(self.panel):
             row = self._row(y)
             yield self._column(x), self.height - 1 if math.isnan(row) else round(row) // 4
@@ -201,17 +201,17 @@ def _both(axis: Axis) -> tuple[float, float]:
 
 
 def _failing(panel: Panel) -> list[tuple[float, float]]:
-    """Return the places that are marked as failures."""
+    """Return the positions marked as violations."""
     crosses = (dots for dots in panel.of(Dots) if dots.sign == "X")
     return [place for dots in crosses for place in zip(dots.x, dots.y, strict=True)]
 
 
-# --- Cells seen from above ---
+# --- Cells from above ---
 
 _NOTHING = "#808080"
 
 HATCH = "╱"
-"""A cell without a value, where that means something."""
+"""A cell without a value, if that has a meaning."""
 
 
 @dataclass(frozen=True)
@@ -221,9 +221,9 @@ class SurfaceMap:
     Attributes
     ----------
     panel : Panel
-        With cells; the round dot is the crisp inputs, crosses are places where a property fails.
+        With cells; the round dot marks the crisp inputs, crosses are violations of a property.
     width, height : int
-        Characters of the map; few cells are drawn larger, all alike, and so may need fewer.
+        Size of the map in characters; few cells are enlarged evenly and may need less.
     """
 
     panel: Panel
@@ -260,7 +260,7 @@ class SurfaceMap:
 
     @cached_property
     def _middles(self) -> tuple[Numbers, Numbers]:
-        """Where the columns and the rows stand."""
+        """Positions of columns and rows."""
         cells, panel = self._cells, self.panel
         if not cells.has_edges:
             return cells.x, cells.y
@@ -274,7 +274,7 @@ class SurfaceMap:
 
     @cached_property
     def _size(self) -> tuple[int, int]:
-        """Half characters across and down: whole cells where they fit, an even number of rows."""
+        """Half characters across and down: whole cells if possible, an even number of rows."""
         columns, rows = self._cells.size
         wide = max(1, self.width // columns) * columns if columns <= self.width else self.width
         room = 2 * self.height
@@ -291,7 +291,7 @@ class SurfaceMap:
         return float(cells.values[row][j * columns // wide])
 
     def _place(self, x: float, y: float) -> tuple[int, int]:
-        """Return row and column of the half character at a place."""
+        """Return row and column of the half character at a position."""
         (wide, tall), cells = self._size, self._cells
         columns, rows = cells.size
         column, row = map(_nearest, self._middles, (x, y))
@@ -308,12 +308,12 @@ class SurfaceMap:
 
     @cached_property
     def _failures(self) -> set[tuple[int, int]]:
-        """Rows and columns of characters at which a property fails."""
+        """Rows and columns of characters with a violation."""
         places = (self._place(*place) for place in _failing(self.panel))
         return {(i // 2, j) for i, j in places}
 
     def _sign(self, i: int, j: int) -> str:
-        """Return what stands on a character beside its colours."""
+        """Return the sign on a character, beside its colours."""
         if (i // 2, j) in self._failures:
             return FAILS
         is_mark = self._mark is not None and (self._mark[0] // 2, self._mark[1]) == (i // 2, j)
@@ -333,7 +333,7 @@ class SurfaceMap:
         return "▀", f"{self._colour(upper)} on {self._colour(lower)}"
 
     def _shade(self, i: int, j: int) -> tuple[str, str]:
-        """Return the darker the higher, for terminals and files without colours."""
+        """Return a character as dark as the value, for output without colours."""
         values = [x for x in (self._value(i, j), self._value(i + 1, j)) if not math.isnan(x)]
         shares = list(map(self._scale.share, values))
         blank = HATCH if self._cells.missing else " "
@@ -344,7 +344,7 @@ class SurfaceMap:
 
 
 def _between(edges: Numbers, axis: Axis) -> list[float]:
-    """Return the middles between edges."""
+    """Return the midpoints between edges."""
     pairs = pairwise(map(float, edges))
     return [math.sqrt(a * b) if axis.logarithmic else 0.5 * (a + b) for a, b in pairs]
 
@@ -357,7 +357,7 @@ def _nearest(values: Numbers, x: float) -> int:
 
 
 def panel_view(panel: Panel, width: int, height: int) -> LinePlot | SurfaceMap:
-    """Return a panel in a given room: its cells where it has some, else its line."""
+    """Return a panel in the given size: its cells if it has some, else its line."""
     if panel.of(Cells):
         return SurfaceMap(panel, max(8, width - LEFT - 1), max(3, height - 3))
     return LinePlot(panel, max(8, width - LEFT - 1), max(3, height - 2))

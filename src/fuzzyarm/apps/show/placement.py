@@ -1,7 +1,7 @@
-"""From the layers and rows of a diagram to lengths: boxes, polylines and words that fit.
+"""Diagram layout in lengths: boxes, polylines and fitting words.
 
-Whoever draws says how wide a text is and how much room there is around it (:class:`Pen`), in
-whatever unit; nothing that comes out is cut off or lies on another.
+The caller provides text sizes and margins in its own unit (:class:`Pen`); the result has no cut-off
+or overlapping parts.
 """
 
 from __future__ import annotations
@@ -19,27 +19,27 @@ __all__ = ["Pen", "Picture", "PlacedBlock", "PlacedWord", "place"]
 Point = tuple[float, float]
 
 ROUND = ("difference", "plus", "times")
-"""Blocks that are drawn by the words at their pins alone."""
+"""Blocks without text but that at their pins."""
 
 
 @dataclass(frozen=True)
 class Pen:
-    """How large what is drawn is, all in one unit.
+    """Sizes for drawing, all in one unit.
 
     Attributes
     ----------
     width_of : callable
-        From a text and its style (``label``, ``detail``, ``signal``, ``head``) to its width.
+        Width of a text by style (``label``, ``detail``, ``signal``, ``head``).
     line : float
         Height of a line of text.
     pad : float
-        Room between a text and the edge of its block.
+        Margin between a text and the edge of its block.
     room : float
-        How wide the text of a block may be before it is broken into lines.
+        Greatest width of text in a block, before it is wrapped.
     track : float
-        Distance of two wires side by side.
+        Distance of parallel wires.
     arrow : float
-        Room for the end of a wire.
+        Length for the end of a wire.
     """
 
     width_of: Callable[[str, str], float]
@@ -51,7 +51,7 @@ class Pen:
 
 
 class PlacedBlock(NamedTuple):
-    """A block of the diagram: its upper left corner, its size, its lines of text with styles."""
+    """A block: its upper left corner, its size, its lines of text with styles."""
 
     block: DiagramBlock
     x: float
@@ -61,7 +61,7 @@ class PlacedBlock(NamedTuple):
     lines: tuple[tuple[str, str], ...]
 
     def pins(self, pitch: float) -> Iterator[tuple[str, float, float]]:
-        """Yield word, x and y of each input; `pitch` is the distance of two rows."""
+        """Yield label, x and y of each input; `pitch` is the distance of rows."""
         middle = self.y + 0.5 * self.height
         count = len(self.block.inputs)
         for index, word in enumerate(self.block.inputs):
@@ -69,7 +69,7 @@ class PlacedBlock(NamedTuple):
 
 
 class PlacedWord(NamedTuple):
-    """A text: its left end, its baseline or its middle, its style."""
+    """A text: its left end, its baseline or middle, its style."""
 
     text: str
     x: float
@@ -79,24 +79,24 @@ class PlacedWord(NamedTuple):
 
 @dataclass(frozen=True)
 class Picture:
-    """A diagram with lengths; x goes to the right, y downwards.
+    """A diagram in lengths; x to the right, y downwards.
 
     Attributes
     ----------
     width, height : float
-        Of all of it.
+        Total size.
     pitch : float
-        Distance of two rows.
+        Distance of rows.
     blocks : list of PlacedBlock
         In the order of the diagram.
     wires : list of (DiagramWire, list of (float, float))
         Polylines; the last point touches the block.
     strokes : list of ((float, float), (float, float))
-        The straight pieces of all wires, each drawn once where wires share it.
+        The straight pieces of all wires, common ones only once.
     dots : list of (float, float)
-        Where a wire branches.
+        Branches of wires.
     words : list of PlacedWord
-        Names of signals, whose `y` is the baseline, and heads of axes.
+        Names of signals, with `y` at the baseline, and headings of axes.
     """
 
     width: float
@@ -110,7 +110,7 @@ class Picture:
 
 
 def place(diagram: Diagram, pen: Pen) -> Picture:
-    """Give a diagram lengths."""
+    """Assign lengths to a diagram."""
     return _Placing(diagram, pen).picture()
 
 
@@ -123,7 +123,7 @@ class _Placing:
         self.pitch = 3.0 * pen.line
         for block, lines in zip(diagram.blocks, self.lines, strict=True):
             least_height = len(lines) * pen.line + 2.0 * pen.pad + 0.8 * pen.line
-            # All rows have one height: what the block with the most text for its rows needs.
+            # The block with most text for its rows determines the height of all rows.
             self.pitch = max(self.pitch, least_height / block.height)
         self.names = _names_of_nets(diagram)
         self.left: list[float] = []
@@ -158,9 +158,9 @@ class _Placing:
                 yield from ((line, style) for line in self._broken(text, style))
 
     def _broken(self, text: str, style: str) -> list[str]:
-        """Break a text at its blanks into lines of about the room; no word is cut."""
+        """Wrap a text at its blanks to about the available width; words are never cut."""
         lines: list[str] = []
-        # A number stays beside the name that it belongs to.
+        # A number stays beside its name.
         for word in text.replace(" = ", "\0=\0").split(" "):
             longer = f"{lines[-1]} {word}" if lines else word
             if lines and self.pen.width_of(_whole(longer), style) <= self.pen.room:
@@ -174,11 +174,11 @@ class _Placing:
         if block.kind in ROUND:
             return 1.7 * self.pen.line
         inner = max(self.pen.width_of(text, style) for text, style in lines)
-        # The point of a gain is not for text.
+        # The tip of a gain has no room for text.
         return inner + 2.0 * self.pen.pad + (self.pen.pad * 2.0 if block.kind == "gain" else 0.0)
 
     def y(self, row: float) -> float:
-        """Return the height of a row; above every part stands its head."""
+        """Return the y of a row, below the heading of its part."""
         heads = sum(1 for _, top, _ in self.diagram.groups if row >= top)
         return heads * 1.6 * self.pen.line + (row + 0.5) * self.pitch
 
@@ -229,7 +229,7 @@ def _head(axes: Sequence[str]) -> str:
 
 
 def _names_of_nets(diagram: Diagram) -> dict[tuple[int, int], str]:
-    """Return how the text calls what comes out of a block, where it has a name."""
+    """Return the name of each block output that has one in the text."""
     names: dict[tuple[int, int], dict[str, None]] = defaultdict(dict)
     for wire in diagram.wires:
         if wire.signal:
@@ -244,7 +244,7 @@ def _whole(text: str) -> str:
 def _drawn_once(
     wires: Sequence[tuple[DiagramWire, list[Point]]],
 ) -> tuple[list[tuple[Point, Point]], list[Point]]:
-    """Return the pieces of wires, those of one output joined, and where these branch."""
+    """Return the pieces of wires, merged for each output, and their branches."""
     nets: dict[tuple[int, int], list[list[Point]]] = defaultdict(list)
     for wire, points in wires:
         nets[wire.source, wire.output].append(points)
@@ -257,14 +257,14 @@ def _drawn_once(
         dots += (
             point
             for point in corners
-            # A dot where wires leave in three directions or four; a corner has two.
+            # A dot where three or four directions meet; a corner has two.
             if len({way for piece in pieces for way in _ways(point, piece)}) > 2
         )
     return strokes, dots
 
 
 def _joined(pieces: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
-    """Return pieces without those that lie on one another."""
+    """Return pieces without overlapping ones."""
     along: dict[tuple[bool, float], list[tuple[float, float]]] = defaultdict(list)
     for (a, b), (c, d) in pieces:
         if b == d:
@@ -284,7 +284,7 @@ def _joined(pieces: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
 
 
 def _ways(point: Point, piece: tuple[Point, Point]) -> Iterator[str]:
-    """Yield in which directions a piece of a wire goes from a point."""
+    """Yield the directions in which a piece of wire leaves a point."""
     (x, y), ((a, b), (c, d)) = point, piece
     if b == d == y and min(a, c) <= x <= max(a, c):
         if min(a, c) < x:

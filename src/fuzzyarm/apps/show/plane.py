@@ -1,4 +1,4 @@
-"""Values over one input or two as a picture: a line for each, or samples of a plane."""
+"""Values over one or two inputs as a picture: lines, or samples of a plane."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 __all__ = ["MOST_RULINGS", "plane_panel"]
 
 MOST_RULINGS = 80
-"""More lines of a grid along an axis would hide what they lie on."""
+"""Most grid lines along an axis; more would hide the values."""
 
 LOOKS = (("first", "-"), ("second", "--"))
-"""Of the lines over one input."""
+"""Colours and dashes of the lines over one input."""
 
 
 def plane_panel(
@@ -31,24 +31,24 @@ def plane_panel(
     signed: bool = False,
     grid: Mapping[str, Numbers] | None = None,
 ) -> Panel:
-    """Return values over one input, or over two, as a panel.
+    """Return values over one or two inputs as a panel.
 
     Parameters
     ----------
     points : mapping of str to sequence of float
-        Where the inputs are sampled: the one across, then the one up, if there is one.
+        Samples of the inputs: the horizontal one, then the vertical one if there is one.
     values : mapping of str to ndarray
-        Values by what they are, row by row; several only over one input.
+        Values by name, row by row; several only over one input.
     value : Axis
-        What they are and between what they lie; its ends are those of the values by default.
+        Name and range of the values; the ends are those of the values by default.
     title : str, optional
-        Of the panel.
+        Title of the panel.
     at : mapping of str to float, optional
         A point to mark.
     signed : bool
-        Whether they are differences, whose colours part at zero.
+        Whether the values are differences, with colours split at zero.
     grid : mapping of str to sequence of float, optional
-        Levels of the inputs, to be drawn as rulings.
+        Levels of the inputs, drawn as grid lines.
     """
     names, at = list(points), at or {}
     across, *up = (Axis(name, "", xs[0], xs[-1]) for name, xs in points.items())
@@ -75,7 +75,7 @@ def plane_panel(
 
 
 def _with_ends(value: Axis, rows: Any, *, about_zero: bool) -> Axis:
-    """Return the axis of some values with ends; about zero where they are differences."""
+    """Return the axis of values with its ends, symmetric for differences."""
     from dataclasses import replace
 
     if value.low is not None:

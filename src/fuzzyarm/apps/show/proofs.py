@@ -1,4 +1,4 @@
-"""What is proved, in lines: bounds, sectors, the static part of drives."""
+"""Proofs in lines: bounds, sectors, the static part of drives."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ WAYS = {
 
 
 def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
-    """Return what is bounded of an output: its ``range``, the ``worst`` of a table, or a slope."""
+    """Return the bounds of an output: its ``range``, the ``worst`` error of a table, or a slope."""
     work = f"{bounds.pieces:,} pieces, {WAYS[bounds.way]}"
     if not bounds.complete:
         work += "; time ran out before the bounds were tight"
     if key == "worst":
         first = f"worst {bound_text(max(bounds.high, -bounds.low))} (proved)"
         return [first, f"  near {written(bounds.at_worst)}", f"  {work}"]
-    what = f"{output}" if key == "range" else f"slope of {output} along {key}"
+    quantity = f"{output}" if key == "range" else f"slope of {output} along {key}"
     where = " where it has a value" if bounds.hole else " (proved)"
-    lines = [f"{what} in {bound_text((bounds.low, bounds.high))}{where}"]
+    lines = [f"{quantity} in {bound_text((bounds.low, bounds.high))}{where}"]
     if bounds.hole:
         lines.append(f"  not proved: {bounds.hole}")
     if bounds.at_low:
@@ -41,7 +41,7 @@ def bound_lines(output: str, key: str, bounds: Bounds) -> list[str]:
 
 
 def sector_lines(output: str, sector: Sector) -> list[str]:
-    """Return a sector of an output, and where its ends are reached."""
+    """Return a sector of an output, and the points at its bounds."""
     slack = f", to {sector.slack:g}" if sector.slack else ""
     lines = [
         f"{output} between {_bounds(sector.low, sector.high)} times"
@@ -60,17 +60,17 @@ def _bounds(low: float, high: float) -> str:
 
 
 def grouped_drives(proofs: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
-    """Return each proof once, with the drives that it is about."""
+    """Return each proof once, with its drives."""
     groups: dict[str, tuple[DriveProof, list[str]]] = {}
     for proof in proofs:
-        # By its text: a proof holds dictionaries, which have no hash.
+        # Compared by text: a proof contains dictionaries, which are not hashable.
         key = repr(replace(proof, axis=""))
         groups.setdefault(key, (proof, []))[1].append(f"{proof.axis}.{proof.port}")
     return list(groups.values())
 
 
 def drive_lines(path: str, proof: DriveProof, names: list[str], *, sectors_only: bool) -> list[str]:
-    """Return what is proved of a drive; `path` is whose it is."""
+    """Return the proofs about a drive of the controller at `path`."""
     unit = f" {proof.unit}" if proof.unit else ""
     where = " where it is a number" if proof.hole else " (proved)"
     lines = [f"{path}: {', '.join(names)} in {_interval(proof.low, proof.high)}{unit}{where}"]

@@ -1,4 +1,4 @@
-"""The region from which a loop is proved to come to rest, with runs in it and beside it."""
+"""The proved region of attraction of a loop, with runs inside and outside."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["region_chart"]
 
 
 def region_chart(text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None) -> Chart:
-    """Return the planes of a proved region."""
+    """Return the sections of a proved region."""
     from fuzzyarm.proof.loop.pictures import region_planes
 
     panels = [_panel(plane) for plane in region_planes(text, verdict, plant)]

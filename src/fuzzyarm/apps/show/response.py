@@ -1,6 +1,6 @@
-"""An output of a rule base over the inputs that it depends on: a line, or cells of a plane.
+"""An output of a rule base over its inputs: a line, or cells of a plane.
 
-A figure, the terminal and a page draw the same :class:`Response`, each at points of its own.
+A figure, the terminal and a page draw the same :class:`Response`, each at its own points.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ __all__ = ["Failure", "Response", "with_gaps"]
 
 @dataclass(frozen=True)
 class Failure:
-    """A point on what is drawn at which a property fails.
+    """A visible point that violates a property.
 
     Attributes
     ----------
     point : tuple of float
-        The inputs that vary, in the order of the rule base.
+        The varied inputs, in the order of the rule base.
     height : float
         The output there.
     number : int
-        Which property it is, from 1.
+        Number of the property, from 1.
     """
 
     point: tuple[float, ...]
@@ -41,30 +41,29 @@ class Failure:
 
 
 class Response:
-    """One output of a rule base over one or two inputs that it depends on.
+    """One output of a rule base over one or two of its inputs.
 
     Parameters
     ----------
     rulebase : RuleBase
-        Whose output.
+        Rule base with the output.
     output : Output
-        What is drawn.
+        The output to draw.
     at : mapping of str to float
-        Values of inputs: held fixed, or marked.
+        Values of inputs, fixed or marked.
     fails : sequence of Verdict
-        On properties that fail, of any output.
+        Refuted properties, of any output.
     free : sequence of str
-        The inputs that vary, the one upward first; by default the first two that `at` does not
-        name.
+        The varied inputs, the vertical one first; by default the first two outside `at`.
 
     Attributes
     ----------
     free : list of Variable
-        The inputs that vary: one across, or one upward and one across.
+        The varied inputs: one horizontal, or one vertical and one horizontal.
     fixed : dict of str to float
         The values of the others.
     fails : list of Verdict
-        Those of this output.
+        The refuted properties of this output.
     """
 
     def __init__(
@@ -84,7 +83,7 @@ class Response:
             verdict for verdict in fails if verdict.output == output.name and verdict.points
         ]
         hidden = [variable.name for variable in inputs[2:]]
-        if self.fails and hidden and not at:  # the slice that has the first of them
+        if self.fails and hidden and not at:  # the slice of the first counterexample
             at = {name: self.fails[0].points[0][name] for name in hidden}
         self.at = {
             input_variable.name: at[input_variable.name]
@@ -102,7 +101,7 @@ class Response:
         return len(self.free) == 1
 
     def values(self, points: Sequence[Any]) -> Any:
-        """Return the output at points along each input that varies, NaN where no rule fires."""
+        """Return the output over the points of each varied input, NaN where no rule fires."""
         import numpy as np
 
         names = [variable.name for variable in self.free]
@@ -111,12 +110,12 @@ class Response:
         return np.broadcast_to(values, [len(x) for x in points])
 
     def panel(self, points: Sequence[Any]) -> Panel:
-        """Return the picture: a line or cells, the point that is marked, and what fails.
+        """Return the picture: a line or cells, the marked point, and violations.
 
         Parameters
         ----------
         points : sequence of ndarray
-            At which each of the inputs that vary is sampled, in increasing order.
+            Samples of each varied input, in increasing order.
         """
         values = self.values(points)
         output = self.output
@@ -138,7 +137,7 @@ class Response:
         return Panel(parts, across, up[0], title)
 
     def failures(self) -> list[Failure]:
-        """Return where properties fail on what is drawn."""
+        """Return the visible violations of properties."""
         import numpy as np
 
         names = [variable.name for variable in self.free]
@@ -155,7 +154,7 @@ class Response:
 
 
 def with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
-    """Return the inference, NaN where no rule fires and the file states no value for that."""
+    """Return the inference, NaN where no rule fires and the file has no value for that."""
     from fuzzyarm.inference import infer
 
     if not isinstance(output.no_rule, str):
@@ -172,7 +171,7 @@ def _free_and_fixed(
     if len(inputs) <= 2:
         return list(inputs), {}
     free = [variable for variable in inputs if variable.name not in at][:2]
-    for variable in inputs:  # all are named: the first two vary all the same
+    for variable in inputs:  # `at` has all: the first two vary nevertheless
         if len(free) < 2 and variable not in free:
             free.append(variable)
     free.sort(key=inputs.index)

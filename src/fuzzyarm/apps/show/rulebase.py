@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 
 def rulebase_view(rulebase: AnyRuleBase) -> Group:
-    """Return everything about a rule base, top to bottom.
+    """Return a view of a whole rule base, top to bottom.
 
     Parameters
     ----------
     rulebase : RuleBase
-        The value, or one that is being written.
+        The rule base, perhaps an unfinished one.
     """
     rulebase = model_of(rulebase)
     from rich.console import Group
@@ -50,7 +50,7 @@ def rulebase_view(rulebase: AnyRuleBase) -> Group:
 
 
 def heading_view(rulebase: RuleBase) -> Text:
-    """Return the name, what it is for, and how large it is."""
+    """Return name, description and size."""
     from rich.text import Text
 
     text = Text(rulebase.name, "bold")
@@ -64,7 +64,7 @@ def heading_view(rulebase: RuleBase) -> Text:
 
 
 def inference_view(rulebase: RuleBase) -> Text:
-    """Return how the rules are evaluated."""
+    """Return the inference methods."""
     from rich.text import Text
 
     lines = []
@@ -85,19 +85,19 @@ def norm_words(block: RuleBlock) -> str:
 
 
 def expression_words(expression: Expression) -> str:
-    """Return an antecedent as the language writes it."""
+    """Return an antecedent in language syntax."""
     return str(rule_node(Rule(expression, ())).antecedent)
 
 
-# --- The rules of a rule base as grids, whatever way they were written ---
+# --- Rules as grids, in whatever form they were written ---
 #
-# A rule that only joins propositions by `and` is a cell: its first two variables are row
-# and column, the others say which grid it belongs to. Everything else is listed in words.
+# A rule that joins propositions by `and` alone is a cell: its first two variables are row and
+# column, the others select the grid. All other rules are listed in words.
 
 
 @dataclass(slots=True)
 class RuleGrid:
-    """The rules for one output that share the row and column variables and the conditions.
+    """The rules for one output with the same row variable, column variable and conditions.
 
     Attributes
     ----------
@@ -106,9 +106,9 @@ class RuleGrid:
     row, column : str
         The variables of the antecedents; `row` is empty for rules on one input.
     when : tuple of Is
-        What the other propositions of the antecedents are.
+        The other propositions of the antecedents.
     cells : dict
-        (row term, column term) → the rules of that cell, each with the term it asserts.
+        (row term, column term) → the rules of that cell, each with its concluded term.
     """
 
     output: str
@@ -119,7 +119,7 @@ class RuleGrid:
 
     @property
     def title(self) -> str:
-        """What the rules are for and when they hold."""
+        """Output and conditions of the rules."""
         conditions = " and ".join(expression_words(part) for part in self.when)
         return f"rules {name_text(self.output)}{f' when {conditions}' if conditions else ''}"
 
@@ -130,7 +130,7 @@ def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
     Parameters
     ----------
     block : RuleBlock
-        Its rules, whatever way they were written.
+        Its rules may have any form.
     """
     grids: dict[tuple[object, ...], RuleGrid] = {}
     others: list[Rule] = []
@@ -139,14 +139,14 @@ def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
         if parts is None:
             others.append(rule)
             continue
-        # One proposition is a column; of more the first is the row and the second the column.
+        # A single proposition is a column; of several the first is the row, the second the column.
         row = (parts[0].variable, parts[0].term) if len(parts) > 1 else ("", "")
         column, when = parts[min(1, len(parts) - 1)], parts[2:]
         for consequent in rule.consequents:
             names = consequent.variable, row[0], column.variable
             grid = grids.setdefault((*names, frozenset(when)), RuleGrid(*names, when))
             grid.cells.setdefault((row[1], column.term), []).append((rule, consequent.term))
-    # A grid with very few cells is given up; its rules go to the others.
+    # A grid with very few cells is dissolved into the other rules.
     rule_grids = [grid for grid in grids.values() if len(grid.cells) >= (4 if grid.row else 3)]
     loose = {id(rule) for rule in others}
     for grid in grids.values():
@@ -156,7 +156,7 @@ def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
 
 
 def _conjunction(rule: Rule) -> tuple[Is, ...] | None:
-    """Return the propositions of a rule that fits a grid."""
+    """Return the propositions of a rule, if it fits a grid."""
     antecedent = rule.antecedent
     operands = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
     parts = tuple(part for part in operands if isinstance(part, Is) and not part.hedges)
@@ -170,16 +170,16 @@ def rules_view(
     strengths: Mapping[Span, float] | None = None,
     chosen: Callable[[RuleGrid], tuple[str, str]] | None = None,
 ) -> Group:
-    """Return every rule of `rulebase`: grids first, then what fits no grid.
+    """Return every rule of `rulebase`: grids first, then the others.
 
     Parameters
     ----------
     rulebase : RuleBase
-        Its rules are drawn.
+        The rule base to draw.
     strengths : mapping of Span to float, optional
-        How strongly the rules fire that stand there: marks them.
+        Firing strengths by position; these rules are marked.
     chosen : callable, optional
-        From a grid to the row and the column of the cell that is highlighted.
+        From a grid to the row and column of its highlighted cell.
     """
     from rich.console import Group
     from rich.text import Text
@@ -212,19 +212,19 @@ def rule_grid(
 ) -> HeatGrid:
     """Return `grid` as rows and columns of terms, coloured by the middle of each term.
 
-    A dot is a missing rule, ``*0.5`` a weight, ``/`` stands between contradicting rules.
+    A dot is a missing rule, ``*0.5`` a weight; ``/`` separates contradicting rules.
     `strengths` and `chosen` as for :func:`rules_view`.
 
     Parameters
     ----------
     grid : RuleGrid
-        Rules that share row, column and conditions.
+        Rules with the same row, column and conditions.
     rulebase : RuleBase
-        Theirs.
+        Their rule base.
     strengths : mapping of Span to float, optional
-        How strongly the rules fire.
+        Firing strengths.
     chosen : tuple of (str, str), optional
-        Row and column of the cell that is highlighted.
+        Row and column of the highlighted cell.
     """
     columns = _terms(rulebase, grid.column, [column for _, column in grid.cells])
     rows = _terms(rulebase, grid.row, [row for row, _ in grid.cells]) if grid.row else [""]
@@ -252,9 +252,9 @@ def _weighted(rule: Rule, term: str) -> str:
 
 
 def _term_colours(output: Output) -> tuple[Scale, dict[str, float]]:
-    """Return a scale and the number that stands for each term of `output` on it.
+    """Return a scale and the position of each term of `output` on it.
 
-    Terms without a middle (functions of the inputs) take no colour.
+    Terms without a middle (functions of the inputs) have no colour.
     """
     values: dict[str, float] = {}
     for term in output.terms:

@@ -17,7 +17,7 @@ __all__ = ["drive_panel", "drives_that_move", "error_panel", "run_chart", "summa
 
 
 def run_chart(runs: Sequence[Run], title: str = "") -> Chart:
-    """Return runs of one plant: a column for each tracked output.
+    """Return runs of one plant, with a column for each tracked output.
 
     Each column has the output with its reference, the error, and the drives of its axis with
     their limits, over time.
@@ -38,7 +38,7 @@ def run_chart(runs: Sequence[Run], title: str = "") -> Chart:
 
 
 def summary_panels(run: Run) -> list[Panel]:
-    """Return the errors of a run in one panel, and its drives in one for each unit."""
+    """Return the errors of a run in one panel, and its drives in one panel for each unit."""
     errors = [
         Line(run.time, run.error_matrix[:, column], series(column)[0], label=label)
         for column, label in enumerate(run.labels)
@@ -56,7 +56,7 @@ def summary_panels(run: Run) -> list[Panel]:
 
 
 def drives_that_move(runs: Sequence[Run], names: Sequence[str]) -> list[str]:
-    """Return the drives that ever do something in any run, or the first."""
+    """Return the drives that are nonzero in any run, or the first."""
     return [name for name in names if any(np.any(run.drives[name]) for run in runs)] or [*names[:1]]
 
 
@@ -94,9 +94,9 @@ def error_panel(runs: Sequence[Run], column: int) -> Panel:
 
 
 def drive_panel(runs: Sequence[Run], drive: str) -> Panel:
-    """Return a drive over time, with the limits that are near."""
+    """Return a drive over time, with its limits if they are near."""
     reached = max(float(np.abs(run.drives[drive]).max(initial=0.0)) for run in runs)
-    # A limit far beyond what is used would flatten the curve.
+    # A limit far beyond the values would flatten the curve.
     limits = [
         Level(limit, tone="wanted", width=0.9, dash="--")
         for limit in runs[0].limits[drive]
@@ -110,6 +110,6 @@ def drive_panel(runs: Sequence[Run], drive: str) -> Panel:
 
 
 def _look(index: int, width: float) -> tuple[str, float, str]:
-    """Return colour, width and dashes of the line of a run."""
+    """Return colour, width and dashes of a run's line."""
     tone, dash = series(index)
     return tone, width, dash

@@ -1,4 +1,4 @@
-"""A search as a picture: what each trial cost, and the best so far."""
+"""A search as a picture: the cost of each trial, and the best so far."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["cost_panel", "spreads"]
 
 CEILING = 20.0
-"""Costs of more than so many times the best are not told apart."""
+"""Costs above this multiple of the best are drawn alike."""
 
 
 def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
@@ -39,5 +39,5 @@ def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
 
 
 def spreads(values: list[float]) -> bool:
-    """Whether values lie so far apart that equal lengths are to be equal ratios."""
+    """Whether values spread so far that a logarithmic scale is better."""
     return bool(values) and min(values) > 0.0 and max(values) >= 5.0 * min(values)

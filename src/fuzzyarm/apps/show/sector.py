@@ -1,4 +1,4 @@
-"""The sector that an output or a drive lies in: its values beside two straight lines."""
+"""The sector of an output or a drive: its values beside two straight lines."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class SectorPicture:
     Attributes
     ----------
     across, up : str
-        What σ and u are.
+        Names of σ and u.
     form, values : ndarray
-        σ and u at points.
+        Samples of σ and u.
     low, high : float
-        The gains of the sector.
+        Gains of the sector.
     one : bool
-        Whether the points are along one input, in order.
+        Whether the samples are along one input, in order.
     """
 
     across: str
@@ -51,7 +51,7 @@ class SectorPicture:
 def rulebase_sectors(
     rulebase: RuleBase, output: str, sectors: Sequence[Sector]
 ) -> list[SectorPicture]:
-    """Return the pictures of sectors of a rule base: inputs that are not in σ are 0."""
+    """Return the pictures of a rule base's sectors; inputs outside σ are 0."""
     from fuzzyarm.inference import infer
 
     pictures = []
@@ -80,9 +80,9 @@ def controller_sectors(
     plant: Plant | None = None,
     points: int = 2000,
 ) -> list[SectorPicture]:
-    """Return the pictures of the sectors of a controller's first drive that has some.
+    """Return the pictures of the sectors of the controller's first drive with one.
 
-    Of a source the stretch inside the universes is drawn, not the one beyond, which is 0 .. k₂.
+    A source is drawn inside the universes only, not beyond them, where the sector is 0 .. k₂.
     """
     from fuzzyarm.proof.map.controllers import sampled_drive
 
@@ -104,7 +104,7 @@ def controller_sectors(
 
 
 def _form_words(drive: DriveProof, sector: DriveSector) -> str:
-    """Return σ, with its unit where it is one source: that of the drive over that of its gain."""
+    """Return σ, with a unit if it is one source: that of the drive over that of its gain."""
     words = form_text(sector.weights, 4)
     gain = next(
         (drive_gain for drive_gain in drive.gains if [drive_gain.source] == list(sector.weights)),
@@ -115,7 +115,7 @@ def _form_words(drive: DriveProof, sector: DriveSector) -> str:
 
 
 def sector_chart(pictures: Sequence[SectorPicture]) -> Chart:
-    """Return each sector beside its values: a line, or the band that they fill over σ."""
+    """Return each sector beside its values: a line, or the band of values over σ."""
     columns = min(len(pictures), 3)
     panels = [_panel(picture) for picture in pictures]
     rows = [panels[k : k + columns] for k in range(0, len(panels), columns)]
@@ -143,7 +143,7 @@ def _panel(picture: SectorPicture) -> Panel:
 
 
 def _filled(form: Any, values: Any, far: float, name: str) -> Band:
-    """Return what the values cover: the least and the greatest u / σ over each stretch of σ."""
+    """Return the least and greatest u over each interval of σ, from u / σ."""
     count = 2 * max(10, int(0.3 * len(form) ** 0.5))  # enough points for each stretch
     edges = np.linspace(-far, far, count + 1)
     away = np.abs(form) > 1e-6 * far

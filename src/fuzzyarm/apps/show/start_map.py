@@ -1,4 +1,4 @@
-"""A map of starts as a picture: where runs are proved to come to rest, where they are lost."""
+"""A map of starts as a picture: proved, lost and open starts."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _panel(found: StartMap, pair: tuple[int, int], columns: int, rows: int) -> P
 def _values(
     found: StartMap, pair: tuple[int, int], x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return of each cell the lost share less the proved one, over all other states."""
+    """Return the lost share less the proved share of each cell, over all other states."""
     total = np.zeros((len(y) - 1, len(x) - 1))
     flat = pair[0] == pair[1]
     sides = [span.high - span.low for span in found.window.values()]
@@ -77,6 +77,6 @@ def _values(
 
 
 def _shares(edges: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
-    """Return what share of each cell of an axis lies between two ends."""
+    """Return the share of each cell of an axis between two ends."""
     ends = np.clip(edges, low, high)
     return np.asarray(np.diff(ends) / np.diff(edges))

@@ -1,4 +1,4 @@
-"""Many runs as a picture: a metric over what was swept, and where the runs diverge."""
+"""Many runs as a picture: a metric over the swept values, and the diverged runs."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ __all__ = ["extremes", "lost_runs", "settings_of", "sweep_chart", "sweep_lines",
 DIVERGED, NOT_RUN = "diverged", "not run"
 
 Units = Mapping[str, str]
-"""Of what is swept, by name."""
+"""Units of swept names."""
 
 
 def sweep_chart(many: Many, over: Sequence[Range], metric: str = "rms") -> Chart:
     """Return a metric over one or two of the swept names, a panel for each output.
 
-    Where more was swept, the worst of the rest is drawn: the largest magnitude, and divergence
-    where any of the runs diverged.
+    The other swept names are reduced to the worst case: the greatest magnitude, and divergence if
+    any of the runs diverged.
     """
     values, diverged = worst(many, over, metric)
     skipped = ~_have_run(many, over)
@@ -62,12 +62,12 @@ def _title(many: Many, over: Sequence[Range], diverged: Any, skipped: Any) -> st
 
 
 def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
-    """Return a metric on the grid of some names, for each output, and where runs diverged.
+    """Return a metric on the grid of some names, for each output, and the diverged points.
 
     Returns
     -------
     ndarray, shape (outputs, up, across) or (outputs, across)
-        Largest magnitude; not a number where a run diverged or nothing was measured.
+        Greatest magnitude; NaN where a run diverged or has no value.
     ndarray of bool, shape (up, across) or (across,)
     """
     shape, places = _points(many, over)
@@ -82,7 +82,7 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
 
 
 def _points(many: Many, over: Sequence[Range]) -> tuple[tuple[int, ...], tuple[Any, ...]]:
-    """Return the size of the grid of some names, and the point of each run on it."""
+    """Return the shape of the grid of some names, and the grid index of each run."""
     axes = [span.values() for span in reversed(over)]
     places = tuple(
         np.searchsorted(values, many.changes[span.name])
@@ -92,7 +92,7 @@ def _points(many: Many, over: Sequence[Range]) -> tuple[tuple[int, ...], tuple[A
 
 
 def _have_run(many: Many, over: Sequence[Range]) -> Any:
-    """Return at which points of the grid there is a run."""
+    """Return the points of the grid with a run."""
     shape, places = _points(many, over)
     runs = np.zeros(shape, bool)
     runs[places] = True
@@ -100,7 +100,7 @@ def _have_run(many: Many, over: Sequence[Range]) -> Any:
 
 
 def _spreads(values: Vector) -> bool:
-    """Whether values need a logarithm to be told apart."""
+    """Whether values need a logarithmic scale."""
     finite = values[~np.isnan(values)]
     return (
         bool(len(finite)) and bool(finite.min() > 0.0) and bool(finite.max() > 30.0 * finite.min())
@@ -170,7 +170,7 @@ def _map_panel(
 
 
 def _border(x: Vector, y: Vector, diverged: Any) -> Line:
-    """Return the edges of cells that part runs that diverged from the others."""
+    """Return the cell edges between diverged and other runs."""
     gap = math.nan
     xs: list[float] = []
     ys: list[float] = []
@@ -187,7 +187,7 @@ def _border(x: Vector, y: Vector, diverged: Any) -> Line:
 
 
 def sweep_lines(many: Many, metric: str) -> list[str]:
-    """Return how many runs diverged, and the least and the greatest of a metric with their runs."""
+    """Return the number of diverged runs, and the extremes of a metric with their runs."""
     lost = lost_runs(many)
     lines = [
         f"{many.controller} on {many.where}: {counted(len(many), 'run')}, "
@@ -197,20 +197,20 @@ def sweep_lines(many: Many, metric: str) -> list[str]:
         lines.append(f"{output}.{metric}, {unit}" if metric in ERRORS else f"{output}.{metric}")
         for word, run in (("least", least), ("most", most)):
             value = float(many[metric][run, many.outputs.index(output)])
-            with_what = ", ".join(f"{k} = {v:g}" for k, v in settings_of(many, run).items())
-            lines.append(f"  {word:<6}{value:>12.4g}  run {run}: {with_what}")
+            settings = ", ".join(f"{k} = {v:g}" for k, v in settings_of(many, run).items())
+            lines.append(f"  {word:<6}{value:>12.4g}  run {run}: {settings}")
     return lines
 
 
 def lost_runs(many: Many) -> int:
-    """Return how many runs diverged."""
+    """Return the number of diverged runs."""
     return int((~np.isnan(many.diverged)).sum())
 
 
 def extremes(many: Many, metric: str) -> Iterator[tuple[str, str, int, int]]:
     """Yield output, unit, and the runs with the smallest and the largest magnitude of a metric."""
     values = np.abs(many[metric])
-    # What a run measured until it diverged is not comparable.
+    # Values up to a divergence are not comparable.
     values[~np.isnan(many.diverged)] = np.nan
     for at, (output, unit) in enumerate(zip(many.outputs, many.units, strict=True)):
         column = values[:, at]
@@ -219,7 +219,7 @@ def extremes(many: Many, metric: str) -> Iterator[tuple[str, str, int, int]]:
 
 
 def settings_of(many: Many, run: int) -> dict[str, float]:
-    """Return what a run was made with."""
+    """Return the swept values of a run."""
     return {name: float(values[run]) for name, values in many.changes.items()} or {
         "seed": int(many.seeds[run])
     }

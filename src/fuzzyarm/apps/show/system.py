@@ -21,7 +21,8 @@ def system_diagram(rulebase: RuleBase) -> Diagram:
     sources = {each.name: index for index, each in enumerate(rulebase.inputs)}
     wires: list[DiagramWire] = []
     for output in _in_order(rulebase.outputs, read):
-        # What rules read how far it is asserted has no value yet: no wire of the diagram goes back.
+        # Rules that read an activation (how far a term is asserted so far) are left out: no wire of
+        # the diagram goes back.
         names = [name for name in read[output.name] if name in sources]
         blocks.append(_rules_block(rulebase, output, rules[output.name], len(names)))
         here = len(blocks) - 1
@@ -52,7 +53,7 @@ def _rules_of(rulebase: RuleBase, output: Output) -> list[Rule]:
 
 
 def _variables_read(rulebase: RuleBase, output: Output, rules: dict[str, list[Rule]]) -> list[str]:
-    """Return the variables that rules and formulas of an output read, in the order of the file."""
+    """Return the variables in the rules and formulas of an output, in the order of the file."""
     own = rules[output.name]
     read = {part.variable for rule in own for part in propositions(rule.antecedent)}
     concluded = {
@@ -74,7 +75,7 @@ def _variables_read(rulebase: RuleBase, output: Output, rules: dict[str, list[Ru
 
 
 def _in_order(outputs: Iterable[Output], read: dict[str, list[str]]) -> list[Output]:
-    """Return outputs behind those whose values they read, else in the order of the file."""
+    """Return outputs behind those that they read, otherwise in the order of the file."""
     waiting, ordered = list(outputs), list[Output]()
     while waiting:
         names = {each.name for each in waiting}

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 # --- A lookup table, or any numbers on its axes, as heat grids ---
 
 _MOST_LEVELS = 25
-"""More levels of an input than this are thinned out, unless all are asked for."""
+"""Most levels of an input in a grid, unless all are requested."""
 
 _THINNED = 13
-"""Levels that are left of so many."""
+"""Levels after thinning."""
 
 _NEVER = "·"
-"""Stands where a cell was never used."""
+"""Mark of an unused cell."""
 
 Mark = Callable[[tuple[int, ...]], bool]
 
@@ -39,11 +39,11 @@ def table_view(
     Parameters
     ----------
     table : LookupTable
-        What to draw.
+        The table to draw.
     all_levels : bool
         Draw every level of a large table.
     at : sequence of float, optional
-        Inputs whose cell is marked.
+        Inputs of the marked cell.
     """
     from rich.console import Group
     from rich.text import Text
@@ -99,22 +99,21 @@ def table_grids(
     Parameters
     ----------
     table : LookupTable
-        Gives the axes.
+        Table with the axes.
     values : array_like, optional
-        Numbers of the shape of the table to draw instead of its values, for instance how
-        often each cell was visited.
+        Numbers in the shape of the table, drawn instead of its values, such as visits.
     scale : Scale, optional
         Colours; by default from the values and the range of the output.
     mark : callable, optional
-        Takes the index of a cell; the cells for which it is true stand in brackets.
+        Selects the cells in brackets by index.
     unused : callable, optional
-        Likewise; these cells have no colour, and a dot before their number.
+        Selects the cells without colour and with a dot before their number.
     all_levels : bool
         Draw every level of a large table.
     text : callable, optional
-        How a number is written; by default all alike and without loss.
+        Text of a number; by default uniform and without loss.
     more : str, optional
-        Behind the words that say what of a large table is shown: how to see the rest.
+        Text behind the note on thinned levels, with the option for all.
     """
     import numpy as np
     from rich.text import Text
@@ -132,7 +131,7 @@ def table_grids(
     if excerpt.size < array.size:
         drawings.append(Text(_thinned_words(table, indices) + more, "dim"))
     size = excerpt.shape[-1] * (excerpt.shape[-2] if excerpt.ndim > 1 else 1)
-    # In the order in which the values lie: `product`, too, counts the last index fastest.
+    # In memory order: `product` also varies the last index fastest.
     pages = list(product(*indices[:-2]))
     for k, page in enumerate(pages):
         if page:
@@ -153,7 +152,7 @@ def _readable(values: list[float]) -> list[str]:
 
 
 def _drawn(size: int, *, all_levels: bool) -> list[int]:
-    """Return the indices to draw: all, or evenly thinned with both ends."""
+    """Return the indices to draw: all, or evenly thinned including both ends."""
     if all_levels or size <= _MOST_LEVELS:
         return list(range(size))
     return sorted({round(i * (size - 1) / (_THINNED - 1)) for i in range(_THINNED)})
@@ -217,7 +216,7 @@ def _grid(
 
 
 def _labels(levels: Sequence[float], indices: Sequence[int]) -> list[str]:
-    """Return short labels, as long as they still tell the levels apart."""
+    """Return labels as short as possible that still differ."""
     values = [levels[i] for i in indices]
     for digits in (4, 6, 9):
         labels = [number_words(x, digits) for x in values]
@@ -226,26 +225,26 @@ def _labels(levels: Sequence[float], indices: Sequence[int]) -> list[str]:
     return [number_text(x) for x in values]
 
 
-# --- What self-organizing control has learned: tables, visits and changes as heat grids ---
+# --- Learned tables: values, visits and changes as heat grids ---
 
 
 def learned_view(
     start: LookupTable, now: LookupTable, visits: Any, name: str, *, with_visits: bool = True
 ) -> Group:
-    """Return one joint's table with the cells that changed in brackets, and its visits.
+    """Return one joint's table with changed cells in brackets, and its visits.
 
     Cells that were never visited have no colour, and a dot before their number.
 
     Parameters
     ----------
     start, now : LookupTable
-        Before the training and now, over e and ce.
+        Before the training and after, over e and ce.
     visits : array_like of int
-        How often each cell was used.
+        Number of uses of each cell.
     name : str
-        Of the joint.
+        Name of the joint.
     with_visits : bool, optional
-        Whether the grid of visits follows.
+        Whether to append the grid of visits.
     """
     import numpy as np
     from rich.console import Group
@@ -268,7 +267,7 @@ def learned_view(
         ),
     ]
     if with_visits:
-        # Most visits go to a few cells: colours by the logarithm tell the others apart.
+        # Most visits go to a few cells: a logarithmic scale shows the others.
         shades = np.log10(1.0 + counts)
         texts = iter([_count_text(int(count)) for count in counts.ravel()])
         parts += [

@@ -22,23 +22,23 @@ if TYPE_CHECKING:
 
 
 def is_set(shape: Shape) -> bool:
-    """Whether a shape has memberships to draw; the values of Takagi and Sugeno have none."""
+    """Whether a shape has memberships to draw; consequents of Takagi and Sugeno have none."""
     return SHAPES[shape.kind].fuzzy
 
 
 def shape_words(
     shape: Shape, rulebase: RuleBase | None = None, *, digits: int | None = None
 ) -> str:
-    """Return a shape with its numbers, in full or to a few `digits`.
+    """Return a shape with its numbers, in full or with a few `digits`.
 
     Parameters
     ----------
     shape : Shape
-        Any.
+        Any shape.
     rulebase : RuleBase, optional
-        Which names the inputs of a ``linear``.
+        Rule base with the inputs of a ``linear`` consequent.
     digits : int, optional
-        Significant ones; by default all.
+        Significant digits; all by default.
     """
     if shape.kind == "formula":
         return f"formula {shape.formula}"
@@ -66,12 +66,12 @@ def _linear_words(shape: Shape, rulebase: RuleBase | None, spell: Callable[[floa
 
 
 def visible_range(variable: Variable) -> tuple[float, float]:
-    """Return the range to draw: that of the variable, or of its terms where it is unbounded.
+    """Return the range to draw: the variable's, or that of its terms if it is unbounded.
 
     Parameters
     ----------
     variable : Variable
-        Any.
+        Any variable.
     """
     corners = [x for term in variable.terms for x in corner_points(term.shape)]
     low = variable.low if math.isfinite(variable.low) else min(corners, default=-1.0)
@@ -79,16 +79,16 @@ def visible_range(variable: Variable) -> tuple[float, float]:
     return (low, high) if low < high else (low - 1.0, low + 1.0)
 
 
-# --- A membership function as parts of a picture ---
+# --- Membership functions as parts of a picture ---
 
 
 def membership_line(
     shape: Shape, low: float, high: float, count: int, *, upright: bool = True
 ) -> Line:
-    """Return a membership function at `count` even places and at its corners.
+    """Return a membership function at `count` even positions and at its corners.
 
-    Where edges are to be `upright` it is taken at both sides of a corner as well. Where it is
-    zero on both sides it is not a number: no line lies on the axis.
+    With `upright` edges both sides of a corner are added. NaN replaces zeros between zeros, so that
+    no line is on the axis.
     """
     xs = _places((shape,), low, high, count, upright=upright)
     ys = [membership(shape, x) for x in xs]
@@ -97,7 +97,7 @@ def membership_line(
 
 
 def footprint(upper: Shape, lower: Shape, low: float, high: float, count: int) -> Band:
-    """Return what lies between both membership functions of a term of interval type 2."""
+    """Return the area between both membership functions of an interval type-2 term."""
     xs = _places((upper, lower), low, high, count)
     below, above = ([membership(shape, x) for x in xs] for shape in (lower, upper))
     return Band(xs, below, above, opacity=0.25)
@@ -106,7 +106,7 @@ def footprint(upper: Shape, lower: Shape, low: float, high: float, count: int) -
 def _places(
     shapes: Sequence[Shape], low: float, high: float, count: int, *, upright: bool = True
 ) -> list[float]:
-    """Return even places and all corners, with both sides of them for upright edges."""
+    """Return even positions and all corners, with both sides of them for upright edges."""
     xs = [low + (high - low) * i / (count - 1) for i in range(count)]
     for shape in shapes:
         for x in corner_points(shape):
@@ -117,7 +117,7 @@ def _places(
 
 _WIDEST = 61
 _LONG = 30
-"""The numbers of a shape that take more characters do not narrow the plots."""
+"""Longer numbers of a shape do not narrow the plots."""
 
 
 @dataclass(frozen=True)
@@ -127,13 +127,13 @@ class TermPlots:
     Attributes
     ----------
     variable : Variable
-        Whose terms are drawn.
+        Variable of the terms.
     rulebase : RuleBase or None
-        Gives the names in ``linear`` consequents.
+        Rule base with the names in ``linear`` consequents.
     at : float or None
-        A crisp value, whose membership in each term stands beside it.
+        A crisp value, whose memberships are added.
     width : int or None
-        Of the narrow layout, without the numbers of the shapes and with a mark below the
+        Width of the narrow layout, without the numbers of the shapes and with a mark below the
         crisp value. None: the wide layout.
     """
 
@@ -171,7 +171,7 @@ class TermPlots:
         for name, term, shape, lower in zip(names, variable.terms, words, behind_over, strict=True):
             line = Text(f"  {name:<{left}} ", no_wrap=len(shape) <= _LONG, overflow="fold")
             yield self._with_shape(line, term.shape, shape, width, "dim " if lower else "")
-            if term.lower is not None:  # between the two lies the footprint of uncertainty
+            if term.lower is not None:  # between the two is the footprint of uncertainty
                 line = Text(f"  {'over':>{left}} ", no_wrap=len(lower) <= _LONG, overflow="fold")
                 yield self._with_shape(line, term.lower, lower, width, "")
             has_set = has_set or is_set(term.shape)
@@ -180,7 +180,7 @@ class TermPlots:
             yield Text(f"  {'':<{left}} {axis}", "dim", no_wrap=True)
 
     def _with_shape(self, line: Text, shape: Shape, words: str, width: int, style: str) -> Text:
-        """Return a line with the blocks of a set, its numbers, and its degree at the value."""
+        """Return a line with the blocks of a set, its numbers, and its membership of the value."""
         if not is_set(shape):
             return line.append(words)
         line.append(self._blocks(shape, width), f"{style}cyan")
@@ -223,13 +223,13 @@ class TermPlots:
         yield Text()
 
     def _blocks(self, shape: Shape, width: int) -> str:
-        """Return the membership in `width` blocks; a peak between two shows on the nearer one."""
+        """Return the membership in `width` blocks; a peak in between goes to the nearer one."""
         low, high = visible_range(self.variable)
         line = membership_line(shape, low, high, width, upright=False)
-        # The step as the positions of the line have it: rounded together with `low`.
+        # The step as in the positions of the line: rounded together with `low`.
         heights, step = [0.0] * width, low + (high - low) / (width - 1) - low
         for x, y in zip(line.x, line.y, strict=True):
-            # Over a few floats the step vanishes in the rounding of `low`.
+            # Over a few ulps the step vanishes in the rounding of `low`.
             column = round((x - low) / step if step else (x - low) / (high - low) * (width - 1))
             heights[column] = max(heights[column], 0.0 if math.isnan(y) else y)
         return "".join(map(block, heights))

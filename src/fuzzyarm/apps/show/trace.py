@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, RuleTrace, Silence, Trace
 
 OVER = "over"
-"""In front of the lower of two sets, as in the language."""
+"""Before the lower of two sets, as in the language."""
 
 
 def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Group:
-    """Return the whole way from the inputs to the outputs.
+    """Return all steps from the inputs to the outputs.
 
     Parameters
     ----------
     trace : Trace
         From :func:`fuzzyarm.inference.explain`.
     path : str
-        The file, to name beside the lines of the rules.
+        File name beside the lines of the rules.
     all_rules : bool
-        List the rules that do not fire as well.
+        Include the rules that do not fire.
     """
     from rich.console import Group
     from rich.text import Text
@@ -45,7 +45,7 @@ def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Grou
 
 
 def silence_view(silence: Silence) -> Group:
-    """Return the degrees of the inputs and the rules nearest to firing, where none does."""
+    """Return the memberships of the inputs and the rules nearest to firing, if none fires."""
     from rich.console import Group
     from rich.text import Text
 
@@ -63,7 +63,7 @@ def silence_view(silence: Silence) -> Group:
 
 
 def firing_view(trace: Trace) -> Group:
-    """Return the same for narrow columns: only what fires, without lines and columns.
+    """Return a short form for narrow columns: only fired rules, without lines and columns.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def firing_view(trace: Trace) -> Group:
     for rule in trace.fired:
         bar = "█" * max(1, round(rule.strength * 5))
         antecedent, _, consequent = rule.text.removeprefix("if ").rpartition(" then ")
-        # What a rule says comes first: a narrow pane cuts off the end of a line.
+        # The conclusion comes first: a narrow pane cuts off the end of a line.
         line = Text(no_wrap=True, overflow="ellipsis")
         line.append(f" {rule.strength:.3f} ")
         line.append(f"{bar:<5} ", "cyan")
@@ -118,7 +118,7 @@ def _memberships(value: FuzzyValue) -> Text:
 
 
 def _span(upper: float, lower: float | None) -> str:
-    """Return a degree, or the two between which it lies."""
+    """Return a degree, or the two ends of an interval."""
     return f"{upper:.4f}" if lower is None else f"{lower:.4f} .. {upper:.4f}"
 
 

@@ -1,4 +1,4 @@
-"""A tube of a loop, port by port over time, with runs in it and what is claimed."""
+"""A tube of a loop, port by port over time, with runs in it and the claim."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RUNS = 40
 
 
 def tube_chart(way: Tube, title: str, claim: LoopClaim | None = None) -> Chart:
-    """Return the outputs of a plant over time: the tube, and runs from corners and from within."""
+    """Return the outputs of a plant over time: the tube, with runs from corners and interior."""
     from fuzzyarm.proof.claim.text import claimed_port
     from fuzzyarm.proof.loop.runs import sampled_runs
 
@@ -42,7 +42,7 @@ def tube_chart(way: Tube, title: str, claim: LoopClaim | None = None) -> Chart:
 
 
 def _tube(way: Tube, name: str) -> Band:
-    """Return what lies between the bounds of a port in each period."""
+    """Return the area between the bounds of a port in each period."""
     column = way.ports.index(name)
     times = np.column_stack([way.begins, way.ends]).ravel()
     low, high = (np.repeat(bounds[:, column], 2) for bounds in (way.low, way.high))
@@ -50,7 +50,7 @@ def _tube(way: Tube, name: str) -> Band:
 
 
 def _claimed(way: Tube, claim: LoopClaim) -> list[Line]:
-    """Return the ends of the claimed interval in the claimed time."""
+    """Return the ends of the claimed interval over the claimed time."""
     end = min(claim.end, way.duration)
     if not claim.begin < end:
         return []

@@ -1,4 +1,4 @@
-"""Tuning in the terminal: how the best cost falls, the table beside the opponent, what changed."""
+"""Tuning in the terminal: the best cost so far, the table beside the opponent, the changes."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.tuning.search import Found
 
 WIDTH, HEIGHT = 60, 8
-"""Of the curve, characters."""
+"""Size of the curve in characters."""
 
 LABELS = 12
 """Columns beside a curve."""
 
 
 def curve_view(result: Found, columns: int = 80, height: int = HEIGHT) -> LinePlot:
-    """Return the best cost over the trials, as wide as a screen of so many columns has room."""
+    """Return the best cost over the trials, as wide as the screen allows."""
     width = max(10, min(WIDTH, columns - LABELS))
     return LinePlot(cost_panel({"": result}), width, height)
 
 
 def search_view(result: Found, state: str, columns: int = 80) -> Group:
-    """Return a search as it goes on: a line that says how far it is, and the curve."""
+    """Return the state of a search: a line of progress, and the curve."""
     from rich.console import Group
     from rich.text import Text
 
@@ -39,9 +39,9 @@ def search_view(result: Found, state: str, columns: int = 80) -> Group:
 
 
 def table_lines(tuned: Tuned) -> Iterator[str]:
-    """Yield the table: costs on what was tuned on, on unseen scenarios, and on those with noise.
+    """Yield the table of costs: in the tuning scenarios, in unseen ones, and in those with noise.
 
-    Behind the costs of a controller stand RMS error and chatter on the unseen scenarios.
+    The costs are followed by RMS error and chatter in the unseen scenarios.
     """
     columns = [name for name in ("train", "unseen", "noisy") if name in tuned.rows[1].scores]
     loop = any(not math.isnan(row.scores["train"].chatter) for row in tuned.rows)
@@ -69,8 +69,8 @@ def _number(value: float) -> str:
 
 
 def change_lines(tuned: Tuned) -> Iterator[str]:
-    """Yield what differs, old → new, aligned."""
-    table = in_columns([(what, f"{old} →") for what, old, _ in tuned.changes], "<>")
+    """Yield the changes, old → new, aligned."""
+    table = in_columns([(name, f"{old} →") for name, old, _ in tuned.changes], "<>")
     yield from (f"{line} {change.new}" for line, change in zip(table, tuned.changes, strict=True))
 
 
@@ -78,7 +78,7 @@ MOST_FRONT = 8
 
 
 def front_lines(tuned: Tuned) -> Iterator[str]:
-    """Yield some points of the front of error and chatter, among them both ends."""
+    """Yield some points of the front of error and chatter, both ends included."""
     front = tuned.front
     if len(front) < 2:
         return

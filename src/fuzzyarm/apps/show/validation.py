@@ -1,4 +1,4 @@
-"""A validation as a picture: residuals, calibration, and how the rules fire."""
+"""A validation as a picture: residuals, calibration, and firing of the rules."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 __all__ = ["validation_chart"]
 
 MOST_RULES = 60
-"""Bars that can still be told apart."""
+"""Most bars that are distinguishable."""
 
 MOST_LARGE = 500
-"""So many dots are large."""
+"""Most large dots."""
 
 POINTS = 101
-"""Of a straight line: a terminal joins them by steps."""
+"""Points of a straight line: a terminal joins them by steps."""
 
 HALF = 0.4
-"""Of the width of a bar, where rules are 1 apart."""
+"""Half the width of a bar, in distances of rules."""
 
 
 def validation_chart(validation: Validation, target: str, title: str) -> Chart:

@@ -1,7 +1,7 @@
 """Figures with matplotlib: memberships, control surfaces, tables, one inference, validations.
 
-Each function returns a :class:`matplotlib.figure.Figure` that belongs to nobody (no global
-state, no window); :func:`save_figure` writes it.
+Each function returns a :class:`matplotlib.figure.Figure` without global state or window;
+:func:`save_figure` writes it.
 """
 
 from __future__ import annotations

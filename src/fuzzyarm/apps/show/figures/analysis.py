@@ -37,9 +37,9 @@ def describing_figure(
     thing : RuleBase or ControllerText
         See :func:`fuzzyarm.control.loop.describing_function`.
     amplitudes : sequence of float, optional
-        By default from a hundredth of the range of the error to twice as far as it reaches.
+        By default from a hundredth to twice the range of the error.
     frequencies : sequence of float, optional
-        rad/s, a line for each; by default 0 for one input, otherwise four.
+        rad/s, a line for each; by default 0 for one input, otherwise four values.
     """
     if isinstance(thing, AnyRuleBase):
         thing = thing.model

@@ -1,4 +1,4 @@
-"""A run that moves: the plant to scale, and beside it outputs, errors and drives as they grow."""
+"""Animated runs: the plant to scale, with outputs, errors and drives growing beside it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SUFFIXES = (".gif", ".mp4", ".html")
 
 
 class AnimationError(FuzzyarmError, ValueError):
-    """An animation cannot be written; `path` is where to."""
+    """An animation cannot be written to `path`."""
 
     def __init__(self, message: str, *, path: str, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -47,7 +47,7 @@ def animate(
 ) -> None:
     """Write the animation of a run, whole or not at all.
 
-    It plays as long as the run, but no shorter than 4 s and no longer than 8 s.
+    It lasts as long as the run, but 4 s at least and 8 s at most.
     """
     name = os.fspath(path)
     require_animation(name)
@@ -70,10 +70,10 @@ def write_film(
     *,
     watch: Callable[[int], None] | None = None,
 ) -> None:
-    """Write the pictures that a figure goes through, whole or not at all."""
+    """Write the frames of a figure as a film, whole or not at all."""
     name = os.fspath(path)
     suffix = require_animation(name)
-    # Laid out once: the places of axes are most of the work of a picture, and stay.
+    # Laid out once: axes keep their places, which are most of the work of a frame.
     draw(int(frames[-1]))
     engine = figure.get_layout_engine()
     if engine is not None:
@@ -91,7 +91,7 @@ def write_film(
 
 _DPI = 90
 _HELD = 1500
-"""Milliseconds for which a GIF, which begins again by itself, shows its last picture."""
+"""Milliseconds of the last frame of a GIF, before it repeats."""
 
 
 def _pictures(
@@ -109,7 +109,7 @@ def _pictures(
 
 
 def require_animation(path: str) -> str:
-    """Return the suffix of a path that an animation can have."""
+    """Return the suffix of an animation's path."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         message = f"an animation is not written as '{suffix or path}'"
@@ -124,7 +124,7 @@ def require_animation(path: str) -> str:
 
 
 def _film(figure: Figure, pictures: Iterator[None], suffix: str, rate: int) -> bytes:
-    """Return a film that matplotlib writes, to a file of its own."""
+    """Return a film by matplotlib, written to a temporary file."""
     import tempfile
 
     from matplotlib.animation import FFMpegWriter, HTMLWriter
@@ -141,7 +141,7 @@ def _film(figure: Figure, pictures: Iterator[None], suffix: str, rate: int) -> b
 
 
 def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
-    """Return a GIF with one palette of 64 colours: a quarter of its size, and no flicker."""
+    """Return a GIF with one palette of 64 colours: a quarter of the size, and no flicker."""
     from PIL import Image
 
     canvas: Any = figure.canvas
@@ -149,7 +149,7 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
     for _ in pictures:
         canvas.draw()
         images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
-    # The last picture has all curves, and so all colours.
+    # The last frame has all curves and thus all colours.
     palette = images[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)  # white stays white
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in images]
     buffer = io.BytesIO()
@@ -168,11 +168,11 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
 # --- The scene: the plant on the left, curves on the right; or curves alone ---
 
 _KEY, _CURVES = 7, 4.0
-"""Points of the letters above the curves, and the width of these in inches."""
+"""Font size of the curves in points, and their width in inches."""
 
 
 def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
-    """Return a figure, and what draws a sample of the run into it."""
+    """Return a figure, and a function that draws a sample of the run into it."""
     if not is_drawn(plant):
         curves = draw_runs([run])
         return curves, _cursors(curves, run)
@@ -195,7 +195,7 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
 
 
 def _redraw(run: Run, home: Any) -> Callable[[int], None]:
-    """Draw errors and drives of a run into a part of a figure; return what moves the cursor."""
+    """Draw errors and drives of a run into a part of a figure; return the cursor's setter."""
     pictures = summary_panels(run)
     panels = home.subplots(len(pictures), 1, sharex=True)
     for axes, panel in zip(panels, pictures, strict=True):
@@ -223,7 +223,7 @@ def _redraw(run: Run, home: Any) -> Callable[[int], None]:
 
 
 def _cursors(figure: Figure, run: Run) -> Callable[[int], list[Any]]:
-    """Return what moves a cursor over the curves of a run."""
+    """Return a function that moves a cursor over the curves of a run."""
     lines = [axes.axvline(run.time[0], color=TONES["metal"], linewidth=0.8) for axes in figure.axes]
 
     def draw(index: int) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Block diagrams of controllers and rule bases, and what a controller looks up."""
+"""Block diagrams of controllers and rule bases, and figures of a controller with its files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 SIZES = {"label": 8.0, "detail": 6.5, "signal": 7.5, "head": 8.5}
-"""Of letters, points."""
+"""Font sizes in points."""
 
 BOLD = ("label", "head")
 
@@ -41,7 +41,7 @@ FILLS = {
     "limit": "#fbe0d2",
     "slew": "#fbe0d2",
 }
-"""Of blocks by their kind; the others are white."""
+"""Fill colours by kind of block, white by default."""
 
 PEN = Pen(
     width_of=lambda text, style: text_width(text, SIZES[style]) * (1.12 if style in BOLD else 1.0),
@@ -54,7 +54,7 @@ PEN = Pen(
 """In inches."""
 
 TIP = 0.07
-"""Length of the end of a wire."""
+"""Length of the end of a wire in inches."""
 
 SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 
@@ -107,7 +107,7 @@ def controller_figure(controller: ControllerText) -> Figure:
 
 
 def _sheets(controller: ControllerText) -> list[tuple[str, RuleBase | LookupTable]]:
-    """Return what a controller looks up, each once; tables that begin at zero show nothing."""
+    """Return a controller's rule bases and tables, each once, except tables that start at zero."""
     sheets_found: list[tuple[str, RuleBase | LookupTable]] = []
     for name, sheets in controller.sheets.items():
         for index, sheet in enumerate(sheets):

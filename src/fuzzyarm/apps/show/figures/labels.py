@@ -1,7 +1,7 @@
-"""Labels that do not run into each other: the size of a text, places in a row, thinning.
+"""Labels without overlaps: text sizes, positions in a row, thinning.
 
-Places are found before anything is drawn, from the sizes of the texts, so that a figure can be
-made as large as its labels need. Lengths are inches.
+Positions are computed from text sizes before drawing, so that a figure can be as large as its
+labels need. Lengths are in inches.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from fuzzyarm.base.names import printable
 _Item = TypeVar("_Item")
 
 LINE = 1.3
-"""Distance of two lines of text, in sizes of the letters."""
+"""Line spacing in font sizes."""
 
 GAP = 0.05
-"""Room between two labels of a row."""
+"""Distance between two labels of a row."""
 
 
 @functools.lru_cache(4096)
 def text_width(text: str, size: float) -> float:
-    """Return how wide a text is whose letters have `size` points; of several lines the widest."""
+    """Return the width of a text of `size` points; of several lines the widest."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import text_to_path
 
@@ -37,14 +37,14 @@ def text_width(text: str, size: float) -> float:
 
 
 def text_height(text: str, size: float) -> float:
-    """Return how high a text is."""
+    """Return the height of a text."""
     return LINE * size / 72.0 * (text.count("\n") + 1)
 
 
 def wrapped(text: str, size: float, room: float, most: int = 4) -> str:
-    """Break a text into lines no wider than `room`, as even as can be.
+    """Wrap a text into lines no wider than `room`, as evenly as possible.
 
-    What goes beyond `most` lines is cut off.
+    Text beyond `most` lines is cut off.
     """
     width = text_width(text, size)
     letters = len(text) if width <= room else max(8, int(1.15 * room / width * len(text)))
@@ -56,7 +56,7 @@ def wrapped(text: str, size: float, room: float, most: int = 4) -> str:
 
 
 def _even(text: str, lines: list[str], size: float) -> list[str]:
-    """Return as many lines of a text, the widest as narrow as can be; `lines` are full ones."""
+    """Return the same number of lines, with the widest as narrow as possible."""
     if len(lines) < 2 or lines[-1].endswith(" …"):
         return lines
 
@@ -71,7 +71,7 @@ def _even(text: str, lines: list[str], size: float) -> list[str]:
 
 
 def shortened(text: str, size: float, room: float) -> str:
-    """Return a text no wider than `room`; of a longer one both ends stay."""
+    """Return a text no wider than `room`, shortened in the middle."""
     if text_width(text, size) <= room:
         return text
     for length in range(len(text) - 1, 1, -1):
@@ -84,13 +84,13 @@ def shortened(text: str, size: float, room: float) -> str:
 def spread(
     positions: Sequence[float], widths: Sequence[float], low: float, high: float
 ) -> list[float] | None:
-    """Return middles of labels in a row, as near as can be to where they are wanted."""
+    """Return the centres of labels in a row, as near as possible to the desired ones."""
     if not positions:
         return []
     if sum(widths) > high - low:
         return None
-    # Behind its neighbours every label would stand at `offset`: what remains must not fall, and
-    # the nearest such sequence is that of the means of pooled neighbours.
+    # Touching labels would be at `offset`; the remaining displacements must not decrease, and the
+    # nearest monotone sequence has the means of pooled neighbours (isotonic regression).
     offsets = [0.0]
     for before, width in pairwise(widths):
         offsets.append(offsets[-1] + 0.5 * (before + width))
@@ -108,7 +108,7 @@ def spread(
 
 
 def thinned(items: Sequence[_Item], most: int) -> list[_Item]:
-    """Return at most `most` of some items, evenly chosen, the first and the last among them."""
+    """Return at most `most` items, evenly spaced, with the first and the last."""
     if len(items) <= most:
         return list(items)
     if most < 2:
@@ -118,14 +118,14 @@ def thinned(items: Sequence[_Item], most: int) -> list[_Item]:
 
 
 def columns_that_fit(texts: Sequence[str], size: float, room: float) -> int:
-    """Return in how many columns the lines of a key fit side by side, five at most."""
+    """Return the number of columns of a key that fit side by side, at most five."""
     widest = max((text_width(text, size) for text in texts), default=0.0)
-    beside = 4.2 * size / 72.0  # the stroke, and the room around it
+    beside = 4.2 * size / 72.0  # the stroke and its margins
     return max(1, min(5, len(texts), int(room / (widest + beside))))
 
 
 def thin_ticks(axis: Any, texts: Sequence[str], room: float, size: float) -> None:
-    """Name the places 0, 1, … of an axis, every second or third where not all names fit."""
+    """Label the positions 0, 1, … of an axis, every second or third if there is no room."""
     if axis.axis_name == "x":
         room_per_label = max(text_width(text, size) for text in texts) + 2.0 * GAP
     else:

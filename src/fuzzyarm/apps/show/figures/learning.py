@@ -1,4 +1,4 @@
-"""Figures of a training: tables, how often their cells were used, and the error of each pass."""
+"""Figures of a training: tables, visits of their cells, and the error of each pass."""
 
 from __future__ import annotations
 
@@ -34,27 +34,27 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 MOST_FRAMES = 50
-"""Of an animation."""
+"""Most frames of an animation."""
 
 _NEVER = {"facecolor": "#efefef", "edgecolor": "#c4c4c4", "hatch": "////", "linewidth": 0.0}
 _ROOM = (3.3, 2.6)
-"""Width and height of the cells of a table, inches."""
+"""Width and height of a table's cells in inches."""
 
 
 @dataclass(frozen=True)
 class LearningHistory:
-    """What was learned, in the order of time.
+    """The history of a training.
 
     Attributes
     ----------
     name : str
-        Of the controller.
+        Name of the controller.
     snapshots : sequence of Snapshot
-        The last of each pass is complete.
+        In order of time; the last of each pass is complete.
     axes : sequence of str
-        Names of the axes of the controller, each with a table of its own.
+        Names of the controller's axes, each with its own table.
     like : LookupTable
-        Gives the range and the words of the tables.
+        A table with the range and the names.
     """
 
     name: str
@@ -64,21 +64,21 @@ class LearningHistory:
 
     @property
     def passes(self) -> list[Snapshot]:
-        """The ends of the passes."""
+        """The snapshots at the ends of passes."""
         return [snapshot for snapshot in self.snapshots if snapshot.complete]
 
     def tables(self, learned: LearnedTables) -> list[tuple[NDArray[Any], NDArray[Any]]]:
         """Return values and visits of each axis as rows and columns.
 
-        Of a table over more than two inputs the page that was used most in the end.
+        A table of more than two inputs is reduced to its most visited page at the end.
         """
         return learned.pages(self.snapshots[-1].learned.visits)
 
 
 def learning_figure(training: LearningHistory) -> Figure:
-    """Return the tables at the end, the visits of their cells and the RMS error of each pass.
+    """Return the final tables, the visits of their cells and the RMS error of each pass.
 
-    Cells that were never visited are hatched, whatever their number.
+    Cells without visits are hatched, whatever their value.
     """
     figure, show = _stage(training)
     show(len(training.snapshots) - 1)
@@ -91,7 +91,7 @@ def animate_learning(
     *,
     watch: Callable[[int], None] | None = None,
 ) -> None:
-    """Write a film of the tables while they grow, whole or not at all."""
+    """Write a film of the growing tables, whole or not at all."""
     figure, show = _stage(training)
     last = len(training.snapshots) - 1
     frames = np.unique(np.linspace(0, last, min(MOST_FRAMES, last + 1)).round().astype(int))
@@ -104,11 +104,11 @@ def animate_learning(
 
 
 def _stage(training: LearningHistory) -> tuple[Figure, Callable[[int], None]]:
-    """Return the figure, and what shows a snapshot in it."""
+    """Return the figure, and a function that shows a snapshot in it."""
     rows = len(training.axes)
     figure = new_figure(9.2, 3.5 * rows + 2.5)
     grid = figure.add_gridspec(rows + 1, 2, height_ratios=[3.5] * rows + [2.2])
-    # Tables and visits have the scales of the end, so that a film does not flicker.
+    # Tables and visits use the final scales, so that a film does not flicker.
     end = training.tables(training.snapshots[-1].learned)
     most = max(1.0, *(float(visits.max()) for _, visits in end))
     scale = scale_of(
@@ -117,7 +117,7 @@ def _stage(training: LearningHistory) -> tuple[Figure, Callable[[int], None]]:
         training.like.high,
     )
     limits = {"cmap": colour_map(scale), "vmin": scale.low, "vmax": scale.high}
-    # Visits span powers of ten, and a cell that was never visited has none.
+    # Visits span powers of ten, and cells without visits have no logarithm.
     counts = {"cmap": "viridis", "vmin": 0.0, "vmax": np.log10(1.0 + most)}
     cells = []
     for row, name in enumerate(training.axes):
@@ -129,7 +129,7 @@ def _stage(training: LearningHistory) -> tuple[Figure, Callable[[int], None]]:
         bar.set_ticks([float(np.log10(1.0 + x)) for x in powers], labels=[str(x) for x in powers])
         cells.append((name, left, right, images))
     errors = figure.add_subplot(grid[rows, :])
-    head(figure, f"{training.name}: what was learned", size=10, weight="normal")
+    head(figure, f"{training.name}: learned tables", size=10, weight="normal")
 
     def show(index: int) -> None:
         snapshot = training.snapshots[index]
@@ -154,7 +154,7 @@ def _moment(snapshot: Snapshot) -> str:
 
 
 def _draw_cells(axes: Axes, training: LearningHistory, limits: dict[str, Any]) -> Any:
-    """Draw the frame of a table, hatched, and return the image of what was visited."""
+    """Draw the hatched frame of a table, and return the image of its visited cells."""
     learned = training.snapshots[0].learned.axes
     down, across = (None, *learned)[-2:]
     levels = [[""] if axis is None else list(map(_level, axis.levels)) for axis in (down, across)]
@@ -177,7 +177,7 @@ def _level(x: float) -> str:
 
 
 def _draw_errors(axes: Axes, training: LearningHistory, index: int) -> None:
-    """Draw the RMS error of the passes that are over at a snapshot, one line for each output."""
+    """Draw the RMS error of the passes finished at a snapshot, a line for each output."""
     axes.clear()
     over = [snapshot for snapshot in training.snapshots[: index + 1] if snapshot.complete]
     units, last = training.snapshots[-1].units, training.snapshots[-1].passage
@@ -188,7 +188,7 @@ def _draw_errors(axes: Axes, training: LearningHistory, index: int) -> None:
     draw_panel(axes, error_panel(names, units, [passage.rms for passage in over], last))
     axes.set_xticks(_passes(last))
     errors = np.array([passage.rms for passage in training.passes])
-    if errors.size and np.isfinite(errors).all():  # the scale of the end, for a film
+    if errors.size and np.isfinite(errors).all():  # the final scale, for a film
         axes.set_ylim(0.0, 1.08 * float(errors.max()) or 1.0)
 
 

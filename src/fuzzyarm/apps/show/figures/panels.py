@@ -74,7 +74,7 @@ def _draw_thing_part(axes: Axes, part: Part) -> None:
 # --- A chart ---
 
 KEY = 8
-"""Points of the letters of a key."""
+"""Font size of a key in points."""
 
 
 def chart_figure(chart: Chart) -> Figure:
@@ -104,14 +104,14 @@ def chart_figure(chart: Chart) -> Figure:
 
 
 def _stretch(row: Any) -> None:
-    """Give the first place of a row the room of all."""
+    """Extend the first panel of a row over the whole row."""
     grid = row[0].get_subplotspec().get_gridspec()
     at = row[0].get_subplotspec().rowspan.start
     row[0].set_subplotspec(grid[at, :])
 
 
 def _key_below(figure: Figure, places: Any, width: float) -> None:
-    """Write the key of the panel with the most labels below all panels."""
+    """Write a common key, that of the panel with most labels, below all panels."""
     handles, labels = max(
         (axes.get_legend_handles_labels() for axes in places), key=lambda pair: len(pair[1])
     )
@@ -122,7 +122,7 @@ def _key_below(figure: Figure, places: Any, width: float) -> None:
 
 
 def draw_panel(axes: Axes, panel: Panel, room: tuple[float, float] = (3.4, 3.4)) -> None:
-    """Draw a panel that has so much room, inches."""
+    """Draw a panel into a space of `room` inches."""
     for part in panel.parts:
         draw_part(axes, part)
     if panel.of(Cells):
@@ -185,11 +185,11 @@ def draw_part(axes: Axes, part: ChartPart) -> None:
 
 HATCHED: dict[str, Any] = {"cmap": "gray", "vmin": 0.0, "vmax": 1.2, "hatch": "////",
                            "edgecolor": "#777777", "linewidth": 0.0}  # fmt: skip
-"""The look of cells without a value, where these mean something."""
+"""Look of cells without a value, if that has a meaning."""
 
 
 def _draw_cells(axes: Axes, part: Cells) -> None:
-    """Draw cells by the colours that the terminal has, with a bar beside them."""
+    """Draw cells in the colours of the terminal, with a colour bar."""
     import numpy as np
     from matplotlib.colors import LogNorm, Normalize
 
@@ -231,6 +231,6 @@ def draw_runs(runs: Sequence[Run], title: str = "") -> Figure:
     runs : sequence of Run
         At least one; on one plant.
     title : str, optional
-        Above the figure; by default the plant and what it follows.
+        Title of the figure; by default the plant and the trajectory.
     """
     return chart_figure(run_chart(runs, title))

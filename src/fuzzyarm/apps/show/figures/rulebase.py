@@ -44,17 +44,17 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.map import Verdict
 
 
-# --- The terms of variables as curves ---
+# --- Terms of variables as curves ---
 
 _POINTS = 401
 _EDGE = 0.95
-"""Inches of a panel's width that its numbers, labels and the room around it take."""
+"""Inches of a panel's width for numbers, labels and margins."""
 
 _OVER = 0.08
-"""Inches by which names may stand out on both sides of the axes."""
+"""Inches by which names may extend beyond the axes on both sides."""
 
 _MOST_LINES = 16
-"""Lines of numbers of terms that are not sets."""
+"""Most lines of numbers for terms other than sets."""
 
 
 def memberships_figure(rulebase: AnyRuleBase) -> Figure:
@@ -63,7 +63,7 @@ def memberships_figure(rulebase: AnyRuleBase) -> Figure:
     Parameters
     ----------
     rulebase : RuleBase
-        What to draw.
+        The rule base to draw.
     """
     rulebase = model_of(rulebase)
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
@@ -86,7 +86,7 @@ def variable_figure(variable: Variable) -> Figure:
     Parameters
     ----------
     variable : Variable
-        What to draw.
+        The variable to draw.
     """
     width = 7.0
     panel = _Panel.of(variable, None, width - _EDGE)
@@ -97,7 +97,7 @@ def variable_figure(variable: Variable) -> Figure:
 
 @dataclass(frozen=True, slots=True)
 class _Name:
-    """The name of a term: where it stands, the top of the term, both across in its unit."""
+    """The name of a term: its position and the term's peak, both in units of the variable."""
 
     text: str
     place: float
@@ -108,14 +108,14 @@ class _Name:
 
 @dataclass(frozen=True, slots=True)
 class _Panel:
-    """What stands in the panel of a variable, and how much room that takes."""
+    """Contents and size of the panel of a variable."""
 
     variable: Variable
-    width: float  # of the axes, inches
+    width: float  # width of the axes in inches
     names: tuple[_Name, ...]  # from left to right, above the axes
     upright: bool  # whether the names are turned
-    size: float  # of their letters, points
-    words: tuple[str, ...]  # lines that tell the terms that are not sets
+    size: float  # font size of the names in points
+    words: tuple[str, ...]  # lines about terms other than sets
 
     @classmethod
     def of(cls, variable: Variable, rulebase: RuleBase | None, width: float) -> _Panel:
@@ -126,7 +126,7 @@ class _Panel:
 
     @property
     def head(self) -> float:
-        """The height of the names, inches."""
+        """Height of the names in inches."""
         if not self.names:
             return 0.0
         if self.upright:
@@ -135,13 +135,13 @@ class _Panel:
 
     @property
     def more(self) -> float:
-        """By how much the panel is to be higher than one with a line of names, inches."""
+        """Additional height in inches over a panel with one line of names."""
         below = text_height(self.label, LABEL) - text_height("x", LABEL)
         return max(0.0, self.head - 0.2) + below + max(0.0, 0.155 * len(self.words) - 1.0)
 
     @property
     def label(self) -> str:
-        """What stands below the axes; beside it there may be a power of ten."""
+        """Label below the axes, beside which there may be a power of ten."""
         return axis_label(self.variable.name, self.variable.description, self.width - 0.5)
 
     def draw(self, axes: Axes, title: str = "") -> None:
@@ -190,7 +190,7 @@ def _draw_term(axes: Axes, term: Term, k: int, low: float, high: float) -> None:
     tone, dash = series(k)
     line = membership_line(term.shape, low, high, _POINTS)
     draw_part(axes, replace(line, tone=tone, width=1.6, dash=dash))
-    if term.lower is not None:  # between the two lies the footprint of uncertainty
+    if term.lower is not None:  # between the two is the footprint of uncertainty
         band = footprint(term.shape, term.lower, low, high, _POINTS)
         draw_part(axes, replace(band, tone=tone))
         line = membership_line(term.lower, low, high, _POINTS)
@@ -198,17 +198,17 @@ def _draw_term(axes: Axes, term: Term, k: int, low: float, high: float) -> None:
 
 
 def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], bool, float]:
-    """Return names in a row above the axes, turned where they are too wide, thinned at last."""
+    """Return names in a row above the axes, rotated if too wide, then thinned."""
     low, high = visible_range(variable)
     tops = _tops(variable, low, high)
-    margin = 0.02 * (high - low)  # as `set_range` leaves it
+    margin = 0.02 * (high - low)  # as in `set_range`
     inch = (high - low + 2.0 * margin) / width
     for upright, size in ((False, 8.0), (False, 7.0), (True, 8.0), (True, 7.0), (True, 6.0)):
         longest = 1.5 if upright else width
         texts = [shortened(top.text, size, longest) for top in tops]
         row = 1.05 * size / 72.0
         rooms = [row if upright else text_width(text, size) + 2.0 * GAP for text in texts]
-        if upright and size == 6.0:  # the smallest letters that can be read
+        if upright and size == 6.0:  # the smallest readable font
             tops = thinned(tops, int(width / row))
             texts, rooms = [shortened(top.text, size, longest) for top in tops], [row] * len(tops)
         positions = [(top.middle - low + margin) / inch for top in tops]
@@ -224,13 +224,13 @@ def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], 
 
 
 def _tops(variable: Variable, low: float, high: float) -> list[_Name]:
-    """Return the names of the terms that have a peak, each above it, from left to right."""
+    """Return the names of the terms with a peak, above it, from left to right."""
     tops = []
     for k, term in enumerate(variable.terms):
         middle = centre(term.shape, low, high)
         if middle is None:
             continue
-        if term.shape.kind == "trapezoid":  # a shoulder is named above its visible top
+        if term.shape.kind == "trapezoid":  # the name of a shoulder is above its visible top
             a, b = max(term.shape.parameters[1], low), min(term.shape.parameters[2], high)
             middle = 0.5 * (a + b) if a <= b else middle
         top = min(1.0, membership(term.shape, middle))
@@ -239,7 +239,7 @@ def _tops(variable: Variable, low: float, high: float) -> list[_Name]:
 
 
 def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) -> tuple[str, ...]:
-    """Return the terms that are not sets, in lines that fit into `width`."""
+    """Return the terms other than sets, in lines of `width`."""
     letters = max(20, int(0.94 * width / 0.0672))  # of DejaVu Sans Mono in 8 points
     lines: list[str] = []
     for term in variable.terms:
@@ -252,9 +252,7 @@ def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) ->
     return tuple(lines)
 
 
-# --- A whole rule base on one page ---
-#
-# Its terms on the left, its control surfaces on the right.
+# --- Rule base on one page: terms on the left, control surfaces on the right ---
 
 
 def rulebase_figure(
@@ -268,7 +266,7 @@ def rulebase_figure(
     Parameters
     ----------
     rulebase : RuleBase
-        What to draw.
+        The rule base to draw.
     output : str, optional
         The surface of this output only.
     at, fails
@@ -297,14 +295,14 @@ def rulebase_figure(
 
 
 def _panels(part: Any, rows: int, columns: int, count: int) -> list[Axes]:
-    """Return `count` axes in rows and columns; the rest of the last row stays empty."""
+    """Return `count` axes in rows and columns; the last row may have fewer."""
     panels = list(part.subplots(rows, columns, squeeze=False).ravel())
     for axes in panels[count:]:
         axes.set_visible(False)
     return panels[:count]
 
 
-# --- One inference as the classic picture: fuzzified inputs, clipped sets, the value ---
+# --- Inference as in textbooks: fuzzified inputs, clipped sets, the value ---
 
 
 def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
@@ -313,7 +311,7 @@ def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
     Parameters
     ----------
     rulebase : RuleBase
-        What was evaluated.
+        The evaluated rule base.
     trace : Trace
         From :func:`fuzzyarm.inference.explain`.
     """
@@ -357,11 +355,11 @@ def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
 
 
 _MOST_CONSEQUENTS = 14
-"""Of the key of an output; they are sorted by how strongly they are asserted."""
+"""Most entries in the key of an output, the strongest first."""
 
 
 def _draw_consequent(axes: Axes, consequent: ConsequentTrace, colour: Any, *, named: bool) -> None:
-    """Draw one clipped set, or one value; of interval type 2 from lower to upper."""
+    """Draw a clipped set or a value; for interval type 2 from lower to upper."""
     span = number_words(consequent.strength, 3)
     if consequent.lower is not None:
         span = f"{number_words(consequent.lower, 3)} .. {span}"
@@ -371,7 +369,7 @@ def _draw_consequent(axes: Axes, consequent: ConsequentTrace, colour: Any, *, na
         alpha = 0.35 if consequent.lower is None else 0.2
         axes.fill_between(xs, ys, color=colour, alpha=alpha, linewidth=0, label=label)
         axes.plot(xs, ys, color=colour, linewidth=1)
-        if consequent.lower_curve:  # what is certain is darker: it is filled twice
+        if consequent.lower_curve:  # filled twice: the certain part is darker
             xs, ys = zip(*consequent.lower_curve, strict=True)
             axes.fill_between(xs, ys, color=colour, alpha=0.35, linewidth=0)
     elif consequent.value is not None and consequent.lower_value is not None:
@@ -388,7 +386,7 @@ def _draw_consequent(axes: Axes, consequent: ConsequentTrace, colour: Any, *, na
 
 
 def _reach_of(variable: Output, output: OutputTrace) -> tuple[float, float]:
-    """Return what is drawn of an output: its range, or where it has none, what came out too."""
+    """Return the visible range of an output; without a finite range, extended to the results."""
     low, high = visible_range(variable)
     if not math.isfinite(output.high - output.low):
         places = [output.value, *(consequent.value for consequent in output.consequents)]

@@ -1,4 +1,4 @@
-"""The look that all figures share."""
+"""Common look of all figures."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def new_figure(width: float, height: float) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
-    # Outside of pyplot a notebook would show the name of the class.
+    # Outside of pyplot a notebook would show the class name instead.
     figure._repr_png_ = partial(png_of, figure)  # type: ignore[attr-defined]
     FigureCanvasAgg(figure)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04, hspace=0.05)  # type: ignore[union-attr, call-arg]
@@ -33,20 +33,20 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def png_of(figure: Figure) -> bytes:
-    """Return a figure as a picture for a page."""
+    """Return a figure as a PNG for a page."""
     out = io.BytesIO()
     figure.savefig(out, format="png", dpi=90)
     return out.getvalue()
 
 
 def line_style(index: int) -> dict[str, Any]:
-    """Return colour and dashes of the line number `index`: no two alike among 24."""
+    """Return colour and dashes of line number `index`: the first 24 differ."""
     dash = DASHES[(index // len(COLOURS)) % len(DASHES)]
     return {"color": COLOURS[index % len(COLOURS)], "linestyle": dash}
 
 
 def colour_map(scale: Scale) -> Any:
-    """Return the matplotlib colour map with the colours that the terminal has."""
+    """Return the matplotlib colour map with the colours of the terminal."""
     from matplotlib.colors import LinearSegmentedColormap
 
     stops = [tuple(part / 255 for part in stop) for stop in scale.stops]
@@ -54,7 +54,7 @@ def colour_map(scale: Scale) -> Any:
 
 
 def tidy(axes: Axes) -> None:
-    """Take away lines that tell nothing; draw a faint grid."""
+    """Remove redundant lines; draw a faint grid."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8)
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
@@ -64,22 +64,22 @@ def tidy(axes: Axes) -> None:
 
 
 def safe(text: str) -> str:
-    """Return anybody's `text` as matplotlib can show it, its dollar signs not as mathematics."""
+    """Return any text for matplotlib, with dollar signs as characters, not mathematics."""
     return "\n".join(map(printable, text.split("\n"))).replace("$", r"\$")
 
 
 LABEL, TITLE = 9, 11
-"""Sizes of the words at an axis and above a figure, points."""
+"""Font sizes of axis labels and titles in points."""
 
 
 def axis_label(name: str, description: str, room: float = 2.9) -> str:
-    """Return ``name: description`` for an axis, broken into lines of at most `room` inches."""
+    """Return ``name: description`` for an axis, wrapped at `room` inches."""
     label = f"{name}: {description}" if description else name
     return safe(wrapped(label, LABEL, room))
 
 
 def head(figure: Figure, title: str, *, size: float = TITLE, weight: str = "bold") -> None:
-    """Write a title over a figure, in as many lines as it needs; the figure grows by the others."""
+    """Write a title over a figure, which grows by the lines after the first."""
     room = figure.get_figwidth() - 0.3
     lines = wrapped(title, 1.12 * size if weight == "bold" else size, room)
     figure.set_figheight(figure.get_figheight() + lines.count("\n") * 1.3 * size / 72.0)
@@ -87,24 +87,24 @@ def head(figure: Figure, title: str, *, size: float = TITLE, weight: str = "bold
 
 
 def label_axes(axes: Axes, across: str, up: str, title: str = "") -> None:
-    """Write what goes across and what goes up, both as :func:`axis_label` gives them."""
+    """Label both axes with texts of :func:`axis_label`."""
     axes.set_xlabel(across, fontsize=LABEL)
     axes.set_ylabel(up, fontsize=LABEL)
     axes.set_title(safe(title), fontsize=LABEL)
 
 
 def set_range(axes: Axes, low: float, high: float) -> None:
-    """Show a range across, with a little room at its ends."""
+    """Set the horizontal range, with a small margin at its ends."""
     margin = 0.02 * (high - low)
     axes.set_xlim(low - margin, high + margin)
 
 
 def short_numbers(axis: Any) -> None:
-    """Write a power of ten at the end of an axis whose numbers would be long."""
+    """Move a power of ten to the end of an axis with long numbers."""
     from matplotlib.ticker import ScalarFormatter
 
     if isinstance(axis.get_major_formatter(), ScalarFormatter):
-        # Plain down to 0.0001, so that milliseconds of a time axis are read as they are.
+        # Plain down to 0.0001: milliseconds of a time axis stay readable.
         axis.get_major_formatter().set_powerlimits((-5, 5))
 
 

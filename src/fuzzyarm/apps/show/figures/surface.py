@@ -1,4 +1,4 @@
-"""What comes out over what goes in: a line, a surface, or slices through more inputs."""
+"""Outputs over inputs: a line, a surface, or slices through more inputs."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ if TYPE_CHECKING:
 
 _LINE = 601
 _PLANE = 121
-"""Points of a line, and along each side of a surface; fewer where each takes long."""
+"""Samples of a line, and along each side of a surface; fewer if evaluation is slow."""
 
 _FEWEST = 31
 _SECONDS = 4.0
-"""Points along a side, and what all of them may take, roughly."""
+"""Fewest samples along a side, and the approximate time limit in seconds."""
 
 _SPACE = 41
-"""Meshes along each side of a surface in space."""
+"""Meshes along each side of a 3-D surface."""
 
 _MOST_NUMBERS = 17
-"""Rows or columns of a table up to which its cells have numbers."""
+"""Most rows or columns of a table with numbers in its cells."""
 
 
 _FAILS: dict[str, Any] = {"color": COLOURS[3], "markersize": 9, "markeredgecolor": "white"}
@@ -68,13 +68,12 @@ def surface_figure(
     rulebase : RuleBase
         One input gives a line; two a surface and its map; more a slice over two of them.
     output : str, optional
-        Only this one.
+        The only output to draw.
     at : mapping of str to float, optional
-        With more than two inputs, the values of those that are held fixed (the middle of
-        the range by default); the first two that are not named are drawn. With two or
-        fewer, a point to mark.
+        With more than two inputs, the values of the fixed ones (the middle of the range by
+        default); the first two other inputs are drawn. With two or fewer, a point to mark.
     fails : sequence of Verdict
-        On properties that fail: their points are marked.
+        Refuted properties, whose counterexamples are marked.
     """
     rulebase = model_of(rulebase)
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
@@ -88,12 +87,12 @@ def surface_figure(
 
 
 class ResponseFigure:
-    """A response in a figure, and how large it is there.
+    """A response in a figure, with its size.
 
     Parameters
     ----------
     response : Response
-        What is drawn.
+        The response to draw.
     """
 
     def __init__(self, response: Response) -> None:
@@ -101,12 +100,12 @@ class ResponseFigure:
 
     @property
     def width(self) -> float:
-        """Of its picture, inches."""
+        """Width of its picture in inches."""
         return 6.4 if self.response.is_line else 9.6
 
     @property
     def height(self) -> float:
-        """Of its picture, inches."""
+        """Height of its picture in inches."""
         return 3.6 if self.response.is_line else 4.3
 
     def draw(self, part: Any) -> None:
@@ -136,7 +135,7 @@ class ResponseFigure:
         _name_failures(flat, response.fails)
 
     def _count(self) -> int:
-        """Return how many even points there are along a side."""
+        """Return the number of even samples along a side."""
         from fuzzyarm.inference.effort import points_within
 
         part = self.response.part
@@ -146,9 +145,9 @@ class ResponseFigure:
 
 
 def _points(variable: Variable, count: int, *, edges: bool) -> Any:
-    """Return where a variable is sampled: evenly, and where its terms bend.
+    """Return the samples of a variable: even ones, and the bends of its terms.
 
-    With `edges` on both sides of these points, so that a step is drawn upright.
+    With `edges` both sides of these points, so that a step is vertical.
     """
     import numpy as np
 
@@ -185,8 +184,8 @@ def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> F
     Parameters
     ----------
     table : LookupTable
-        With more than two inputs the page nearest to `at` (or the middle one) is drawn, and
-        the title says which of how many it is.
+        With more than two inputs the page nearest to `at` (or the middle one) is drawn, and the
+        title has its number.
     at : mapping of str to float, optional
         A point to mark.
     """
@@ -197,14 +196,14 @@ def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> F
 
 
 class TablePicture:
-    """A lookup table, and how large its picture is.
+    """A lookup table in a figure, with its size.
 
     Parameters
     ----------
     table : LookupTable
-        What is drawn.
+        The table to draw.
     at : mapping of str to float
-        A point to mark; of more than two inputs it chooses the page.
+        A point to mark; with more than two inputs it selects the page.
     """
 
     def __init__(self, table: LookupTable, at: Mapping[str, float]) -> None:
@@ -222,12 +221,12 @@ class TablePicture:
 
     @property
     def width(self) -> float:
-        """Of its picture, inches."""
+        """Width of its picture in inches."""
         return 6.4 if self._cells is None else self._room[0] + 2.0
 
     @property
     def height(self) -> float:
-        """Of its picture, inches."""
+        """Height of its picture in inches."""
         return 3.9 if self._cells is None else self._room[1] + 1.2
 
     def draw(self, part: Any) -> None:
@@ -248,14 +247,14 @@ class TablePicture:
 
 
 def _cell_texts(values: Any) -> list[str]:
-    """Return the numbers of cells, row by row; none where the cells are too many to be read."""
+    """Return the numbers in cells, row by row; none if there are too many cells."""
     if max(values.shape) > _MOST_NUMBERS:
         return []
     return column_of_numbers([float(number_words(float(x), 4)) for x in values.ravel()])
 
 
 def _table_line(axes: Axes, table: LookupTable, panel: Panel, at: Mapping[str, float]) -> None:
-    """Draw what a table gives between its levels as well, and its levels as dots."""
+    """Draw the lookup between the levels of a table, and its levels as dots."""
     import numpy as np
 
     levels, (low, high) = table.axes[0].levels, table.axes[0].ends
@@ -283,7 +282,7 @@ def _line(axes: Axes, panel: Panel, title: str) -> None:
 
 
 def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
-    """Draw a surface in space on the left, its map with contour lines on the right."""
+    """Draw a 3-D surface on the left, its map with contour lines on the right."""
     import numpy as np
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -306,10 +305,12 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     names = [safe(shortened(axis.name, LABEL, 1.0)) for axis in axes]
     label_axes(space, names[0], names[1])
     space.set_zlabel(names[2], fontsize=LABEL)
-    space.zaxis.set_rotate_label(False)  # matplotlib would write it from the top down
-    space.zaxis.label.set_rotation(90)  # across, all but one letter would leave the figure
+    space.zaxis.set_rotate_label(False)  # matplotlib's default is downwards
+    space.zaxis.label.set_rotation(90)  # horizontal text would leave the figure
     for axis, name in zip((space.xaxis, space.yaxis), names, strict=False):
-        axis.labelpad = 4.0 + 12.0 * text_width(name, LABEL)  # long names stand clear of numbers
+        axis.labelpad = 4.0 + 12.0 * text_width(
+            name, LABEL
+        )  # keeps long names clear of the numbers
     space.tick_params(labelsize=7, pad=0)
     for axis in (space.xaxis, space.yaxis, space.zaxis):
         axis.set_major_locator(MaxNLocator(5))
@@ -342,7 +343,7 @@ def _marks(panel: Panel) -> list[Dots]:
 
 
 def ends_of(axis: Axis) -> tuple[float, float]:
-    """Return the ends of an axis that has both."""
+    """Return both ends of an axis."""
     assert axis.low is not None
     assert axis.high is not None
     return axis.low, axis.high
@@ -355,7 +356,7 @@ def _has_gaps(values: Any) -> bool:
 
 
 def _ends(values: Any) -> tuple[float, float]:
-    """Return the least and the largest value; 0 and 0 where there is none."""
+    """Return the least and greatest value; 0 and 0 without values."""
     import numpy as np
 
     sound = values[np.isfinite(values)]
@@ -363,9 +364,9 @@ def _ends(values: Any) -> tuple[float, float]:
 
 
 def without_noise(values: Any) -> Any:
-    """Round values to a millionth of their range, which no picture resolves.
+    """Round values to a millionth of their range, beyond the resolution of a picture.
 
-    Without the noise of rounding a plateau has one value, and no contour line runs across it.
+    Otherwise rounding noise would draw contour lines across a plateau.
     """
     import numpy as np
 
@@ -381,7 +382,7 @@ def _cells(
     ends: tuple[float | None, float | None],
     texts: Sequence[str],
 ) -> Any:
-    """Draw the cells of a table as it stands in a file: first row on top, all cells alike."""
+    """Draw the cells of a table as in its file: first row on top, all cells of equal size."""
     values = cells.values
     scale = scale_of([float(values.min()), float(values.max())], *ends)
     image = axes.imshow(
@@ -406,29 +407,29 @@ def _short(x: float) -> str:
 
 
 def _meshes(points: Any, axis: Axis) -> Any:
-    """Return the indices of points for a surface in space: even ones, and the bends among them."""
+    """Return the indices of a 3-D surface's meshes: even ones, and the bends between them."""
     import numpy as np
 
     ends = ends_of(axis)
     even = np.linspace(*ends, _SPACE)
     regular = np.linspace(*ends, _PLANE)
     bends = np.flatnonzero(~np.isin(points, regular))
-    # Very many bends are as good as even, and would take long.
+    # Very many bends are no better than even meshes, but slow.
     bends = bends if bends.size <= _SPACE else bends[:0]
     return np.unique([*np.abs(points[:, None] - even).argmin(axis=0), *bends])
 
 
 def _name_lines(axes: Axes, lines: Any) -> None:
-    """Write the values on contour lines; none on a cliff, where lines of several levels meet.
+    """Label contour lines, except on a cliff, where lines of several levels meet.
 
-    Of labels that would touch each other only the first is written.
+    Of overlapping labels only the first is written.
     """
     from matplotlib.patheffects import withStroke
 
     circles: list[tuple[float, float, float]] = []
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
-    # Inches of axes that are about this large.
+    # Approximate size of the axes in inches.
     scale = 3.0 / (right - left), 3.3 / (top - bottom)
     levels = [_segments(path, scale) for path in lines.get_paths()]
     for text in axes.clabel(lines, fontsize=7, inline=False, fmt=_short):
@@ -449,11 +450,11 @@ def _name_lines(axes: Axes, lines: Any) -> None:
 
 
 _CLIFF = 0.06
-"""Lines of two levels nearer than this leave no room for a label on one of them, inches."""
+"""Distance of lines of two levels, in inches, below which there is no room for a label."""
 
 
 def _segments(path: Any, scale: tuple[float, float]) -> Any:
-    """Return beginnings and ends of the segments of a contour line, inches."""
+    """Return start and end points of the segments of a contour line, in inches."""
     import numpy as np
 
     parts = [np.multiply(line, scale) for line in path.to_polygons(closed_only=False)]
@@ -462,7 +463,7 @@ def _segments(path: Any, scale: tuple[float, float]) -> Any:
 
 
 def _comes_near(segments: Any, point: tuple[float, float]) -> bool:
-    """Return whether a segment comes nearer to a point than the lines of a cliff do."""
+    """Return whether a segment is nearer to a point than `_CLIFF`."""
     import numpy as np
 
     begin, step = segments[0], segments[1] - segments[0]

@@ -1,4 +1,4 @@
-"""A metric of many runs over what was swept: a curve, or a map with the border of divergence."""
+"""A metric of many runs over the swept values: a curve, or a map with the border of divergence."""
 
 from __future__ import annotations
 

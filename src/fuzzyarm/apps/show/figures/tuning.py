@@ -1,4 +1,4 @@
-"""Figures of tuning: how the cost fell, error against chatter, and who costs what on what."""
+"""Figures of tuning: the cost over trials, error against chatter, and costs by controller."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _draw_front(axes: Axes, tuned: Tuned) -> None:
 
 
 def _spread(axes: Axes, which: str, values: list[float]) -> None:
-    """Give an axis steps of the logarithm where values spread widely, with plain numbers."""
+    """Use a logarithmic axis with plain numbers if values spread widely."""
     if spreads(values):
         axes.set(**{f"{which}scale": "log"})
         plain_powers(axes, which, min(values), max(values))
@@ -94,5 +94,5 @@ def _draw_rows(axes: Axes, tuned: Tuned) -> None:
     axes.set_xticks(np.arange(len(columns)), columns)
     axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])
     axes.legend(fontsize=7, frameon=False, ncols=len(tuned.rows), loc="upper center")
-    label_axes(axes, "", safe(tuned.cost), "cost on what was tuned on, and beyond")
+    label_axes(axes, "", safe(tuned.cost), "cost in the tuning scenarios and others")
     tidy(axes)

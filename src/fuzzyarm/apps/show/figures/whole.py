@@ -1,4 +1,4 @@
-"""One figure of a file, whatever is in it: what ``fuzzyarm plot`` draws."""
+"""One figure of any file, as ``fuzzyarm plot`` draws it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["model_figure"]
 
 def model_figure(
     model: RuleBase | LookupTable | ControllerText,
-    what: str = "all",
+    part: str = "all",
     output: str | None = None,
     at: Mapping[str, float] | None = None,
 ) -> Figure:
@@ -34,23 +34,23 @@ def model_figure(
     )
 
     if isinstance(model, ControllerText):
-        return diagram_figure(model) if what == "diagram" else controller_figure(model)
+        return diagram_figure(model) if part == "diagram" else controller_figure(model)
     if not isinstance(model, RuleBase):
         return table_figure(model, at=at)
-    if what == "diagram":
+    if part == "diagram":
         return diagram_figure(model)
-    if what == "terms":
+    if part == "terms":
         return memberships_figure(model)
     if output is not None:
         from fuzzyarm.table.compiler import choose_output
 
         output = choose_output(model, output).name
-    draw = surface_figure if what == "surface" else rulebase_figure
+    draw = surface_figure if part == "surface" else rulebase_figure
     return draw(model, output, at, _refuted(model))
 
 
 def _refuted(rulebase: RuleBase) -> list[Verdict]:
-    """Return the properties of a rule base that fail, as far as a check finds them."""
+    """Return the refuted properties of a rule base, within the limits of a check."""
     if not rulebase.properties:
         return []
     from fuzzyarm.exchange.files import judge
