@@ -126,12 +126,29 @@ def step(k: Any, s: Any) -> None:
     s : ndarray of float64
         The cells: reference and measured values and the clock are read, drives are written.
     """
-    guards = 1 + INSTRUCTION * k[0]
-    reads = guards + ALL_READ
-    drives = reads + k[guards + COUNT_ALL]
+    reads = 1 + INSTRUCTION * k[0] + ALL_READ
     total = 0.0
-    for i in range(reads, drives):
+    for i in range(reads, reads + k[reads - ALL_READ + COUNT_ALL]):
         total += s[k[i]]
+    step_read(k, s, total)
+
+
+@kernel
+def step_on(told: Any, k: Any, s: Any) -> None:
+    """Run a controller for one period on an observation."""
+    # Added up on the way, with what no axis reads: the guards tell the difference.
+    total = 0.0
+    for i in range(told.shape[0]):
+        s[i] = told[i]
+        total += told[i]
+    step_read(k, s, total)
+
+
+@kernel
+def step_read(k: Any, s: Any, total: float) -> None:
+    """Run a controller for one period; `total` is a sum of all that its axes read."""
+    guards = 1 + INSTRUCTION * k[0]
+    drives = guards + ALL_READ + k[guards + COUNT_ALL]
     for i in range(drives, drives + 2 * k[guards + COUNT_DRIVES], 2):
         s[k[i + 1]] = s[k[i]]
     # By address: a rare way, compiled into every loop, would slow the other one down.
@@ -139,8 +156,6 @@ def step(k: Any, s: Any) -> None:
         call(k[guards + WITH_GUARDS], k[0 : len(k)], s[0 : len(s)])
         return
     total = run(k, s, 1, guards)
-    for i in range(drives, drives + 2 * k[guards + COUNT_DRIVES], 2):
-        total += s[k[i]]
     if total - total != 0.0:
         call(k[guards + SETTLE], k[0 : len(k)], s[0 : len(s)])
 
@@ -255,29 +270,31 @@ def unlearn(k: Any, s: Any, at: int, cell: int) -> None:
 def run(k: Any, s: Any, begin: int, end: int) -> float:
     """Carry out the instructions from one index of the code to another.
 
-    Returns 0, or NaN where a signal or what remembers was an infinity or not a number; at times
+    Returns 0, or NaN where a value or what remembers was an infinity or not a number; at times
     after an overflow of their sum alone.
     """
-    at = begin
     total = 0.0
+    value = 0.0
+    before = -1
     single = s[SINGLE] != 0.0
-    for _ in range((end - begin) // INSTRUCTION):
+    for at in range(begin, end, INSTRUCTION):
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
         # Arithmetic has the first codes: a value of cells. Everything else may access lists and
         # state.
         if what <= SUBTRACT_MULTIPLY:
-            value = combined(what, s[a], s[b], s[c])
+            # What the last instruction has found is at hand; its cell is not yet written.
+            if a != before:
+                value = s[a]
+            value = combined(what, value, s[b], s[c])
         else:
             value = consulted(k, s, what, a, b, c, single)
-            if what == UPDATE:
-                total += value
-            elif what == LIMIT and c != 0:
+            if what == LIMIT and c != 0:
                 total += s[b + OVER]
         if k[at + 5] != 0:
             value = stored(value, single)
-            total += value
+        total += value
         s[into] = value
-        at += INSTRUCTION
+        before = into
     return total - total
 
 

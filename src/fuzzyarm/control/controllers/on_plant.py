@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.base.names import near_hint
 from fuzzyarm.control.controllers.controller import CompiledController, Controller, Sum
-from fuzzyarm.control.controllers.kernel import step
+from fuzzyarm.control.controllers.kernel import step_on
 from fuzzyarm.control.controllers.law import (
     LINKS,
     LINKS_END,
@@ -210,17 +210,9 @@ def text_law(
     """
     told = int(numbers[0])
     size = int(numbers[1])
-    _run_text(signals, told, memory, links)
+    step_on(signals[0:told], links, memory)
     for i in range(size):
         signals[told + i] = memory[told + size + i]
-
-
-@kernel
-def _run_text(signals: list[float], told: int, memory: list[float], links: list[int]) -> None:
-    """Run a controller as text on its observation; its drives are then in its memory."""
-    for i in range(told):
-        memory[i] = signals[i]
-    step(links, memory)
 
 
 @kernel
@@ -235,7 +227,7 @@ def drives_of_text(
 ) -> None:
     """As ``summed_drives``, with one controller as text as the only law."""
     cells = memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]]
-    _run_text(board, told, cells, laws[laws[1 + LINKS] : laws[1 + LINKS_END]])
+    step_on(board[0:told], laws[laws[1 + LINKS] : laws[1 + LINKS_END]], cells)
     for i in range(size):
         drives[i] = 0.0 + cells[told + size + i]  # the sum of one: 0 has no sign
 

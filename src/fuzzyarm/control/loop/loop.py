@@ -188,6 +188,8 @@ def run_loop(block: LoopBlock) -> None:
     if len(sensors) == 0:
         outputs = board[frame.seen : frame.told]
     size = links[BLOCK]
+    errors = clock[CLOCK_SIZE + CHANGES * frame.drives :]
+    tracked = len(errors) // ERRORS
     random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
     samples, tick = progress[SAMPLES], progress[TICK]
     progress[LOST] = progress[LOST_AT] = -1
@@ -212,7 +214,7 @@ def run_loop(block: LoopBlock) -> None:
             control(board, frame.told, frame.drives, laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
             note_changes(drives, frame.drives, clock, tick)
-            note_errors(board, taps, block.path, tick, clock[CLOCK_SIZE + CHANGES * frame.drives :])
+            note_errors(board, taps, block.path, tick, errors, tracked)
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, block.record, samples)
                 samples += 1
@@ -467,10 +469,14 @@ ERRORS = 3
 
 @kernel
 def note_errors(
-    board: list[float], taps: list[int], path: list[float], tick: int, errors: list[float]
+    board: list[float],
+    taps: list[int],
+    path: list[float],
+    tick: int,
+    errors: list[float],
+    count: int,
 ) -> None:
-    """Add up the squared errors of a control period."""
-    count = len(errors) // ERRORS
+    """Add up the squared errors of a control period, of so many outputs."""
     led = len(path) > 0
     for i in range(count):
         value = board[taps[i]]
@@ -615,11 +621,10 @@ def within(
         value = board[checks[2 * i + 1]]
         if checks[2 * i] >= 0:
             value = board[checks[2 * i]] - value
-        if math.isnan(value):
-            if len(state) == 0 or not (all_finite(state) and all_finite(drives)):
+        if not abs(value) <= bounds[i]:  # as NaN is, too
+            lost = math.isnan(value) and len(state) > 0
+            if not (lost and all_finite(state) and all_finite(drives)):
                 return False
-        elif not abs(value) <= bounds[i]:
-            return False
     return True
 
 
