@@ -62,11 +62,11 @@ WRITTEN = {
     ("prove", "--plot"): ["prove servo.frb --plant motor --stable --plot o.png"],
     ("margins", "--plot"): ["margins servo.frb --plot o.png"],
     ("validate", "--plot"): ["validate model.frb samples.csv --plot o.png"],
-    ("reproduce", "--overview"): ["reproduce 7.1.1 --overview o.png"],
+    ("reproduce", "--overview"): ["reproduce 4.2.5.1/pd --runs 0 --overview o.png"],
     ("sweep", "-o"): [f"sweep servo.frb {RUN} --sweep J=0.01..0.02:3 -o o.csv"],
     ("learn", "-o"): ["learn soc-zero.frb --passes 1 --segment 0.05 --hold 0.02 -o o.lut"],
     ("learn", "--animate"): [
-        "learn soc-zero.frb --passes 1 --segment 0.05 --hold 0.02 --animate o.gif"
+        "learn soc-zero.frb --passes 1 --segment 0.02 --hold 0.01 --animate o.gif"
     ],
     ("tune", "-o"): [f"tune servo.frb {RUN} --evals 3 -o o.frb"],
     ("tune", "--journal"): [f"tune servo.frb {RUN} --evals 3 --journal o.csv"],
